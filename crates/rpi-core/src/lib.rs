@@ -1,0 +1,1 @@
+//! The control core: loading, the cycle, commands that follow one another without a gap.

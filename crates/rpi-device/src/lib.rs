@@ -1,0 +1,1 @@
+//! What the cycle sees of a device: ports, set-points, faults.

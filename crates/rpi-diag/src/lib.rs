@@ -1,0 +1,1 @@
+//! Findings: the one table of codes, their pages, and how they are shown.

@@ -1,0 +1,1 @@
+//! From a file name to findings and an image: the pipeline that the tools share.

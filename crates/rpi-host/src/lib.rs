@@ -1,0 +1,1 @@
+//! Running a command on a clock: simulated and real time, recording, replay against traces, plots.

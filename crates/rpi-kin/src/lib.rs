@@ -1,0 +1,1 @@
+//! Kinematics of serial arms: chains by Denavit-Hartenberg tables, forward and analytic inverse.

@@ -1,0 +1,1 @@
+//! From a scheduled net to the flat image.

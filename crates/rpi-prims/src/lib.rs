@@ -1,0 +1,1 @@
+//! Every primitive, each declared in one place.

@@ -1,0 +1,1 @@
+//! Names, types, units, frames and presence; elaboration of a program to a net.

@@ -1,0 +1,1 @@
+//! Simulated devices and the description of a cell.

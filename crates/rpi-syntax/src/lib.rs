@@ -1,0 +1,1 @@
+//! Text to tokens to syntax tree, and back to formatted text.

@@ -1,0 +1,2 @@
+//! The control core on the command line.
+fn main() {}

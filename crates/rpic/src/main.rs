@@ -1,0 +1,2 @@
+//! The compiler on the command line.
+fn main() {}
