@@ -1,1 +1,112 @@
-//! What the cycle sees of a device: ports, set-points, faults.
+//! What the cycle sees of devices: ports that are read, checked, written and called, on plain cells.
+//!
+//! A driver (simulated or real) implements [`DeviceBank`]; the core resolves names to [`PortId`]s when a command is
+//! loaded and uses only those afterwards. Nothing here may allocate, lock or wait once resolved.
+#![no_std]
+
+use rpi_image::Type;
+
+/// A port of a device, resolved when a command is loaded.
+#[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Debug)]
+pub struct PortId(pub u32);
+
+/// What a port is for.
+#[derive(Clone, Copy, PartialEq, Eq, Hash, Debug)]
+pub enum PortKind {
+    /// Read before evaluation.
+    Sensor,
+    /// Written after evaluation.
+    Actuator,
+    /// Called during evaluation.
+    Function,
+}
+
+/// The name of a port as a command asks for it.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub struct PortName<'a> {
+    /// Device, as the cell description names it.
+    pub device: &'a str,
+    /// Port of the device, `joint.commanded_position`, `tcp`, `inverse_kinematics`.
+    pub port: &'a str,
+    /// Which of several equal ones: axis, input number; 0 where there is one.
+    pub index: u32,
+    /// What it is used for.
+    pub kind: PortKind,
+    /// Type of the value; of the result for functions.
+    pub ty: Type,
+}
+
+/// Why a name did not resolve.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub enum ResolveError {
+    /// No device of this name in the cell.
+    NoDevice,
+    /// The device has no such port.
+    NoPort,
+    /// The port exists but its index is out of range.
+    NoIndex,
+    /// The port is of another kind or type.
+    WrongType,
+}
+
+/// What a device says to a set-point before it is accepted; bits, so that several can be true.
+#[derive(Clone, Copy, PartialEq, Eq, Default, Debug)]
+pub struct Refusal(pub u32);
+
+impl Refusal {
+    /// Nothing against it.
+    pub const NONE: Refusal = Refusal(0);
+    /// Another writer has set this port in the same cycle.
+    pub const CONCURRENT_ACCESS: Refusal = Refusal(1);
+    /// The device has failed.
+    pub const DEVICE_FAILED: Refusal = Refusal(2);
+    /// The value is not reachable, out of limits or not a number.
+    pub const ILLEGAL_VALUE: Refusal = Refusal(4);
+
+    /// True if any of `other`'s bits is set.
+    #[must_use]
+    pub const fn has(self, other: Refusal) -> bool {
+        self.0 & other.0 != 0
+    }
+
+    /// Both together.
+    #[must_use]
+    pub const fn and(self, other: Refusal) -> Refusal {
+        Refusal(self.0 | other.0)
+    }
+}
+
+/// All devices of a cell, as the cycle sees them.
+///
+/// Values are cells as [`rpi_image::Scalar`] lays them out. Every call is bounded, allocation-free and cannot panic.
+pub trait DeviceBank {
+    /// Resolves a name when a command is loaded.
+    ///
+    /// # Errors
+    /// Says why the cell has no such port.
+    fn resolve(&mut self, name: &PortName<'_>) -> Result<PortId, ResolveError>;
+
+    /// The actuator (resource) that a port belongs to: ports with the same number exclude one another.
+    fn resource(&self, port: PortId) -> u32;
+
+    /// Latches a sensor's value; false if there is no sample in this cycle.
+    fn read(&mut self, port: PortId, value: &mut [u64]) -> bool;
+
+    /// Asks whether a set-point would be accepted now, without handing it over.
+    fn check(&mut self, port: PortId, value: &[u64]) -> Refusal;
+
+    /// Error code of the device behind a port; 0 if it is well.
+    fn error(&self, port: PortId) -> i64;
+
+    /// Hands a set-point over for this cycle.
+    fn write(&mut self, port: PortId, value: &[u64]);
+
+    /// Calls a function of a device; false if it has no result for these arguments.
+    fn call(&mut self, port: PortId, arguments: &[u64], result: &mut [u64]) -> bool;
+
+    /// True while an actuator moves, so that nobody may leave it without a set-point.
+    fn moving(&self, resource: u32) -> bool;
+
+    /// Lets the device bring itself to a stop on its own limits.
+    fn stop(&mut self, resource: u32);
+}

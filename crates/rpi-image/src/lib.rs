@@ -1,1 +1,18 @@
 //! Plain data of the flat image: value types, primitive descriptors, the image format and its verifier.
+//!
+//! This crate is the wall between the compiler and the real-time side. Both sides know it; it knows neither.
+//! It must not know a file, a clock, a device driver or a piece of source text.
+#![no_std]
+
+extern crate alloc;
+
+pub mod desc;
+pub mod ty;
+pub mod value;
+
+pub use desc::{
+    CommandFlow, Default as PortDefault, DevicePorts, DeviceUse, InPort, Need, OutPort, Param,
+    ParamType, PortType, Presence, PrimDesc, Role, SizeArgs, State,
+};
+pub use ty::{Scalar, Type};
+pub use value::Value;

@@ -1,0 +1,19 @@
+//! Boolean logic, three-valued where an operand may be absent (Kleene 1952).
+
+use crate::macros::primitive;
+use crate::registry::Prim;
+
+pub(super) const ALL: &[Prim] = &[AND];
+
+primitive! {
+    /// Conjunction. False if either operand is false, even when the other is absent; otherwise absent if one is absent.
+    AND = "Core::BooleanAnd";
+    in { inFirst: bool = First(Bool(true)); inSecond: bool = Second(Bool(true)) }
+    out { outValue: bool }
+    presence if_all work 1;
+    pure |(a, b)| (match (a, b) {
+        (Some(false), _) | (_, Some(false)) => Some(false),
+        (Some(true), Some(true)) => Some(true),
+        _ => None,
+    },)
+}

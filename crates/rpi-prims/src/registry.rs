@@ -1,0 +1,60 @@
+//! The table of all primitives.
+
+use crate::catalogue;
+use crate::cx::Cx;
+use rpi_image::{PrimDesc, SizeArgs};
+
+/// Runs a row of equal primitives: `operands` holds one group of words per primitive.
+///
+/// Words of a group, in this order: inputs, parameters, outputs, state. In the `total` form every input and output
+/// takes one word (first cell); in the `optional` form two (first cell, presence cell). Parameters take one word each,
+/// text parameters none. Arrays and matrices take one or two words more for their length or shape, right after their
+/// first cell. State takes one word (fixed size) or two (first cell, length).
+pub type RunFn = fn(&mut Cx<'_>, &[u32]);
+
+/// A primitive: what is known of it, and its code.
+#[derive(Clone, Copy, Debug)]
+pub struct Prim {
+    /// Its declaration.
+    pub desc: PrimDesc,
+    /// Code for the case that all inputs are present and all outputs will be.
+    pub total: Option<RunFn>,
+    /// Code that reads and writes presence.
+    pub optional: Option<RunFn>,
+    /// Fills the state's initial content where it is not zero.
+    pub init: Option<fn(&SizeArgs<'_>, &mut [u64])>,
+}
+
+/// Index of a primitive in [`registry`].
+#[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Debug)]
+pub struct PrimId(pub u16);
+
+impl PrimId {
+    /// The primitive's declaration and code.
+    #[must_use]
+    pub fn prim(self) -> &'static Prim {
+        &registry()[usize::from(self.0)]
+    }
+
+    /// The primitive's declaration.
+    #[must_use]
+    pub fn desc(self) -> &'static PrimDesc {
+        &self.prim().desc
+    }
+
+    /// The primitive of this registered name.
+    #[must_use]
+    pub fn of(name: &str) -> Option<PrimId> {
+        registry()
+            .binary_search_by(|p| p.desc.name.cmp(name))
+            .ok()
+            .and_then(|i| u16::try_from(i).ok())
+            .map(PrimId)
+    }
+}
+
+/// All primitives, sorted by registered name.
+#[must_use]
+pub fn registry() -> &'static [Prim] {
+    &catalogue::SORTED
+}

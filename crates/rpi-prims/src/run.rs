@@ -1,0 +1,55 @@
+//! The loops that run a row of equal primitives. One dispatch serves the whole row.
+
+use crate::cx::Cx;
+use crate::operand::{Memory, Operand, Row};
+
+/// Pure code on present values: the hot path.
+#[inline(always)]
+pub(crate) fn pure<I: Operand, O: Operand>(cx: &mut Cx<'_>, words: &[u32], code: impl Fn(I) -> O) {
+    let cells = &mut *cx.cells;
+    for w in words.chunks_exact(I::WORDS + O::WORDS) {
+        code(I::get(cells, w)).put(cells, &w[I::WORDS..]);
+    }
+}
+
+/// Code with state, parameters, clocks or faults. The order of words is inputs, parameters, outputs, state.
+#[inline(always)]
+pub(crate) fn full<I: Operand, P: Operand, O: Operand, S: Memory>(
+    cx: &mut Cx<'_>,
+    words: &[u32],
+    code: impl Fn(&mut Cx<'_>, u32, &mut S, P, I) -> O,
+) {
+    let (params, outputs) = (I::WORDS, I::WORDS + P::WORDS);
+    let state = outputs + O::WORDS;
+    for w in words.chunks_exact(state + usize::from(S::CELLS > 0)) {
+        let (input, param) = (I::get(cx.cells, w), P::get(cx.cells, &w[params..]));
+        let at = w.get(state).map_or(0, |&cell| cell as usize);
+        let mut memory = S::load(cx.cells, at);
+        let place = w.get(outputs).copied().unwrap_or(0);
+        let output = code(cx, place, &mut memory, param, input);
+        memory.store(cx.cells, at);
+        output.put(cx.cells, &w[outputs..]);
+    }
+}
+
+/// [`full`] for code that sees and gives options, on ports that are present for sure.
+#[inline(always)]
+pub(crate) fn full_present<I: Row, P: Operand, O: Row, S: Memory>(
+    cx: &mut Cx<'_>,
+    words: &[u32],
+    code: impl Fn(&mut Cx<'_>, u32, &mut S, P, I::Maybe) -> O::Maybe,
+) {
+    full::<I, P, O, S>(cx, words, |cx, place, s, p, i| {
+        O::expect(code(cx, place, s, p, i.present()))
+    });
+}
+
+/// [`pure`] for code that sees and gives options, on ports that are present for sure.
+#[inline(always)]
+pub(crate) fn pure_present<I: Row, O: Row>(
+    cx: &mut Cx<'_>,
+    words: &[u32],
+    code: impl Fn(I::Maybe) -> O::Maybe,
+) {
+    pure::<I, O>(cx, words, |i| O::expect(code(i.present())));
+}
