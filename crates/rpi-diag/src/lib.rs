@@ -1,1 +1,36 @@
 //! Findings: the one table of codes, their pages, and how they are shown.
+//!
+//! Every stage that looks at a program says what it found as a [`Finding`]: a code, a sentence, the
+//! places involved and, where one exists, the fix. This crate knows how findings are declared and
+//! shown; it must not know what any of them means. The words for people live beside the check that
+//! knows the facts.
+//!
+//! | file | idea |
+//! |---|---|
+//! | `span.rs` | places in source texts |
+//! | `codes.rs` | the table of codes |
+//! | `finding.rs` | one finding |
+//! | `render.rs` | findings for people |
+//! | `format.rs` | findings for machines, and the choice between the forms |
+//! | `suggest.rs` | "did you mean" |
+
+mod codes;
+mod finding;
+mod footer;
+mod format;
+mod github;
+mod json;
+mod render;
+mod sarif;
+mod snippet;
+mod span;
+mod style;
+mod suggest;
+
+pub use codes::{Code, Severity};
+pub use finding::{Applicability, Edit, Finding, Fix, Label};
+pub use format::{Format, render_as};
+pub use render::render;
+pub use span::{FileId, LineCol, SourceMap, Span};
+pub use style::Style;
+pub use suggest::suggest;

@@ -1,0 +1,136 @@
+//! The table of codes: the only place where a finding is declared.
+//!
+//! One row is a code, its severity and its title; its page is `pages/<code>.md`, and a row without a
+//! page does not compile. Codes are never renumbered. The first digit is the group:
+//! 0 syntax, 1 names, 2 types and units, 3 presence and activation, 4 causality, 5 initialisation,
+//! 6 resources and takeover, 7 budgets, 8 tasks, 9 run time.
+
+use std::fmt;
+
+/// How much a finding weighs.
+#[derive(Clone, Copy, PartialEq, Eq, Hash, Debug, PartialOrd, Ord)]
+pub enum Severity {
+    /// The program is not accepted.
+    Error,
+    /// The program is accepted, and the writer should look at it.
+    Warning,
+    /// Something worth knowing.
+    Note,
+}
+
+impl Severity {
+    /// `error`, `warning` or `note`.
+    pub const fn as_str(self) -> &'static str {
+        match self {
+            Severity::Error => "error",
+            Severity::Warning => "warning",
+            Severity::Note => "note",
+        }
+    }
+}
+
+macro_rules! codes {
+    ($($code:ident $severity:ident $title:literal;)*) => {
+        /// What kind of finding it is.
+        #[derive(Clone, Copy, PartialEq, Eq, Hash, Debug, PartialOrd, Ord)]
+        #[allow(clippy::upper_case_acronyms)]
+        pub enum Code {
+            $(#[doc = $title] $code,)*
+        }
+
+        impl Code {
+            /// Every code, in ascending order.
+            pub const ALL: &[Code] = &[$(Code::$code,)*];
+        }
+
+        const TABLE: &[Row] = &[$(Row {
+            code: Code::$code,
+            name: stringify!($code),
+            severity: Severity::$severity,
+            title: $title,
+            page: include_str!(concat!("../pages/", stringify!($code), ".md")),
+        },)*];
+    };
+}
+
+struct Row {
+    code: Code,
+    name: &'static str,
+    severity: Severity,
+    title: &'static str,
+    page: &'static str,
+}
+
+codes! {
+    RPI0001 Error "unexpected word or sign";
+    RPI0002 Error "unknown character";
+    RPI0003 Error "comment without end";
+    RPI0004 Error "block without end";
+}
+
+impl Code {
+    /// The name as it is written: `RPI4001`.
+    pub fn as_str(self) -> &'static str {
+        self.row().name
+    }
+
+    /// The code of that name, if there is one.
+    pub fn parse(name: &str) -> Option<Code> {
+        TABLE
+            .iter()
+            .find(|row| row.name.eq_ignore_ascii_case(name))
+            .map(|row| row.code)
+    }
+
+    /// What every finding of this code has in common, in a few words.
+    pub fn title(self) -> &'static str {
+        self.row().title
+    }
+
+    /// How much it weighs.
+    pub fn severity(self) -> Severity {
+        self.row().severity
+    }
+
+    /// The page in Markdown: what it means, a wrong and a right program, how to fix it.
+    pub fn page(self) -> &'static str {
+        self.row().page
+    }
+
+    fn row(self) -> &'static Row {
+        &TABLE[self as usize]
+    }
+}
+
+impl fmt::Display for Code {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(self.as_str())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn rows_are_sorted_and_named_rpi_and_four_digits() {
+        assert!(TABLE.windows(2).all(|pair| pair[0].name < pair[1].name));
+        for row in TABLE {
+            let digits = row.name.strip_prefix("RPI").unwrap_or("");
+            assert!(
+                digits.len() == 4 && digits.bytes().all(|b| b.is_ascii_digit()),
+                "{}",
+                row.name
+            );
+        }
+    }
+
+    #[test]
+    fn names_read_back() {
+        for &code in Code::ALL {
+            assert_eq!(Code::parse(code.as_str()), Some(code));
+        }
+        assert_eq!(Code::parse("rpi0001"), Some(Code::RPI0001));
+        assert_eq!(Code::parse("RPI9999999"), None);
+    }
+}

@@ -1,0 +1,183 @@
+//! One finding: a code, a sentence, the places involved, and what to do about it.
+
+use crate::{Code, Severity, Span};
+
+/// Something that a check found out about a program.
+#[derive(Clone, PartialEq, Eq, Debug)]
+pub struct Finding {
+    /// What kind it is; severity, title and page follow from it.
+    pub code: Code,
+    /// What is wrong here, in words for the writer of the program: lower case, no full stop.
+    pub message: String,
+    /// The places involved; the primary ones are where the fault is.
+    pub labels: Vec<Label>,
+    /// What the writer can do.
+    pub help: Vec<String>,
+    /// What helps to understand.
+    pub notes: Vec<String>,
+    /// Edits that mend it.
+    pub fixes: Vec<Fix>,
+}
+
+/// A place with a remark.
+#[derive(Clone, PartialEq, Eq, Debug)]
+pub struct Label {
+    /// Where.
+    pub span: Span,
+    /// What is to be seen there; may be empty.
+    pub text: String,
+    /// Whether the fault itself is here.
+    pub primary: bool,
+}
+
+/// A change of the text that mends a finding.
+#[derive(Clone, PartialEq, Eq, Debug)]
+pub struct Fix {
+    /// What the change does, as an imperative: "insert `pre`".
+    pub title: String,
+    /// The edits; they do not overlap.
+    pub edits: Vec<Edit>,
+    /// Whether a tool may apply it unasked.
+    pub applicability: Applicability,
+}
+
+/// The text of a place, replaced.
+#[derive(Clone, PartialEq, Eq, Debug)]
+pub struct Edit {
+    /// What is replaced; empty to insert.
+    pub span: Span,
+    /// By what; empty to delete.
+    pub text: String,
+}
+
+/// How sure a fix is.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub enum Applicability {
+    /// It is what the writer meant; a tool may apply it unasked.
+    Sure,
+    /// It is one way out; the writer decides.
+    Maybe,
+}
+
+impl Finding {
+    /// A finding without places; add them with [`Finding::at`].
+    pub fn new(code: Code, message: impl Into<String>) -> Finding {
+        Finding {
+            code,
+            message: message.into(),
+            labels: Vec::new(),
+            help: Vec::new(),
+            notes: Vec::new(),
+            fixes: Vec::new(),
+        }
+    }
+
+    /// Adds a place where the fault is.
+    #[must_use]
+    pub fn at(self, span: Span, text: impl Into<String>) -> Finding {
+        self.label(span, text, true)
+    }
+
+    /// Adds a place that has to do with it.
+    #[must_use]
+    pub fn also(self, span: Span, text: impl Into<String>) -> Finding {
+        self.label(span, text, false)
+    }
+
+    /// Adds what the writer can do.
+    #[must_use]
+    pub fn help(mut self, text: impl Into<String>) -> Finding {
+        self.help.push(text.into());
+        self
+    }
+
+    /// Adds what helps to understand.
+    #[must_use]
+    pub fn note(mut self, text: impl Into<String>) -> Finding {
+        self.notes.push(text.into());
+        self
+    }
+
+    /// Adds a change that mends it.
+    #[must_use]
+    pub fn fix(mut self, fix: Fix) -> Finding {
+        self.fixes.push(fix);
+        self
+    }
+
+    /// How much it weighs; the table of codes says so.
+    pub fn severity(&self) -> Severity {
+        self.code.severity()
+    }
+
+    /// Where the fault is: the first primary place, else the first place, else [`Span::NONE`].
+    pub fn span(&self) -> Span {
+        let primary = self.labels.iter().find(|label| label.primary);
+        primary
+            .or(self.labels.first())
+            .map_or(Span::NONE, |label| label.span)
+    }
+
+    fn label(mut self, span: Span, text: impl Into<String>, primary: bool) -> Finding {
+        self.labels.push(Label {
+            span,
+            text: text.into(),
+            primary,
+        });
+        self
+    }
+}
+
+impl Fix {
+    /// A change that is what the writer meant.
+    pub fn sure(title: impl Into<String>) -> Fix {
+        Fix::new(title, Applicability::Sure)
+    }
+
+    /// A change that is one way out.
+    pub fn maybe(title: impl Into<String>) -> Fix {
+        Fix::new(title, Applicability::Maybe)
+    }
+
+    /// Adds: replace the text at `span` by `text`.
+    #[must_use]
+    pub fn replace(mut self, span: Span, text: impl Into<String>) -> Fix {
+        self.edits.push(Edit {
+            span,
+            text: text.into(),
+        });
+        self
+    }
+
+    /// Adds: insert `text` where `span` starts.
+    #[must_use]
+    pub fn insert_before(self, span: Span, text: impl Into<String>) -> Fix {
+        self.replace(
+            Span {
+                end: span.start,
+                ..span
+            },
+            text,
+        )
+    }
+
+    /// Adds: insert `text` where `span` ends.
+    #[must_use]
+    pub fn insert_after(self, span: Span, text: impl Into<String>) -> Fix {
+        self.replace(
+            Span {
+                start: span.end,
+                ..span
+            },
+            text,
+        )
+    }
+
+    fn new(title: impl Into<String>, applicability: Applicability) -> Fix {
+        Fix {
+            title: title.into(),
+            edits: Vec::new(),
+            applicability,
+        }
+    }
+}

@@ -1,0 +1,152 @@
+//! What stands under the snippets of a finding: help, notes, and the fixes with the lines they make.
+
+use crate::{Edit, Finding, Fix, SourceMap, Span, Style};
+
+/// The lines under the snippets, each ended; empty if there is nothing to say.
+pub(crate) fn draw(finding: &Finding, sources: &SourceMap, style: Style) -> String {
+    let mut out = String::new();
+    for text in &finding.help {
+        out.push_str(&paragraph("help", text, style));
+    }
+    for text in &finding.notes {
+        out.push_str(&paragraph("note", text, style));
+    }
+    for fix in &finding.fixes {
+        out.push_str(&paragraph("fix", &fix.title, style));
+        out.push_str(&preview(fix, sources, style));
+    }
+    out
+}
+
+/// `1 error`, `2 errors`.
+pub(crate) fn plural(count: usize, what: &str) -> String {
+    format!("{count} {what}{}", if count == 1 { "" } else { "s" })
+}
+
+/// `  head: text`, wrapped, further lines aligned with the text. Line breaks in the text are kept.
+fn paragraph(head: &str, text: &str, style: Style) -> String {
+    let indent = head.len() + 4;
+    let lines = text
+        .lines()
+        .flat_map(|line| wrap(line, style.width.saturating_sub(indent)));
+    let mut out = String::new();
+    for (number, line) in lines.enumerate() {
+        match number {
+            0 => out.push_str(&format!("  {}: {line}\n", painted(head, "36", style))),
+            _ => out.push_str(&format!("{:indent$}{line}\n", "")),
+        }
+    }
+    out
+}
+
+/// Breaks a line at spaces so that each part has at most `width` characters, where words allow it.
+/// Leading spaces (a drawing, a table) keep a line as it is.
+fn wrap(line: &str, width: usize) -> Vec<String> {
+    if line.starts_with(' ') {
+        return vec![line.to_owned()];
+    }
+    let mut lines = vec![String::new()];
+    for word in line.split(' ') {
+        let last = lines.len() - 1;
+        let current = &mut lines[last];
+        if !current.is_empty() && current.chars().count() + 1 + word.chars().count() > width {
+            lines.push(word.to_owned());
+        } else {
+            if !current.is_empty() {
+                current.push(' ');
+            }
+            current.push_str(word);
+        }
+    }
+    lines
+}
+
+/// The lines that a fix touches, as they would read; lines that lose text are shown as they were, too.
+fn preview(fix: &Fix, sources: &SourceMap, style: Style) -> String {
+    let mut edits: Vec<&Edit> = fix
+        .edits
+        .iter()
+        .filter(|edit| !edit.span.is_none())
+        .collect();
+    edits.sort_by_key(|edit| edit.span);
+    let mut out = String::new();
+    let mut rest = edits.as_slice();
+    while let Some(first) = rest.first() {
+        let region = Region::around(first, sources);
+        let count = rest
+            .iter()
+            .take_while(|edit| region.holds(edit))
+            .count()
+            .max(1);
+        out.push_str(&region.draw(&rest[..count], sources, style));
+        rest = &rest[count..];
+    }
+    out
+}
+
+/// Whole lines around an edit.
+struct Region {
+    span: Span,
+    first_line: u32,
+}
+
+impl Region {
+    fn around(edit: &Edit, sources: &SourceMap) -> Region {
+        let text = sources.text(edit.span.file);
+        let (start, end) = sources.clamp(edit.span);
+        let start = text[..start].rfind('\n').map_or(0, |at| at + 1);
+        let end = text[end..].find('\n').map_or(text.len(), |at| end + at);
+        let span = Span::new(edit.span.file, start as u32, end as u32);
+        Region {
+            span,
+            first_line: sources.line_col(span).line,
+        }
+    }
+
+    fn holds(&self, edit: &Edit) -> bool {
+        edit.span.file == self.span.file
+            && self.span.start <= edit.span.start
+            && edit.span.end <= self.span.end
+    }
+
+    fn draw(&self, edits: &[&Edit], sources: &SourceMap, style: Style) -> String {
+        let old = sources.slice(self.span);
+        let new = self.edited(edits, sources);
+        let lost = edits.iter().any(|edit| !edit.span.is_empty());
+        let mut out = String::new();
+        if lost {
+            out.push_str(&self.lines(old, '-', "31", style));
+        }
+        out.push_str(&self.lines(&new, '+', "32", style));
+        out
+    }
+
+    fn edited(&self, edits: &[&Edit], sources: &SourceMap) -> String {
+        let text = sources.text(self.span.file);
+        let mut at = self.span.start as usize;
+        let mut out = String::new();
+        for edit in edits {
+            let (start, end) = sources.clamp(edit.span);
+            out.push_str(text.get(at..start).unwrap_or(""));
+            out.push_str(&edit.text);
+            at = end.max(at);
+        }
+        out + &text[at.min(self.span.end as usize)..self.span.end as usize]
+    }
+
+    fn lines(&self, text: &str, sign: char, ansi: &str, style: Style) -> String {
+        let numbered = text.split('\n').zip(self.first_line..);
+        let lines = numbered.map(|(line, number)| {
+            painted(&format!("{number:>6} {sign} {line}"), ansi, style) + "\n"
+        });
+        lines.collect()
+    }
+}
+
+fn painted(text: &str, ansi: &str, style: Style) -> String {
+    if style.color {
+        format!("\u{1b}[{ansi}m{text}\u{1b}[0m")
+    } else {
+        text.to_owned()
+    }
+}

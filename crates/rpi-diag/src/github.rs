@@ -1,0 +1,56 @@
+//! Findings as workflow commands of GitHub Actions, which annotate the lines of a change.
+//!
+//! Form: `::error file=..,line=..,col=..,endLine=..,endColumn=..,title=..::message`, as GitHub's
+//! "Workflow commands for GitHub Actions" describes it.
+
+use crate::{Finding, Severity, SourceMap};
+
+/// One command per finding.
+pub(crate) fn render(findings: &[Finding], sources: &SourceMap) -> String {
+    findings
+        .iter()
+        .map(|finding| command(finding, sources))
+        .collect()
+}
+
+fn command(finding: &Finding, sources: &SourceMap) -> String {
+    let level = match finding.severity() {
+        Severity::Error => "error",
+        Severity::Warning => "warning",
+        Severity::Note => "notice",
+    };
+    let mut properties = place(finding, sources);
+    properties.push(format!("title={}", property(finding.code.as_str())));
+    let message = std::iter::once(&finding.message)
+        .chain(&finding.help)
+        .cloned()
+        .collect::<Vec<_>>()
+        .join("\n");
+    format!("::{level} {}::{}\n", properties.join(","), escape(&message))
+}
+
+fn place(finding: &Finding, sources: &SourceMap) -> Vec<String> {
+    let span = finding.span();
+    let name = sources.name(span.file);
+    if name.is_empty() {
+        return Vec::new();
+    }
+    let (start, end) = (sources.line_col(span), sources.line_col_end(span));
+    vec![
+        format!("file={}", property(name)),
+        format!("line={}", start.line),
+        format!("col={}", start.col),
+        format!("endLine={}", end.line),
+        format!("endColumn={}", end.col),
+    ]
+}
+
+fn escape(text: &str) -> String {
+    text.replace('%', "%25")
+        .replace('\r', "%0D")
+        .replace('\n', "%0A")
+}
+
+fn property(text: &str) -> String {
+    escape(text).replace(':', "%3A").replace(',', "%2C")
+}

@@ -1,0 +1,37 @@
+//! Findings for people: headline, snippets, then help, notes and fixes.
+
+use crate::footer::{self, plural};
+use crate::{Finding, Severity, SourceMap, Style, snippet};
+
+/// Renders findings one after another, and says at the end how many there were.
+///
+/// One finding reads: `error RPI0001: what is wrong`, the lines of source with the places marked,
+/// then what to do. The order is the caller's.
+pub fn render(findings: &[Finding], sources: &SourceMap, style: Style) -> String {
+    let mut out = String::new();
+    for finding in findings {
+        out.push_str(&snippet::draw(finding, sources, style));
+        out.push_str(&footer::draw(finding, sources, style));
+        out.push('\n');
+    }
+    out.push_str(&summary(findings));
+    out
+}
+
+/// `2 errors, 1 warning; \`rpic explain RPI4001\` says more`, or nothing for no findings.
+fn summary(findings: &[Finding]) -> String {
+    let count = |severity| findings.iter().filter(|f| f.severity() == severity).count();
+    let counts: Vec<String> = [Severity::Error, Severity::Warning, Severity::Note]
+        .into_iter()
+        .filter(|&severity| count(severity) > 0)
+        .map(|severity| plural(count(severity), severity.as_str()))
+        .collect();
+    let Some(worst) = findings.iter().min_by_key(|f| f.severity()) else {
+        return String::new();
+    };
+    format!(
+        "{}; `rpic explain {}` says more\n",
+        counts.join(", "),
+        worst.code
+    )
+}

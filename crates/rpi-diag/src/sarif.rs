@@ -1,0 +1,246 @@
+//! Findings as SARIF 2.1.0 (OASIS Static Analysis Results Interchange Format), the part of it that
+//! code scanners read: rules with their pages, results with places and fixes.
+
+use serde::Serialize;
+
+use crate::{Code, Finding, Fix, Severity, SourceMap, Span, json};
+
+/// The log of one run.
+pub(crate) fn render(findings: &[Finding], sources: &SourceMap) -> String {
+    let mut codes: Vec<Code> = findings.iter().map(|finding| finding.code).collect();
+    codes.sort();
+    codes.dedup();
+    let results = findings
+        .iter()
+        .map(|finding| result(finding, &codes, sources))
+        .collect();
+    let rules = codes.iter().map(|&code| rule(code)).collect();
+    let driver = Driver {
+        name: "rpic",
+        version: env!("CARGO_PKG_VERSION"),
+        rules,
+    };
+    let run = Run {
+        tool: Tool { driver },
+        column_kind: "unicodeCodePoints",
+        results,
+    };
+    json::pretty(&Log {
+        schema: SCHEMA,
+        version: "2.1.0",
+        runs: [run],
+    })
+}
+
+const SCHEMA: &str =
+    "https://docs.oasis-open.org/sarif/sarif/v2.1.0/errata01/os/schemas/sarif-schema-2.1.0.json";
+
+#[derive(Serialize)]
+struct Log<'a> {
+    #[serde(rename = "$schema")]
+    schema: &'static str,
+    version: &'static str,
+    runs: [Run<'a>; 1],
+}
+
+#[derive(Serialize)]
+#[serde(rename_all = "camelCase")]
+struct Run<'a> {
+    tool: Tool,
+    column_kind: &'static str,
+    results: Vec<SarifResult<'a>>,
+}
+
+#[derive(Serialize)]
+struct Tool {
+    driver: Driver,
+}
+
+#[derive(Serialize)]
+struct Driver {
+    name: &'static str,
+    version: &'static str,
+    rules: Vec<Rule>,
+}
+
+#[derive(Serialize)]
+#[serde(rename_all = "camelCase")]
+struct Rule {
+    id: &'static str,
+    short_description: Text<'static>,
+    help: Help,
+    default_configuration: Configuration,
+}
+
+#[derive(Serialize)]
+struct Help {
+    text: &'static str,
+    markdown: &'static str,
+}
+
+#[derive(Serialize)]
+struct Configuration {
+    level: &'static str,
+}
+
+#[derive(Serialize)]
+struct Text<'a> {
+    text: &'a str,
+}
+
+#[derive(Serialize)]
+#[serde(rename_all = "camelCase")]
+struct SarifResult<'a> {
+    rule_id: &'static str,
+    rule_index: usize,
+    level: &'static str,
+    message: OwnedText,
+    locations: Vec<Location<'a>>,
+    related_locations: Vec<Location<'a>>,
+    fixes: Vec<SarifFix<'a>>,
+}
+
+#[derive(Serialize)]
+struct OwnedText {
+    text: String,
+}
+
+#[derive(Serialize)]
+#[serde(rename_all = "camelCase")]
+struct Location<'a> {
+    physical_location: PhysicalLocation<'a>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    message: Option<Text<'a>>,
+}
+
+#[derive(Serialize)]
+#[serde(rename_all = "camelCase")]
+struct PhysicalLocation<'a> {
+    artifact_location: Artifact<'a>,
+    region: Region,
+}
+
+#[derive(Serialize)]
+struct Artifact<'a> {
+    uri: &'a str,
+}
+
+#[derive(Serialize)]
+#[serde(rename_all = "camelCase")]
+struct Region {
+    start_line: u32,
+    start_column: u32,
+    end_line: u32,
+    end_column: u32,
+    byte_offset: usize,
+    byte_length: usize,
+}
+
+#[derive(Serialize)]
+#[serde(rename_all = "camelCase")]
+struct SarifFix<'a> {
+    description: Text<'a>,
+    artifact_changes: Vec<Change<'a>>,
+}
+
+#[derive(Serialize)]
+#[serde(rename_all = "camelCase")]
+struct Change<'a> {
+    artifact_location: Artifact<'a>,
+    replacements: Vec<Replacement<'a>>,
+}
+
+#[derive(Serialize)]
+#[serde(rename_all = "camelCase")]
+struct Replacement<'a> {
+    deleted_region: Region,
+    inserted_content: Text<'a>,
+}
+
+/// SARIF happens to use our words for the levels.
+fn level(severity: Severity) -> &'static str {
+    severity.as_str()
+}
+
+fn rule(code: Code) -> Rule {
+    Rule {
+        id: code.as_str(),
+        short_description: Text { text: code.title() },
+        help: Help {
+            text: code.page(),
+            markdown: code.page(),
+        },
+        default_configuration: Configuration {
+            level: level(code.severity()),
+        },
+    }
+}
+
+fn result<'a>(finding: &'a Finding, codes: &[Code], sources: &'a SourceMap) -> SarifResult<'a> {
+    let text = std::iter::once(&finding.message)
+        .chain(&finding.help)
+        .chain(&finding.notes);
+    SarifResult {
+        rule_id: finding.code.as_str(),
+        rule_index: codes.partition_point(|&code| code < finding.code),
+        level: level(finding.severity()),
+        message: OwnedText {
+            text: text.cloned().collect::<Vec<_>>().join("\n"),
+        },
+        locations: locations(finding, true, sources),
+        related_locations: locations(finding, false, sources),
+        fixes: finding
+            .fixes
+            .iter()
+            .map(|fix| sarif_fix(fix, sources))
+            .collect(),
+    }
+}
+
+fn locations<'a>(finding: &'a Finding, primary: bool, sources: &'a SourceMap) -> Vec<Location<'a>> {
+    let labels = finding
+        .labels
+        .iter()
+        .filter(|label| label.primary == primary && !label.span.is_none());
+    labels
+        .map(|label| Location {
+            physical_location: PhysicalLocation {
+                artifact_location: Artifact {
+                    uri: sources.name(label.span.file),
+                },
+                region: region(label.span, sources),
+            },
+            message: (!label.text.is_empty()).then_some(Text { text: &label.text }),
+        })
+        .collect()
+}
+
+fn sarif_fix<'a>(fix: &'a Fix, sources: &'a SourceMap) -> SarifFix<'a> {
+    let changes = fix.edits.iter().filter(|edit| !edit.span.is_none());
+    let change = |edit: &'a crate::Edit| Change {
+        artifact_location: Artifact {
+            uri: sources.name(edit.span.file),
+        },
+        replacements: vec![Replacement {
+            deleted_region: region(edit.span, sources),
+            inserted_content: Text { text: &edit.text },
+        }],
+    };
+    SarifFix {
+        description: Text { text: &fix.title },
+        artifact_changes: changes.map(change).collect(),
+    }
+}
+
+fn region(span: Span, sources: &SourceMap) -> Region {
+    let (start, end) = (sources.line_col(span), sources.line_col_end(span));
+    let (from, to) = sources.clamp(span);
+    Region {
+        start_line: start.line,
+        start_column: start.col,
+        end_line: end.line,
+        end_column: end.col,
+        byte_offset: from,
+        byte_length: to - from,
+    }
+}

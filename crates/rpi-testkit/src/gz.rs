@@ -1,0 +1,43 @@
+//! Reading recorded data, compressed or not.
+
+use std::io::{self, Read};
+use std::path::Path;
+
+use flate2::read::MultiGzDecoder;
+
+/// The text of a file, unpacked if it begins as gzip does (RFC 1952, section 2.3.1).
+///
+/// # Errors
+///
+/// If the file cannot be read, is broken gzip, or is not UTF-8.
+pub fn read_maybe_gz(path: impl AsRef<Path>) -> io::Result<String> {
+    let bytes = std::fs::read(path)?;
+    let mut text = String::new();
+    if bytes.starts_with(&[0x1f, 0x8b]) {
+        MultiGzDecoder::new(bytes.as_slice()).read_to_string(&mut text)?;
+    } else {
+        bytes.as_slice().read_to_string(&mut text)?;
+    }
+    Ok(text)
+}
+
+#[cfg(test)]
+mod tests {
+    use std::io::Write;
+
+    use super::*;
+
+    #[test]
+    fn plain_and_packed_text_read_the_same() {
+        let dir = std::env::temp_dir().join(format!("rpi-testkit-gz-{}", std::process::id()));
+        std::fs::create_dir_all(&dir).unwrap();
+        let mut packed = flate2::write::GzEncoder::new(Vec::new(), flate2::Compression::default());
+        packed.write_all("cycle;1\n".as_bytes()).unwrap();
+        std::fs::write(dir.join("a.gz"), packed.finish().unwrap()).unwrap();
+        std::fs::write(dir.join("a"), "cycle;1\n").unwrap();
+        assert_eq!(read_maybe_gz(dir.join("a.gz")).unwrap(), "cycle;1\n");
+        assert_eq!(read_maybe_gz(dir.join("a")).unwrap(), "cycle;1\n");
+        assert!(read_maybe_gz(dir.join("b")).is_err());
+        std::fs::remove_dir_all(dir).unwrap();
+    }
+}
