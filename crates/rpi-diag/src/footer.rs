@@ -137,7 +137,7 @@ impl Region {
     fn lines(&self, text: &str, sign: char, ansi: &str, style: Style) -> String {
         let numbered = text.split('\n').zip(self.first_line..);
         let lines = numbered.map(|(line, number)| {
-            painted(&format!("{number:>6} {sign} {line}"), ansi, style) + "\n"
+            painted(&format!("       {number} {sign} {line}"), ansi, style) + "\n"
         });
         lines.collect()
     }

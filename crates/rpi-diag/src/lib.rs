@@ -10,8 +10,9 @@
 //! | `span.rs` | places in source texts |
 //! | `codes.rs` | the table of codes |
 //! | `finding.rs` | one finding |
-//! | `render.rs` | findings for people |
-//! | `format.rs` | findings for machines, and the choice between the forms |
+//! | `format.rs` | the forms of output: `render.rs` (for people), `json.rs`, `sarif.rs`, `github.rs` |
+//! | `snippet.rs`, `texts.rs`, `footer.rs` | the parts of the form for people |
+//! | `style.rs` | what a terminal can show |
 //! | `suggest.rs` | "did you mean" |
 
 mod codes;
@@ -26,6 +27,7 @@ mod snippet;
 mod span;
 mod style;
 mod suggest;
+mod texts;
 
 pub use codes::{Code, Severity};
 pub use finding::{Applicability, Edit, Finding, Fix, Label};

@@ -18,20 +18,22 @@ pub fn render(findings: &[Finding], sources: &SourceMap, style: Style) -> String
     out
 }
 
-/// `2 errors, 1 warning; \`rpic explain RPI4001\` says more`, or nothing for no findings.
+/// `2 errors, 1 warning; ...` and where to read more; nothing for no findings.
 fn summary(findings: &[Finding]) -> String {
+    let Some(first) = findings.first() else {
+        return String::new();
+    };
     let count = |severity| findings.iter().filter(|f| f.severity() == severity).count();
     let counts: Vec<String> = [Severity::Error, Severity::Warning, Severity::Note]
         .into_iter()
         .filter(|&severity| count(severity) > 0)
         .map(|severity| plural(count(severity), severity.as_str()))
         .collect();
-    let Some(worst) = findings.iter().min_by_key(|f| f.severity()) else {
-        return String::new();
+    let one_code = findings.iter().all(|f| f.code == first.code);
+    let code = if one_code {
+        first.code.as_str()
+    } else {
+        "CODE"
     };
-    format!(
-        "{}; `rpic explain {}` says more\n",
-        counts.join(", "),
-        worst.code
-    )
+    format!("{}; `rpic explain {code}` says more\n", counts.join(", "))
 }

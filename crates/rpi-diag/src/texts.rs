@@ -1,0 +1,122 @@
+//! The texts of a finding's files in one address space, as miette reads them.
+//!
+//! The files lie one after another with a gap of one, the file of the fault first; a range that
+//! crosses files cannot be read, and so miette draws one snippet per file. The reading is our own,
+//! as miette's counts columns in bytes and joins snippets that are far apart in long files.
+
+use miette::{MietteError, MietteSpanContents, SourceCode, SourceSpan, SpanContents};
+
+use crate::{FileId, Finding, SourceMap, Span};
+
+/// Snippets this many lines apart are drawn as one.
+const NEAR: usize = 2;
+
+/// The texts of one finding.
+pub(crate) struct Texts<'a> {
+    sources: &'a SourceMap,
+    /// File and address of its first byte.
+    files: Vec<(FileId, usize)>,
+}
+
+impl<'a> Texts<'a> {
+    pub(crate) fn of(finding: &Finding, sources: &'a SourceMap) -> Texts<'a> {
+        let mut files: Vec<(FileId, usize)> = Vec::new();
+        let mut next = 0;
+        let spans =
+            std::iter::once(finding.span()).chain(finding.labels.iter().map(|label| label.span));
+        for Span { file, .. } in spans.filter(|span| !span.is_none()) {
+            if files.iter().all(|&(known, _)| known != file) {
+                files.push((file, next));
+                next += sources.text(file).len() + 1;
+            }
+        }
+        Texts { sources, files }
+    }
+
+    /// Address and length of a range; nothing for a place without text. The end of the file is shown
+    /// behind its last visible character, as no line is drawn for the emptiness after it.
+    pub(crate) fn place(&self, span: Span) -> Option<(usize, usize)> {
+        let &(_, base) = self.files.iter().find(|&&(file, _)| file == span.file)?;
+        let (start, end) = self.sources.clamp(span);
+        let text = self.sources.text(span.file);
+        let start = if start == text.len() {
+            text.trim_end().len()
+        } else {
+            start
+        };
+        Some((base + start, end - start.min(end)))
+    }
+
+    fn find(&self, address: usize) -> Option<(FileId, usize)> {
+        self.files
+            .iter()
+            .rev()
+            .find(|&&(_, base)| base <= address)
+            .copied()
+    }
+}
+
+impl SourceCode for Texts<'_> {
+    fn read_span<'b>(
+        &'b self,
+        span: &SourceSpan,
+        before: usize,
+        after: usize,
+    ) -> Result<Box<dyn SpanContents<'b> + 'b>, MietteError> {
+        let (file, base) = self.find(span.offset()).ok_or(MietteError::OutOfBounds)?;
+        let text = self.sources.text(file);
+        let start = span.offset() - base;
+        let end = start + span.len();
+        if end > text.len() {
+            return Err(MietteError::OutOfBounds);
+        }
+        let from = (0..before).fold(line_start(text, start), |at, _| previous_line(text, at));
+        let last = end.saturating_sub(usize::from(end > start));
+        let to = (0..after).fold(line_end(text, last), |at, _| next_line_end(text, at));
+        // Without context the place itself is asked for, to be named by line and column.
+        let from = if before == 0 { start } else { from };
+        let at = self
+            .sources
+            .line_col(Span::new(file, from as u32, from as u32));
+        Ok(Box::new(MietteSpanContents::new_named(
+            self.sources.name(file).to_owned(),
+            &text.as_bytes()[from..to],
+            SourceSpan::from((base + from, to - from)),
+            at.line as usize - 1,
+            at.col as usize - 1,
+            text[from..to].lines().count() + NEAR,
+        )))
+    }
+}
+
+fn line_start(text: &str, at: usize) -> usize {
+    text[..at].rfind('\n').map_or(0, |newline| newline + 1)
+}
+
+/// One past the line's end, its line break included.
+fn line_end(text: &str, at: usize) -> usize {
+    text.as_bytes()[at..]
+        .iter()
+        .position(|&b| b == b'\n')
+        .map_or(text.len(), |newline| at + newline + 1)
+}
+
+/// The start of the line before the one that starts at `start`, unless that is blank.
+fn previous_line(text: &str, start: usize) -> usize {
+    let previous = line_start(text, start.saturating_sub(1));
+    if text[previous..start].trim().is_empty() {
+        start
+    } else {
+        previous
+    }
+}
+
+/// The end of the line after the one that ends at `end`, unless that is blank.
+fn next_line_end(text: &str, end: usize) -> usize {
+    let next = line_end(text, end);
+    if text[end..next].trim().is_empty() {
+        end
+    } else {
+        next
+    }
+}

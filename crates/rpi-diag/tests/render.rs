@@ -1,0 +1,280 @@
+//! How findings look: every form, as snapshots that were read by a person.
+//!
+//! The findings here are made by hand; what the compiler really says is tested in `tests/ui`.
+
+use rpi_diag::{Code, FileId, Finding, Fix, Format, SourceMap, Span, Style, render, render_as};
+
+const FIG6: &str = "\
+use motion;
+
+command MoveToC (arm: Arm; b, c: Pose)
+let
+  way = Line<<to: c, speed: 250[mm/s]>>(from: arm.pose);
+  arm.tcp = way.pose
+
+  fragment PastB when takeover
+  let yes = crosses(way.travelled, distance(way.start, b)); tel
+
+  finish at_c when way.done;
+  yield  at_b when PastB.yes ?? false;
+  fail   arm_error when arm.error;
+tel
+";
+
+const LOOP: &str = "\
+node Loop (x: real) returns (y: real)
+let
+  a = x + d;
+  b = 2.0 * a;
+  -- one
+  -- two
+  -- three
+  -- four
+  c = b - 1.0;
+  d = 0.5 * c;
+  y = d;
+tel
+";
+
+/// The `nth` place (from 0) where `what` stands in the file.
+fn find(sources: &SourceMap, file: FileId, what: &str, nth: usize) -> Span {
+    let (at, _) = sources
+        .text(file)
+        .match_indices(what)
+        .nth(nth)
+        .expect("the text holds it");
+    Span::new(file, at as u32, (at + what.len()) as u32)
+}
+
+fn source(name: &str, text: &str) -> (SourceMap, FileId) {
+    let mut sources = SourceMap::new();
+    let file = sources.add(name, text);
+    (sources, file)
+}
+
+fn missing_semicolon() -> (SourceMap, Vec<Finding>) {
+    let (sources, file) = source("fig6.rpi", FIG6);
+    let end = find(&sources, file, "way.pose", 0);
+    let next = find(&sources, file, "fragment", 0);
+    let finding = Finding::new(
+        Code::RPI0001,
+        "expected `;` after this equation, found `fragment`",
+    )
+    .at(next, "a new declaration begins here")
+    .also(end, "the equation ends here")
+    .fix(Fix::sure("end the equation").insert_after(end, ";"));
+    (sources, vec![finding])
+}
+
+fn ring() -> (SourceMap, Vec<Finding>) {
+    let (sources, file) = source("loop.rpi", LOOP);
+    let place = |what| find(&sources, file, what, 0);
+    let ring = "`a` depends on itself in the same cycle: a -> b -> c -> d -> a";
+    let finding = Finding::new(Code::RPI0001, ring)
+        .at(place("a = x + d"), "`a` needs `d` now")
+        .also(place("b = 2.0 * a"), "`b` needs `a` now")
+        .also(place("c = b - 1.0"), "`c` needs `b` now")
+        .also(place("d = 0.5 * c"), "`d` needs `c` now")
+        .help("delay one step of the ring: `pre` gives the value of the cycle before, and is free of the ring")
+        .note("a `pre` needs a first value: `0.0 -> pre d`")
+        .fix(Fix::maybe("take `d` of the cycle before").replace(place("x + d"), "x + (0.0 -> pre d)"))
+        .fix(Fix::maybe("take `a` of the cycle before").replace(place("2.0 * a"), "2.0 * (0.0 -> pre a)"));
+    (sources, vec![finding])
+}
+
+fn two_files() -> (SourceMap, Vec<Finding>) {
+    let mut sources = SourceMap::new();
+    let library = sources.add(
+        "stdlib/motion.rpi",
+        "--| A line.\nfragment Line <<speed: real[m/s]>>\n",
+    );
+    let user = sources.add("cell.rpi", "way = Line<<speed: 3[m]>>;\n");
+    let finding = Finding::new(Code::RPI0002, "`speed` wants a speed, this is a length")
+        .at(find(&sources, user, "3[m]", 0), "a length, m")
+        .also(find(&sources, library, "real[m/s]", 0), "declared in m/s");
+    (sources, vec![finding])
+}
+
+fn human((sources, findings): (SourceMap, Vec<Finding>)) -> String {
+    render(&findings, &sources, Style::PLAIN)
+}
+
+#[test]
+fn one_fault_and_its_fix() {
+    insta::assert_snapshot!(human(missing_semicolon()));
+}
+
+#[test]
+fn places_far_apart() {
+    insta::assert_snapshot!(human(ring()));
+}
+
+#[test]
+fn places_in_two_files_begin_with_the_fault() {
+    insta::assert_snapshot!(human(two_files()));
+}
+
+#[test]
+fn a_long_stretch_between_two_places_is_left_out() {
+    let (sources, file) = source(
+        "long.rpi",
+        &format!("{0}first\n{0}second\n{0}", "x = 1;\n".repeat(100)),
+    );
+    let finding = Finding::new(Code::RPI0001, "odd")
+        .at(find(&sources, file, "second", 0), "here")
+        .also(find(&sources, file, "first", 0), "and here");
+    let shown = human((sources, vec![finding]));
+    assert!(
+        shown.contains("long.rpi:101:1") && shown.contains("long.rpi:202:1"),
+        "{shown}"
+    );
+    assert!(shown.lines().count() < 20, "{shown}");
+}
+
+#[test]
+fn every_form_counts_columns_in_characters() {
+    let (sources, file) = source("greek.rpi", "  αβγ = δ;\n");
+    let finding = Finding::new(Code::RPI0002, "odd").at(find(&sources, file, "δ", 0), "here");
+    for format in [Format::Human, Format::Short] {
+        let shown = render_as(
+            format,
+            std::slice::from_ref(&finding),
+            &sources,
+            Style::PLAIN,
+        );
+        assert!(shown.contains("greek.rpi:1:9"), "{shown}");
+    }
+}
+
+#[test]
+fn colours_on_a_terminal() {
+    let (sources, findings) = ring();
+    let shown = render(
+        &findings,
+        &sources,
+        Style {
+            color: true,
+            ..Style::PLAIN
+        },
+    );
+    assert!(
+        !shown.contains("\u{1b}]8"),
+        "no links: not every terminal shows them"
+    );
+    insta::assert_snapshot!(shown.replace('\u{1b}', "\\e"));
+}
+
+#[test]
+fn plain_output_has_no_escapes() {
+    for case in [missing_semicolon(), ring(), two_files()] {
+        assert!(!human(case).contains('\u{1b}'));
+    }
+}
+
+#[test]
+fn ascii_terminals_get_ascii() {
+    let (sources, findings) = ring();
+    let shown = render(
+        &findings,
+        &sources,
+        Style {
+            unicode: false,
+            ..Style::PLAIN
+        },
+    );
+    assert!(shown.is_ascii(), "{shown}");
+}
+
+#[test]
+fn without_a_place_the_message_stands_alone() {
+    let finding = Finding::new(Code::RPI0003, "cannot read `cell.toml`: no such file")
+        .help("name a file that exists");
+    insta::assert_snapshot!(render(&[finding], &SourceMap::new(), Style::PLAIN));
+}
+
+#[test]
+fn a_fault_over_several_lines() {
+    let (sources, file) = source("fig6.rpi", FIG6);
+    let block = find(&sources, file, "let", 0).merge(find(&sources, file, "way.pose", 0));
+    let finding = Finding::new(Code::RPI0004, "this block has no `tel`").at(block, "opened here");
+    insta::assert_snapshot!(render(&[finding], &sources, Style::PLAIN));
+}
+
+/// Every range, inside and outside, of texts that are easy to get wrong.
+#[test]
+fn odd_texts_and_places_are_drawn_without_panic() {
+    let texts = [
+        "",
+        "\n",
+        "x",
+        "x\n",
+        "\u{feff}x",
+        "a\r\nb\r\n",
+        "\tä = 机器人;\n",
+        "x\u{0}y\n\n\n",
+    ];
+    for text in texts {
+        let limit = text.len() as u32 + 2;
+        for start in 0..=limit {
+            (0..=limit).for_each(|end| draw_everywhere(text, start, end));
+        }
+    }
+}
+
+fn draw_everywhere(text: &str, start: u32, end: u32) {
+    let (sources, file) = source("odd.rpi", text);
+    let span = Span::new(file, start, end);
+    let finding = Finding::new(Code::RPI0001, "odd")
+        .at(span, "here")
+        .also(Span::NONE, "nowhere")
+        .also(Span::new(FileId(7), start, end), "no such file")
+        .fix(Fix::sure("mend").replace(span, "\n"));
+    for name in Format::names() {
+        let format = name.parse().expect("a listed form");
+        let shown = render_as(
+            format,
+            std::slice::from_ref(&finding),
+            &sources,
+            Style::PLAIN,
+        );
+        assert!(shown.contains("RPI0001"), "{text:?} {span:?} {shown}");
+        assert!(
+            !shown.contains("Failed to read"),
+            "{text:?} {span:?} {shown}"
+        );
+    }
+}
+
+#[test]
+fn forms_for_machines() {
+    let (sources, findings) = missing_semicolon();
+    let form = |format| render_as(format, &findings, &sources, Style::PLAIN);
+    insta::assert_snapshot!("short", form(Format::Short));
+    insta::assert_snapshot!("github", form(Format::Github));
+    insta::assert_snapshot!("json", form(Format::Json));
+    insta::assert_snapshot!("sarif", form(Format::Sarif));
+}
+
+#[test]
+fn no_findings_say_nothing_to_people_and_an_empty_list_to_machines() {
+    let none = |format| render_as(format, &[], &SourceMap::new(), Style::PLAIN);
+    assert_eq!(none(Format::Human), "");
+    assert_eq!(none(Format::Short), "");
+    assert_eq!(none(Format::Github), "");
+    let json: serde_json::Value = serde_json::from_str(&none(Format::Json)).expect("valid JSON");
+    assert_eq!(json["findings"].as_array().map(Vec::len), Some(0));
+    let sarif: serde_json::Value = serde_json::from_str(&none(Format::Sarif)).expect("valid JSON");
+    assert_eq!(
+        sarif["runs"][0]["results"].as_array().map(Vec::len),
+        Some(0)
+    );
+}
+
+#[test]
+fn unknown_forms_are_refused_with_the_known_ones() {
+    let refusal = "xml".parse::<Format>().expect_err("no such form");
+    assert!(
+        refusal.contains("human, short, json, sarif, github"),
+        "{refusal}"
+    );
+}
