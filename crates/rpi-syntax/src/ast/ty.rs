@@ -1,0 +1,83 @@
+//! Types.
+
+use super::{Dotted, Expr, Ident, StaticArg, Unit, VarDecl};
+use rpi_diag::Span;
+
+/// A type.
+#[derive(Clone, PartialEq, Debug)]
+pub struct Type {
+    /// What it is.
+    pub kind: TypeKind,
+    /// All of it.
+    pub span: Span,
+}
+
+/// The kinds of types.
+#[derive(Clone, PartialEq, Debug)]
+pub enum TypeKind {
+    /// `bool`
+    Bool,
+    /// `int`
+    Int,
+    /// `real`, `real[m/s]`
+    Real(Option<Unit>),
+    /// `Phase`, `Arm<<7>>`, `Pose(tool in base)`
+    Named(Box<NamedType>),
+    /// `T^n`
+    Array(Box<ArrayType>),
+    /// `T?`
+    Optional(Box<Type>),
+    /// `subrange [lo, hi] of int`
+    Subrange(Box<Subrange>),
+    /// `enum { A, B }`; only in a type declaration
+    Enum(Vec<EnumValue>),
+    /// `struct { x: real; y: real = 0.0 }`; only in a type declaration
+    Struct(Vec<VarDecl>),
+}
+
+/// A type by its name.
+#[derive(Clone, PartialEq, Debug)]
+pub struct NamedType {
+    /// The name; may be qualified.
+    pub name: Ident,
+    /// Static arguments.
+    pub statics: Vec<StaticArg>,
+    /// Coordinate frames: `(tool in base)`, `(base)`.
+    pub frames: Option<Frames>,
+}
+
+/// The coordinate frames of a spatial type.
+#[derive(Clone, PartialEq, Debug)]
+pub struct Frames {
+    /// What is located: `tool` in `(tool in base)`; absent in `(base)`.
+    pub of: Option<Dotted>,
+    /// The frame of the coordinates: `base`.
+    pub in_frame: Dotted,
+}
+
+/// `element^size`
+#[derive(Clone, PartialEq, Debug)]
+pub struct ArrayType {
+    /// Type of the elements.
+    pub element: Type,
+    /// How many, a constant.
+    pub size: Expr,
+}
+
+/// `subrange [from, to] of int`
+#[derive(Clone, PartialEq, Debug)]
+pub struct Subrange {
+    /// Least value; open if absent (`*`).
+    pub from: Option<Expr>,
+    /// Greatest value; open if absent (`*`).
+    pub to: Option<Expr>,
+}
+
+/// One value of an enum.
+#[derive(Clone, PartialEq, Debug)]
+pub struct EnumValue {
+    /// Doc comment before it.
+    pub doc: Option<super::Doc>,
+    /// Its name.
+    pub name: Ident,
+}

@@ -1,0 +1,118 @@
+//! Names and other short texts, shared instead of copied.
+
+use std::borrow::Borrow;
+use std::cell::RefCell;
+use std::collections::HashSet;
+use std::fmt;
+use std::ops::Deref;
+use std::sync::Arc;
+
+/// A name as it is written, `arm` or, qualified, `Core::DoubleAdd`.
+///
+/// Cloning is cheap. Names compare, sort and hash by their text.
+#[derive(Clone, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub struct Name(Arc<str>);
+
+impl Name {
+    /// The text.
+    pub fn as_str(&self) -> &str {
+        &self.0
+    }
+
+    /// Whether it has several parts, joined by `::`.
+    pub fn is_qualified(&self) -> bool {
+        self.0.contains("::")
+    }
+
+    /// The parts between the `::`, one for a plain name.
+    pub fn parts(&self) -> impl Iterator<Item = &str> {
+        self.0.split("::")
+    }
+}
+
+impl PartialEq<str> for Name {
+    fn eq(&self, other: &str) -> bool {
+        &*self.0 == other
+    }
+}
+
+impl PartialEq<&str> for Name {
+    fn eq(&self, other: &&str) -> bool {
+        &*self.0 == *other
+    }
+}
+
+impl Deref for Name {
+    type Target = str;
+
+    fn deref(&self) -> &str {
+        &self.0
+    }
+}
+
+impl Borrow<str> for Name {
+    fn borrow(&self) -> &str {
+        &self.0
+    }
+}
+
+impl From<&str> for Name {
+    fn from(text: &str) -> Name {
+        Name(text.into())
+    }
+}
+
+impl From<String> for Name {
+    fn from(text: String) -> Name {
+        Name(text.into())
+    }
+}
+
+impl fmt::Display for Name {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(&self.0)
+    }
+}
+
+impl fmt::Debug for Name {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "`{}`", self.0)
+    }
+}
+
+/// Makes equal names of one text share their memory.
+#[derive(Default)]
+pub(crate) struct Interner(RefCell<HashSet<Name>>);
+
+impl Interner {
+    pub(crate) fn name(&self, text: &str) -> Name {
+        let mut names = self.0.borrow_mut();
+        if let Some(name) = names.get(text) {
+            return name.clone();
+        }
+        let name = Name::from(text);
+        names.insert(name.clone());
+        name
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn equal_names_share_their_memory() {
+        let names = Interner::default();
+        let (a, b) = (names.name("arm"), names.name("arm"));
+        assert!(Arc::ptr_eq(&a.0, &b.0));
+        assert_ne!(a, names.name("leg"));
+    }
+
+    #[test]
+    fn qualified_names_have_parts() {
+        let name = Name::from("Core::Clock");
+        assert!(name.is_qualified());
+        assert_eq!(name.parts().collect::<Vec<_>>(), ["Core", "Clock"]);
+        assert_eq!(Name::from("x").parts().count(), 1);
+    }
+}

@@ -1,0 +1,285 @@
+//! The table of words and signs, and the tokens that logos makes of them.
+//!
+//! A row of the word table is the only place where a keyword is declared: its spelling, the modes
+//! that know it, the place where it is a keyword and not a name, and what it is for. The lexer, the
+//! documentation, editors and completion read it.
+
+use crate::Mode;
+use logos::Logos;
+
+/// Where a word is a keyword. Everywhere else it is a name, like any other.
+///
+/// A contextual word is never a keyword after `.` or before `=`, `:`, `,` or `)`.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub enum Place {
+    /// Everywhere: it can not be a name.
+    Reserved,
+    /// Where a declaration can begin.
+    Declaration,
+    /// Where a statement can begin.
+    Statement,
+    /// Where a name, number or text follows directly, which no name is followed by.
+    BeforeName,
+    /// Where an operator could stand: after a name, a literal or a closing bracket.
+    AfterOperand,
+    /// Before a name, or where an operator could stand.
+    Either,
+    /// Where an operator could stand or a statement could begin.
+    Clause,
+    /// After `|`, `unless` or `until`.
+    Alternative,
+}
+
+/// One row of the table of words.
+#[derive(Debug)]
+pub struct Keyword {
+    /// How it is written.
+    pub text: &'static str,
+    /// Whether `.lus` files know it too.
+    pub in_lustre: bool,
+    /// Where it is a keyword.
+    pub place: Place,
+    /// What it is for, in a few words.
+    pub doc: &'static str,
+    /// The token.
+    pub(crate) token: Token,
+}
+
+impl Keyword {
+    /// Whether the word is a keyword in files of this mode.
+    pub fn is_in(&self, mode: Mode) -> bool {
+        self.in_lustre || mode == Mode::Rpi
+    }
+
+    /// Whether it can never be a name in files of this mode.
+    pub fn is_reserved_in(&self, mode: Mode) -> bool {
+        self.is_in(mode) && self.place == Place::Reserved
+    }
+}
+
+macro_rules! tokens {
+    (words { $($word:ident $text:tt $mode:ident $place:ident $doc:literal;)* }
+     signs { $($sign:ident $sign_text:tt;)* }) => {
+        /// What a stretch of text is.
+        #[derive(Logos, Clone, Copy, PartialEq, Eq, Debug)]
+        #[logos(skip r"[ \t\r\n\f\u{feff}]+")]
+        pub(crate) enum Token {
+            $(#[token($text)] $word,)*
+            $(#[token($sign_text)] $sign,)*
+            #[regex(r"[A-Za-z_][A-Za-z0-9_']*")]
+            Ident,
+            #[regex(r"[A-Za-z_][A-Za-z0-9_']*(::[A-Za-z_][A-Za-z0-9_']*)+")]
+            Path,
+            #[regex(r"[0-9]+")]
+            #[regex(r"0[xX][0-9a-fA-F]+")]
+            Int,
+            /// `0..` of `0..3`, which is no real number; the lexer splits it.
+            #[regex(r"[0-9]+\.\.")]
+            IntDotDot,
+            #[regex(r"([0-9]+\.[0-9]*|\.[0-9]+)([eE][+-]?[0-9]+)?|[0-9]+[eE][+-]?[0-9]+")]
+            Real,
+            /// `250mm`: a number that runs into a word.
+            #[regex(r"[0-9]+[A-Za-z_][A-Za-z0-9_]*", priority = 1)]
+            NumberWord,
+            #[regex(r#""([^"\\\n]|\\[^\n])*""#)]
+            Str,
+            #[regex(r#""([^"\\\n]|\\[^\n])*"#, priority = 1)]
+            OpenStr,
+            #[regex(r"--[^\n]*", allow_greedy = true)]
+            LineComment,
+            #[regex(r"//[^\n]*", allow_greedy = true)]
+            SlashComment,
+            #[token("(*", |lexer| to_end(lexer, "*)"))]
+            #[token("/*", |lexer| to_end(lexer, "*/"))]
+            BlockComment,
+            /// A block comment without end.
+            OpenComment,
+            /// Stands for a phrase with a fault that has been reported.
+            Broken,
+        }
+
+        /// Every word that is a keyword somewhere, in alphabetic order of its groups.
+        pub const KEYWORDS: &[Keyword] = &[$(Keyword {
+            text: $text,
+            in_lustre: tokens!(@in_lustre $mode),
+            place: Place::$place,
+            doc: $doc,
+            token: Token::$word,
+        },)*];
+
+        const SIGNS: &[(Token, &str)] = &[$((Token::$sign, $sign_text),)*];
+    };
+    (@in_lustre Both) => { true };
+    (@in_lustre Rpi) => { false };
+}
+
+tokens! {
+    words {
+        And       "and"       Both Reserved     "conjunction";
+        Assert    "assert"    Both Reserved     "a condition that holds in every cycle, by the writer's word";
+        Bool      "bool"      Both Reserved     "the type of `true` and `false`";
+        Const     "const"     Both Reserved     "declares constants";
+        Current   "current"   Both Reserved     "the latest value of a sampled flow";
+        Div       "div"       Both Reserved     "integer quotient";
+        Else      "else"      Both Reserved     "the value if the condition does not hold";
+        Enum      "enum"      Both Reserved     "a type with named values";
+        Extern    "extern"    Both Reserved     "a node that is defined outside";
+        False     "false"     Both Reserved     "the Boolean that does not hold";
+        Fby       "fby"       Both Reserved     "a first value, then a flow one cycle late";
+        Function  "function"  Both Reserved     "declares a node without state";
+        If        "if"        Both Reserved     "a value by a condition";
+        IntType   "int"       Both Reserved     "the type of 64-bit integers; before a real: as an integer";
+        Let       "let"       Both Reserved     "begins a body";
+        Merge     "merge"     Both Reserved     "joins flows of complementary clocks";
+        Mod       "mod"       Both Reserved     "integer remainder";
+        Node      "node"      Both Reserved     "declares a node";
+        Nor       "nor"       Both Reserved     "true if none of several is";
+        Not       "not"       Both Reserved     "negation";
+        Or        "or"        Both Reserved     "disjunction";
+        Pre       "pre"       Both Reserved     "the value at the previous cycle";
+        RealType  "real"      Both Reserved     "the type of real numbers; before an integer: as a real";
+        Returns   "returns"   Both Reserved     "before the out-ports";
+        Struct    "struct"    Both Reserved     "a type with named fields";
+        Tel       "tel"       Both Reserved     "ends a body";
+        Then      "then"      Both Reserved     "the value if the condition holds; what follows";
+        True      "true"      Both Reserved     "the Boolean that holds";
+        Type      "type"      Both Reserved     "declares types";
+        Unsafe    "unsafe"    Both Reserved     "a node that may have side effects";
+        Var       "var"       Both Reserved     "declares local flows";
+        When      "when"      Both Reserved     "samples a flow; activates a fragment; ends a command";
+        With      "with"      Both Reserved     "a value by a constant condition; changed parts of a value";
+        Xor       "xor"       Both Reserved     "exclusive or";
+
+        Activate  "activate"  Both BeforeName   "runs a node when a condition holds";
+        Assume    "assume"    Both Statement    "a condition that the caller sees to";
+        Check     "check"     Both Statement    "a condition to be shown";
+        Con       "con"       Both Clause       "begins a contract";
+        Default   "default"   Both AfterOperand "the value before the first activation";
+        Ensure    "ensure"    Both Statement    "what holds in a mode of a contract";
+        Every     "every"     Both AfterOperand "before the condition of `activate` and `restart`";
+        Guarantee "guarantee" Both Statement    "a condition that the body sees to";
+        Imported  "imported"  Both BeforeName   "a node that is defined outside";
+        Include   "include"   Both BeforeName   "takes up another file";
+        Initial   "initial"   Both BeforeName   "the state in which an automaton starts";
+        ModeWord  "mode"      Both Statement    "a mode of a contract";
+        Noc       "noc"       Both Clause       "ends a contract";
+        Of        "of"        Both AfterOperand "before the base of a subrange";
+        Require   "require"   Both Statement    "when a contract is in a mode";
+        Restart   "restart"   Both Either       "starts afresh";
+        Step      "step"      Both AfterOperand "the distance of a slice's elements";
+
+        Command   "command"   Rpi  Declaration  "declares a command";
+        Device    "device"    Rpi  Declaration  "declares a device type";
+        Fragment  "fragment"  Rpi  Declaration  "declares a fragment, or begins one in place";
+        Frame     "frame"     Rpi  Declaration  "declares coordinate frames";
+        Primitive "primitive" Rpi  Declaration  "declares a primitive of the control core";
+        Task      "task"      Rpi  Declaration  "declares a task";
+        Test      "test"      Rpi  Declaration  "declares a test";
+        Use       "use"       Rpi  Declaration  "brings in a module";
+
+        Automaton "automaton" Rpi  Statement    "begins a state machine";
+        Export    "export"    Rpi  Statement    "makes a flow visible to rules and to the outside";
+        Fail      "fail"      Rpi  Statement    "ends a command with an error";
+        Finish    "finish"    Rpi  Statement    "ends a command at rest";
+        Repeat    "repeat"    Rpi  Statement    "repeats steps of a task";
+        Start     "start"     Rpi  Statement    "names the first step of a task";
+        Yield     "yield"     Rpi  Statement    "ends a command, maybe in motion, into a successor";
+
+        Actuator  "actuator"  Rpi  BeforeName   "ports that a command writes";
+        Last      "last"      Rpi  BeforeName   "the value in the previous cycle, whatever the state";
+        Sensor    "sensor"    Rpi  BeforeName   "ports that a command reads";
+        State     "state"     Rpi  BeforeName   "a state of an automaton";
+        Status    "status"    Rpi  BeforeName   "ports about the device itself";
+
+        Budget    "budget"    Rpi  AfterOperand "the time that something may take";
+        Continue  "continue"  Rpi  AfterOperand "the next state, resumed where it was left";
+        Given     "given"     Rpi  AfterOperand "before the values taken over from the predecessor";
+        In        "in"        Rpi  AfterOperand "the frame of the coordinates";
+        On        "on"        Rpi  AfterOperand "what follows a result";
+        Times     "times"     Rpi  AfterOperand "after the count of `repeat`";
+
+        End       "end"       Rpi  Clause       "ends an automaton; as a step: the task is done";
+        Unless    "unless"    Rpi  Clause       "a strong transition";
+        Until     "until"     Rpi  Clause       "a weak transition";
+
+        Otherwise "otherwise" Rpi  Alternative  "a transition taken if none before it is";
+    }
+    signs {
+        Arrow "->"; Implies "=>"; Coalesce "??"; Question "?";
+        Le "<="; Ge ">="; Ne "<>"; Lt "<"; Gt ">"; Eq "=";
+        LStatic "<<"; RStatic ">>";
+        Plus "+"; Minus "-"; Star "*"; Slash "/"; Percent "%"; Pow "**"; Hat "^"; Bar "|";
+        Hash "#"; Ampersand "&";
+        LParen "("; RParen ")"; LBracket "["; RBracket "]"; LBrace "{"; RBrace "}";
+        Comma ","; Semi ";"; Colon ":"; Dot "."; DotDot "..";
+    }
+}
+
+impl Token {
+    /// The row of the word table, if the token is a word of it.
+    pub(crate) fn keyword(self) -> Option<&'static Keyword> {
+        KEYWORDS.get(self as usize)
+    }
+
+    /// How the token is always written, if it is.
+    pub(crate) fn spelling(self) -> Option<&'static str> {
+        let sign = || SIGNS.get(self as usize - KEYWORDS.len());
+        match self.keyword() {
+            Some(word) => Some(word.text),
+            None => sign().map(|(_, text)| *text),
+        }
+    }
+}
+
+/// Takes in the rest of a block comment.
+fn to_end(lexer: &mut logos::Lexer<'_, Token>, end: &str) -> Token {
+    match lexer.remainder().find(end) {
+        Some(at) => {
+            lexer.bump(at + end.len());
+            Token::BlockComment
+        }
+        None => {
+            lexer.bump(lexer.remainder().len());
+            Token::OpenComment
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn rows_stand_in_the_order_of_the_tokens() {
+        for (i, word) in KEYWORDS.iter().enumerate() {
+            assert_eq!(word.token as usize, i, "{}", word.text);
+            assert_eq!(Token::lexer(word.text).next(), Some(Ok(word.token)));
+        }
+        for &(token, text) in SIGNS {
+            assert_eq!(token.spelling(), Some(text));
+            assert_eq!(Token::lexer(text).next(), Some(Ok(token)));
+        }
+        assert_eq!(Token::Ident.spelling(), None);
+    }
+
+    #[test]
+    fn predeclared_names_are_no_words_of_the_table() {
+        let predeclared = [
+            "cancel",
+            "takeover",
+            "first",
+            "time",
+            "dt",
+            "predecessor",
+            "still",
+            "none",
+            "present",
+            "hold",
+        ];
+        assert!(
+            KEYWORDS
+                .iter()
+                .all(|word| !predeclared.contains(&word.text))
+        );
+    }
+}
