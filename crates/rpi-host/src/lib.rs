@@ -1,1 +1,6 @@
 //! Running a command on a clock: simulated and real time, recording, replay against traces, plots.
+//!
+//! This crate stands on the host's side of the cycle: it may read files, allocate and format. It must not know how a
+//! program is compiled; it takes nets and images.
+
+pub mod trace;

@@ -1,0 +1,159 @@
+//! The tab-separated form: `cycle  path.port  value`, one line per present out-port and cycle.
+//!
+//! A line `0  #t0  <ms>` gives the net's clock in its first cycle. A port without a line in a cycle was absent in it.
+//! With a line `0  #ports  listed` that holds for the ports that have a line somewhere, and nothing is said of others.
+
+use std::io::{self, Write};
+
+use super::{Trace, TraceError};
+
+pub(super) fn parse(text: &str) -> Result<Trace, TraceError> {
+    let mut trace = Trace::default();
+    let mut listed = false;
+    for (k, line) in text.lines().enumerate() {
+        let mut fields = line.splitn(3, '\t');
+        let (Some(cycle), Some(name), Some(value)) = (fields.next(), fields.next(), fields.next())
+        else {
+            return Err(TraceError::new(
+                k + 1,
+                "expected `cycle<TAB>path.port<TAB>value`",
+            ));
+        };
+        match name {
+            "#t0" => trace.start_ms = Some(start(value).ok_or_else(|| bad_start(k, value))?),
+            "#ports" => listed = value == "listed",
+            _ => trace.record(
+                number(cycle).ok_or_else(|| bad_cycle(k, cycle))?,
+                name,
+                value,
+            ),
+        }
+    }
+    if listed {
+        trace.list_all();
+    } else {
+        fill(&mut trace);
+        trace.complete_all();
+    }
+    Ok(trace)
+}
+
+/// Cycles without any line lie in the trace too: everything was absent in them.
+fn fill(trace: &mut Trace) {
+    for number in 1..trace.last_cycle() {
+        trace.cycle(number);
+    }
+}
+
+fn start(value: &str) -> Option<i64> {
+    value.split('\t').next()?.parse().ok()
+}
+
+/// A cycle number; far more than a trace can hold is refused, as cycles in between are filled in.
+pub(super) fn number(text: &str) -> Option<u64> {
+    text.parse().ok().filter(|n| (1..=10_000_000).contains(n))
+}
+
+fn bad_start(k: usize, value: &str) -> TraceError {
+    TraceError::new(k + 1, format!("`{value}` is no time in milliseconds"))
+}
+
+pub(super) fn bad_cycle(k: usize, text: &str) -> TraceError {
+    TraceError::new(k + 1, format!("`{text}` is no cycle number (1, 2, ...)"))
+}
+
+/// Writes a trace in this form.
+pub struct TraceWriter<W> {
+    out: W,
+}
+
+impl<W: Write> TraceWriter<W> {
+    /// Begins a trace of a net whose clock stands at `start_ms` in its first cycle.
+    ///
+    /// # Errors
+    /// Those of the writer.
+    pub fn new(mut out: W, start_ms: i64) -> io::Result<TraceWriter<W>> {
+        writeln!(out, "0\t#t0\t{start_ms}\tcycle=1")?;
+        Ok(TraceWriter { out })
+    }
+
+    /// Says that only ports with a line somewhere are recorded.
+    ///
+    /// # Errors
+    /// Those of the writer.
+    pub fn only_listed(&mut self) -> io::Result<()> {
+        writeln!(self.out, "0\t#ports\tlisted")
+    }
+
+    /// Writes what a port carried in a cycle (from 1).
+    ///
+    /// # Errors
+    /// Those of the writer.
+    pub fn row(&mut self, cycle: u64, name: &str, value: &str) -> io::Result<()> {
+        writeln!(self.out, "{cycle}\t{name}\t{value}")
+    }
+
+    /// The writer, with everything handed over.
+    ///
+    /// # Errors
+    /// Those of the writer.
+    pub fn finish(mut self) -> io::Result<W> {
+        self.out.flush()?;
+        Ok(self.out)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const TEXT: &str = "0\t#t0\t1000\tcycle=1\n1\ta.outValue\t1.5\n3\tf/b.outIO\ttrue\n";
+
+    #[test]
+    fn rows_keep_cycle_path_and_text() {
+        let trace = Trace::parse(TEXT).unwrap();
+        assert_eq!(trace.start_ms, Some(1000));
+        let rows: Vec<_> = trace
+            .cycles()
+            .flat_map(|(n, c)| c.rows.iter().map(move |&r| (n, r)))
+            .map(|(n, r)| (n, trace.name(r.port), trace.value(r)))
+            .collect();
+        assert_eq!(rows, [(1, "a.outValue", "1.5"), (3, "f/b.outIO", "true")]);
+    }
+
+    #[test]
+    fn a_cycle_without_lines_was_recorded_as_wholly_absent() {
+        let trace = Trace::parse(TEXT).unwrap();
+        assert_eq!(trace.last_cycle(), 3);
+        assert!(trace.at(2).is_some_and(|c| c.complete && c.rows.is_empty()));
+    }
+
+    #[test]
+    fn listed_ports_are_covered_and_others_unknown() {
+        let trace = Trace::parse(&format!("0\t#ports\tlisted\n{TEXT}")).unwrap();
+        let a = trace.find("a.outValue").unwrap();
+        assert!(trace.covers(a, 2) && !trace.covers(a, 4));
+        assert!(trace.cycles().all(|(_, c)| !c.complete));
+    }
+
+    #[test]
+    fn broken_lines_are_named() {
+        let line = |text| Trace::parse(text).unwrap_err().line;
+        assert_eq!(line("1\ta.b\t2\nx"), 2);
+        assert_eq!(line("one\ta.b\t2"), 1);
+        assert_eq!(line("0\t#t0\tnow"), 1);
+        assert_eq!(line("99999999999\ta.b\t1"), 1);
+    }
+
+    #[test]
+    fn what_is_written_reads_back() {
+        let mut out = TraceWriter::new(Vec::new(), 7).unwrap();
+        out.only_listed().unwrap();
+        out.row(2, "p.outValue", "{x:1.0,y:2.0,z:3.0}").unwrap();
+        let text = String::from_utf8(out.finish().unwrap()).unwrap();
+        let trace = Trace::parse(&text).unwrap();
+        assert_eq!(trace.start_ms, Some(7));
+        let row = trace.at(2).unwrap().rows[0];
+        assert_eq!(trace.value(row), "{x:1.0,y:2.0,z:3.0}");
+    }
+}
