@@ -1,12 +1,17 @@
 //! The net: primitives joined by typed links in a tree of fragments.
 //!
 //! Both ways into the compiler end here: `.rpi` programs are elaborated to a [`Net`], `.rpinet` files are read as one.
-//! Everything after this crate (lowering, running) sees only a net that has passed [`check`]. A net must not know
+//! Everything after this crate (lowering, running) sees only a net that has passed [`passes`]. A net must not know
 //! syntax trees or the image; where it came from is an [`Origin`] per node and nothing more.
 
 pub mod net;
+pub mod passes;
+pub mod tree;
+mod violation;
 
 pub use net::{
     Absent, Activation, Driver, ExportPort, Fragment, FragmentId, FragmentPort, Input, Net, Node,
     NodeId, Origin, PortRef, Restart, ResultKind, ResultPort,
 };
+pub use tree::Tree;
+pub use violation::Violation;

@@ -8,6 +8,14 @@ use rpi_prims::PrimId;
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Debug)]
 pub struct NodeId(pub u32);
 
+impl NodeId {
+    /// Its place in a table with one entry per node.
+    #[must_use]
+    pub const fn index(self) -> usize {
+        self.0 as usize
+    }
+}
+
 /// Index of a fragment in [`Net::fragments`]; 0 is the root.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Debug)]
 pub struct FragmentId(pub u32);
@@ -15,6 +23,12 @@ pub struct FragmentId(pub u32);
 impl FragmentId {
     /// The command's own fragment, always active.
     pub const ROOT: FragmentId = FragmentId(0);
+
+    /// Its place in a table with one entry per fragment.
+    #[must_use]
+    pub const fn index(self) -> usize {
+        self.0 as usize
+    }
 }
 
 /// An out-port of a node.
@@ -48,7 +62,7 @@ pub struct Origin {
 }
 
 /// A primitive in a net.
-#[derive(Clone, Debug)]
+#[derive(Clone, PartialEq, Debug)]
 pub struct Node {
     /// Name, unique within its fragment.
     pub name: String,
@@ -75,7 +89,7 @@ impl Node {
 }
 
 /// A part of a net that is active or not as a whole.
-#[derive(Clone, Debug)]
+#[derive(Clone, PartialEq, Debug)]
 pub struct Fragment {
     /// Name, unique within its parent; empty for the root.
     pub name: String,
@@ -96,7 +110,7 @@ pub struct Fragment {
 }
 
 /// A named port on a fragment's border: an alias, no delay.
-#[derive(Clone, Debug)]
+#[derive(Clone, PartialEq, Debug)]
 pub struct FragmentPort {
     /// Its name.
     pub name: String,
@@ -105,7 +119,7 @@ pub struct FragmentPort {
 }
 
 /// When a fragment is evaluated, given that its parent is.
-#[derive(Clone, Debug)]
+#[derive(Clone, PartialEq, Debug)]
 pub enum Activation {
     /// In every cycle.
     Always,
@@ -128,7 +142,7 @@ pub enum Absent {
 }
 
 /// When a fragment's state starts afresh.
-#[derive(Clone, Debug)]
+#[derive(Clone, PartialEq, Debug)]
 pub enum Restart {
     /// Never: it resumes.
     Never,
@@ -150,7 +164,7 @@ pub enum ResultKind {
 }
 
 /// A named result of a command, in text order.
-#[derive(Clone, Debug)]
+#[derive(Clone, PartialEq, Debug)]
 pub struct ResultPort {
     /// Its name.
     pub name: String,
@@ -163,7 +177,7 @@ pub struct ResultPort {
 }
 
 /// A flow that is published after each cycle.
-#[derive(Clone, Debug)]
+#[derive(Clone, PartialEq, Debug)]
 pub struct ExportPort {
     /// Its key.
     pub key: String,
@@ -174,7 +188,7 @@ pub struct ExportPort {
 }
 
 /// How a net says that it has ended.
-#[derive(Clone, Debug)]
+#[derive(Clone, PartialEq, Debug)]
 pub enum Driver {
     /// By named results (commands of `.rpi`).
     Results(Vec<ResultPort>),
@@ -188,7 +202,7 @@ pub enum Driver {
 }
 
 /// A net: one command, ready for the passes.
-#[derive(Clone, Debug)]
+#[derive(Clone, PartialEq, Debug)]
 pub struct Net {
     /// The command's name, or the file's.
     pub name: String,
@@ -234,18 +248,23 @@ impl Net {
     /// The node of this index.
     #[must_use]
     pub fn node(&self, id: NodeId) -> &Node {
-        &self.nodes[id.0 as usize]
+        &self.nodes[id.index()]
     }
 
     /// The fragment of this index.
     #[must_use]
     pub fn fragment(&self, id: FragmentId) -> &Fragment {
-        &self.fragments[id.0 as usize]
+        &self.fragments[id.index()]
     }
 
     /// All node indices in declaration order.
-    pub fn node_ids(&self) -> impl Iterator<Item = NodeId> + use<> {
+    pub fn node_ids(&self) -> impl DoubleEndedIterator<Item = NodeId> + use<> {
         (0..u32::try_from(self.nodes.len()).unwrap_or(u32::MAX)).map(NodeId)
+    }
+
+    /// All fragment indices, parents before children.
+    pub fn fragment_ids(&self) -> impl DoubleEndedIterator<Item = FragmentId> + use<> {
+        (0..u32::try_from(self.fragments.len()).unwrap_or(u32::MAX)).map(FragmentId)
     }
 
     /// Adds a node and returns its index.

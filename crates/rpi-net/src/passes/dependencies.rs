@@ -1,0 +1,211 @@
+//! What must be computed before what: one graph per fragment.
+//!
+//! The vertices of a fragment's graph are its nodes and its child fragments. A child fragment is one vertex: it waits
+//! for its activation and for everything that is read from inside it or declared as its in-port, whatever reads it
+//! there; so a `pre` breaks a cycle only at the level at which the cycle runs (M6). A delay in the graph's own fragment
+//! waits for nothing: it is latched after the cycle.
+
+use crate::net::{Activation, FragmentId, Input, Net, NodeId, PortRef, Restart};
+use crate::tree::Tree;
+use petgraph::graph::{DiGraph, NodeIndex};
+use rpi_image::Role;
+
+/// What stands in a fragment and is ordered there.
+#[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Debug)]
+pub enum Item {
+    /// A node of its own.
+    Node(NodeId),
+    /// A child fragment with all that is in it.
+    Fragment(FragmentId),
+}
+
+/// Who reads a flow.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub enum Reader {
+    /// An in-port of a node, by index.
+    Input(NodeId, usize),
+    /// The activation of a fragment.
+    Activation(FragmentId),
+    /// The restart condition of a fragment.
+    Restart(FragmentId),
+    /// A declared in-port of a fragment, by index.
+    InPort(FragmentId, usize),
+}
+
+/// One link that makes an item wait for another.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub struct Dependence {
+    /// The flow that is read.
+    pub source: PortRef,
+    /// Who reads it.
+    pub reader: Reader,
+}
+
+/// The dependency graphs of all fragments of a net; edges run from what is read to who reads it.
+#[derive(Clone, Debug)]
+pub struct Dependencies {
+    graphs: Vec<Graph>,
+}
+
+/// Vertices are numbered in declaration order.
+pub(crate) type Graph = DiGraph<Item, Dependence>;
+
+impl Dependencies {
+    /// The graphs of a net.
+    #[must_use]
+    pub fn new(net: &Net, tree: &Tree) -> Self {
+        let mut builder = Builder::new(net, tree);
+        for (reader, place, source) in links(net) {
+            builder.connect(reader, place, source);
+        }
+        Dependencies {
+            graphs: builder.graphs,
+        }
+    }
+
+    /// The items of a fragment in declaration order.
+    pub fn items(&self, fragment: FragmentId) -> impl Iterator<Item = Item> + '_ {
+        self.graphs[fragment.index()].node_weights().copied()
+    }
+
+    pub(crate) fn graph(&self, fragment: FragmentId) -> &Graph {
+        &self.graphs[fragment.index()]
+    }
+
+    /// Number of fragments.
+    pub(crate) fn fragments(&self) -> impl Iterator<Item = FragmentId> + use<> {
+        (0..u32::try_from(self.graphs.len()).unwrap_or(u32::MAX)).map(FragmentId)
+    }
+}
+
+/// Every reading of a flow that counts for the order: who reads, the fragment in which the reading stands, and what.
+fn links(net: &Net) -> impl Iterator<Item = (Reader, FragmentId, PortRef)> + '_ {
+    let nodes = net.node_ids().flat_map(move |id| {
+        let node = net.node(id);
+        let inputs = node.inputs.iter().enumerate();
+        inputs.filter_map(move |(k, input)| {
+            Some((Reader::Input(id, k), node.fragment, input.port()?))
+        })
+    });
+    let borders = net.fragment_ids().flat_map(move |id| {
+        let outside = net.fragment(id).parent;
+        border_links(net, id).filter_map(move |(reader, source)| Some((reader, outside?, source)))
+    });
+    nodes.chain(borders)
+}
+
+fn border_links(net: &Net, id: FragmentId) -> impl Iterator<Item = (Reader, PortRef)> + '_ {
+    let fragment = net.fragment(id);
+    let activation = match fragment.activation {
+        Activation::Always => None,
+        Activation::When { condition, .. } => Some((Reader::Activation(id), condition)),
+    };
+    let restart = match fragment.restart {
+        Restart::Every(condition) => Some((Reader::Restart(id), condition)),
+        Restart::Never | Restart::OnActivation => None,
+    };
+    let ports = fragment.inputs.iter().enumerate();
+    let ports = ports.filter_map(move |(k, p)| Some((Reader::InPort(id, k), p.source.port()?)));
+    activation.into_iter().chain(restart).chain(ports)
+}
+
+struct Builder<'a> {
+    net: &'a Net,
+    tree: &'a Tree,
+    graphs: Vec<Graph>,
+    node_at: Vec<NodeIndex>,
+    fragment_at: Vec<NodeIndex>,
+}
+
+impl<'a> Builder<'a> {
+    fn new(net: &'a Net, tree: &'a Tree) -> Self {
+        let mut builder = Builder {
+            net,
+            tree,
+            graphs: Vec::with_capacity(net.fragments.len()),
+            node_at: vec![NodeIndex::default(); net.nodes.len()],
+            fragment_at: vec![NodeIndex::default(); net.fragments.len()],
+        };
+        let first = first_nodes(net, tree);
+        for fragment in net.fragment_ids() {
+            builder.add_vertices(fragment, &first);
+        }
+        builder
+    }
+
+    /// Adds a fragment's graph, its vertices in declaration order.
+    fn add_vertices(&mut self, fragment: FragmentId, first: &[u32]) {
+        let nodes = self.tree.nodes(fragment).iter();
+        let nodes = nodes.map(|n| (n.0, Item::Node(*n)));
+        let children = self.tree.children(fragment).iter();
+        let children = children.map(|f| (first[f.index()], Item::Fragment(*f)));
+        let mut items: Vec<(u32, Item)> = nodes.chain(children).collect();
+        items.sort_unstable();
+        let mut graph = Graph::with_capacity(items.len(), 2 * items.len());
+        for (_, item) in items {
+            let at = graph.add_node(item);
+            match item {
+                Item::Node(n) => self.node_at[n.index()] = at,
+                Item::Fragment(f) => self.fragment_at[f.index()] = at,
+            }
+        }
+        self.graphs.push(graph);
+    }
+
+    /// Adds the edge of one reading, in the innermost fragment that encloses both ends.
+    fn connect(&mut self, reader: Reader, place: FragmentId, source: PortRef) {
+        let origin = self.net.node(source.node).fragment;
+        let level = self.tree.common(place, origin);
+        let Some(to) = self.reading_vertex(reader, level, place) else {
+            return;
+        };
+        let from = match self.tree.child_towards(level, origin) {
+            Some(child) => self.fragment_at[child.index()],
+            None => self.node_at[source.node.index()],
+        };
+        self.graphs[level.index()].add_edge(from, to, Dependence { source, reader });
+    }
+
+    /// The vertex that waits at this level; none for a delay, which waits for nothing.
+    fn reading_vertex(
+        &self,
+        reader: Reader,
+        level: FragmentId,
+        place: FragmentId,
+    ) -> Option<NodeIndex> {
+        if let Some(child) = self.tree.child_towards(level, place) {
+            return Some(self.fragment_at[child.index()]);
+        }
+        match reader {
+            Reader::Input(n, _) if self.net.node(n).desc().role == Role::Delay => None,
+            Reader::Input(n, _) => Some(self.node_at[n.index()]),
+            Reader::Activation(f) | Reader::Restart(f) | Reader::InPort(f, _) => {
+                Some(self.fragment_at[f.index()])
+            }
+        }
+    }
+}
+
+/// For each fragment the first node inside it: its place among the nodes around it.
+fn first_nodes(net: &Net, tree: &Tree) -> Vec<u32> {
+    let mut first = vec![u32::MAX; net.fragments.len()];
+    for id in net.fragment_ids().rev() {
+        let own = tree.nodes(id).first().map_or(u32::MAX, |n| n.0);
+        first[id.index()] = first[id.index()].min(own);
+        if let Some(parent) = tree.parent(id) {
+            first[parent.index()] = first[parent.index()].min(first[id.index()]);
+        }
+    }
+    first
+}
+
+impl Input {
+    /// The flow that is read, unless it is a constant or nothing.
+    #[must_use]
+    pub fn port(&self) -> Option<PortRef> {
+        match self {
+            Input::Port(port) => Some(*port),
+            Input::Open | Input::Const(_) => None,
+        }
+    }
+}

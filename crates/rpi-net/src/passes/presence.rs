@@ -1,0 +1,340 @@
+//! Which flows can be absent: the least solution of the descriptors' presence rules.
+//!
+//! A flow's [`Sureness`] holds in the cycles in which its own fragment is active. Who reads it from elsewhere sees it
+//! absent, too, whenever one of the fragments around it that do not enclose the reader is inactive: [`Presences::view`]
+//! names them. A port that is total costs nothing at run time.
+
+use crate::net::{Activation, FragmentId, Input, Net, Node, NodeId, PortRef};
+use crate::passes::users::Users;
+use crate::tree::Tree;
+use crate::violation::Violation;
+use rpi_image::{Presence, Role};
+use std::ops::BitOr;
+
+/// Whether a flow is present in the cycles in which its fragment is active.
+#[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Debug)]
+pub enum Sureness {
+    /// In each.
+    Total,
+    /// In some, in some not, as far as is known.
+    Optional,
+    /// In none.
+    Never,
+}
+
+/// A flow as one of its readers sees it: present exactly if the flow is and all fragments in `through` are active.
+#[derive(Clone, PartialEq, Eq, Debug)]
+pub struct View {
+    /// The flow within its own fragment.
+    pub own: Sureness,
+    /// Fragments around the flow that may be inactive while the reader is active, innermost first.
+    pub through: Vec<FragmentId>,
+}
+
+/// The presence of every flow of a net.
+#[derive(Clone, PartialEq, Eq, Debug)]
+pub struct Presences {
+    /// Where each node's ports start in `states`.
+    first: Vec<u32>,
+    states: Vec<States>,
+    activity: Vec<Sureness>,
+}
+
+impl Presences {
+    /// Infers the presence of every flow. Ports for which `forced` says so count as optional whatever their rule says
+    /// (a replay may force an absent value on them).
+    #[must_use]
+    pub fn infer(net: &Net, tree: &Tree, users: &Users, forced: impl Fn(PortRef) -> bool) -> Self {
+        let mut presences = Presences::unknown(net);
+        let mut queue: Vec<NodeId> = net.node_ids().rev().collect();
+        let mut queued = vec![true; net.nodes.len()];
+        while let Some(id) = queue.pop() {
+            queued[id.index()] = false;
+            if !presences.update(net, tree, id, &forced) {
+                continue;
+            }
+            for reader in users.of(id) {
+                if !std::mem::replace(&mut queued[reader.index()], true) {
+                    queue.push(*reader);
+                }
+            }
+        }
+        presences
+    }
+
+    /// A flow within its own fragment.
+    #[must_use]
+    pub fn own(&self, port: PortRef) -> Sureness {
+        self.states(port).sureness()
+    }
+
+    /// Whether a fragment is active in each (`Total`), some or no cycle in which its parent is.
+    #[must_use]
+    pub fn activity(&self, fragment: FragmentId) -> Sureness {
+        self.activity[fragment.index()]
+    }
+
+    /// A flow as seen from the fragment `reader`.
+    #[must_use]
+    pub fn view(&self, net: &Net, tree: &Tree, reader: FragmentId, port: PortRef) -> View {
+        let mut through = self.gates(net, tree, reader, port);
+        through.reverse();
+        View {
+            own: self.own(port),
+            through,
+        }
+    }
+
+    /// What a reader in the fragment `reader` can rely on.
+    #[must_use]
+    pub fn seen(&self, net: &Net, tree: &Tree, reader: FragmentId, input: &Input) -> Sureness {
+        self.seen_states(net, tree, reader, input).sureness()
+    }
+
+    fn unknown(net: &Net) -> Self {
+        let mut first = Vec::with_capacity(net.nodes.len());
+        let mut count = 0;
+        for node in &net.nodes {
+            first.push(count);
+            count += u32::try_from(node.outputs.len()).unwrap_or(u32::MAX);
+        }
+        Presences {
+            first,
+            states: vec![States::UNKNOWN; count as usize],
+            activity: net
+                .fragments
+                .iter()
+                .map(|f| activity(net, &f.activation))
+                .collect(),
+        }
+    }
+
+    /// Computes a node's ports anew; true if one of them changed.
+    fn update(
+        &mut self,
+        net: &Net,
+        tree: &Tree,
+        id: NodeId,
+        forced: &impl Fn(PortRef) -> bool,
+    ) -> bool {
+        let node = net.node(id);
+        let inputs = self.inputs(net, tree, node);
+        let mut changed = false;
+        for (port, output) in (0..).zip(node.desc().outputs) {
+            let port = PortRef { node: id, port };
+            let state = match (forced(port), node.desc().role) {
+                (true, _) => States::EITHER,
+                (_, Role::Delay) => delayed(output.presence, inputs.first),
+                _ => inputs.output(output.presence),
+            };
+            let at = self.at(port);
+            let joined = self.states[at] | state;
+            changed |= joined != self.states[at];
+            self.states[at] = joined;
+        }
+        changed
+    }
+
+    fn inputs(&self, net: &Net, tree: &Tree, node: &Node) -> Inputs {
+        let mut seen = Inputs::none();
+        for input in &node.inputs {
+            match input {
+                Input::Open => seen.open = true,
+                _ => seen.add(self.seen_states(net, tree, node.fragment, input)),
+            }
+        }
+        seen
+    }
+
+    fn seen_states(&self, net: &Net, tree: &Tree, reader: FragmentId, input: &Input) -> States {
+        match input {
+            Input::Open => States::ABSENT,
+            Input::Const(_) => States::PRESENT,
+            Input::Port(port) => {
+                let own = self.states(*port);
+                let gates = self.gates(net, tree, reader, *port);
+                if gates.iter().any(|f| self.activity(*f) == Sureness::Never) {
+                    States::ABSENT
+                } else if gates.is_empty() || own == States::UNKNOWN {
+                    own
+                } else {
+                    own | States::ABSENT
+                }
+            }
+        }
+    }
+
+    /// Fragments around a flow that may be inactive while `reader` is active, outermost first.
+    fn gates(&self, net: &Net, tree: &Tree, reader: FragmentId, port: PortRef) -> Vec<FragmentId> {
+        let origin = net.node(port.node).fragment;
+        let common = tree.common(reader, origin);
+        if common == origin {
+            return Vec::new();
+        }
+        let mut gates: Vec<FragmentId> = tree.between(origin, common).collect();
+        gates.reverse();
+        let mut implied = true;
+        gates.retain(|gate| {
+            let sure = self.activity(*gate) == Sureness::Total;
+            implied = sure || (implied && same_activation(net, tree, *gate, reader, common));
+            !implied
+        });
+        gates
+    }
+
+    /// Checks that the rules derive nothing that is not in the result.
+    ///
+    /// # Errors
+    /// The first flow for which they do.
+    pub fn verify(&self, net: &Net, tree: &Tree) -> Result<(), Violation> {
+        let mut again = self.clone();
+        for id in net.node_ids() {
+            if again.update(net, tree, id, &|_| false) {
+                let name = net.path(net.node(id).fragment, &net.node(id).name);
+                return Err(Violation::new(format!(
+                    "presence of `{name}` is not settled"
+                )));
+            }
+        }
+        Ok(())
+    }
+
+    fn states(&self, port: PortRef) -> States {
+        self.states[self.at(port)]
+    }
+
+    fn at(&self, port: PortRef) -> usize {
+        self.first[port.node.index()] as usize + usize::from(port.port)
+    }
+}
+
+/// The presence states that a flow can have: a set.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+struct States(u8);
+
+impl States {
+    /// Nothing found out yet.
+    const UNKNOWN: States = States(0);
+    const PRESENT: States = States(1);
+    const ABSENT: States = States(2);
+    const EITHER: States = States(3);
+
+    fn has(self, other: States) -> bool {
+        self.0 & other.0 != 0
+    }
+
+    fn when(self, holds: bool) -> States {
+        if holds { self } else { States::UNKNOWN }
+    }
+
+    /// What it says once the inference is done. A flow of which nothing was found out depends on itself.
+    fn sureness(self) -> Sureness {
+        match self {
+            States::PRESENT => Sureness::Total,
+            States::ABSENT => Sureness::Never,
+            _ => Sureness::Optional,
+        }
+    }
+}
+
+impl BitOr for States {
+    type Output = States;
+    fn bitor(self, other: States) -> States {
+        States(self.0 | other.0)
+    }
+}
+
+/// The inputs of a node taken together: all that the rules ask for.
+struct Inputs {
+    /// States of the first connected input.
+    first: States,
+    /// States that some connected input can have.
+    some: States,
+    /// States that all connected inputs can have.
+    all: States,
+    /// A connected input is sure to be present.
+    sure: bool,
+    /// Of a connected input nothing is known yet.
+    unknown: bool,
+    /// An input is not connected and counts as absent.
+    open: bool,
+}
+
+impl Inputs {
+    fn none() -> Self {
+        Inputs {
+            first: States::UNKNOWN,
+            some: States::UNKNOWN,
+            all: States::EITHER,
+            sure: false,
+            unknown: false,
+            open: false,
+        }
+    }
+
+    fn add(&mut self, states: States) {
+        if self.some == States::UNKNOWN && !self.unknown {
+            self.first = states;
+        }
+        self.some = self.some | states;
+        self.all = States(self.all.0 & states.0);
+        self.sure |= states == States::PRESENT;
+        self.unknown |= states == States::UNKNOWN;
+    }
+
+    /// States of an out-port under its rule. Grows with the inputs' states, so that the least solution exists.
+    fn output(&self, rule: Presence) -> States {
+        match rule {
+            Presence::Always => States::PRESENT,
+            Presence::Maybe => States::EITHER,
+            Presence::IfAny if self.sure => States::PRESENT,
+            _ if self.unknown => States::UNKNOWN,
+            Presence::IfAny => States::EITHER,
+            Presence::IfAll if self.open || self.some.has(States::ABSENT) => States::EITHER,
+            Presence::IfAll => States::PRESENT,
+            Presence::Strict => {
+                States::PRESENT.when(self.all.has(States::PRESENT))
+                    | States::ABSENT.when(self.some.has(States::ABSENT))
+            }
+        }
+    }
+}
+
+/// A delay's output: its first content, then whatever its input was.
+fn delayed(rule: Presence, input: States) -> States {
+    match rule {
+        Presence::Maybe => States::ABSENT | input,
+        _ => States::PRESENT | input,
+    }
+}
+
+/// Whether `reader`, or a fragment around it below `common`, has the same activation as `gate`: then `gate` is active
+/// whenever `reader` is, if `gate`'s parent is.
+fn same_activation(
+    net: &Net,
+    tree: &Tree,
+    gate: FragmentId,
+    reader: FragmentId,
+    common: FragmentId,
+) -> bool {
+    let wanted = &net.fragment(gate).activation;
+    tree.between(reader, common)
+        .any(|f| net.fragment(f).activation == *wanted)
+}
+
+/// What is known of an activation without running the net.
+fn activity(net: &Net, activation: &Activation) -> Sureness {
+    let Activation::When { condition, .. } = activation else {
+        return Sureness::Total;
+    };
+    match constant(net.node(condition.node)) {
+        Some(true) => Sureness::Total,
+        Some(false) => Sureness::Never,
+        None => Sureness::Optional,
+    }
+}
+
+fn constant(node: &Node) -> Option<bool> {
+    let is_constant = node.desc().role == Role::Constant;
+    node.params.first().filter(|_| is_constant)?.as_bool()
+}

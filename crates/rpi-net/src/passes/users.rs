@@ -1,0 +1,48 @@
+//! Which nodes read a node.
+
+use crate::net::{Net, NodeId};
+
+/// For each node the nodes that read one of its out-ports, in declaration order.
+#[derive(Clone, Debug)]
+pub struct Users {
+    /// Where each node's readers start in `readers`; one more entry than there are nodes.
+    start: Vec<u32>,
+    readers: Vec<NodeId>,
+}
+
+impl Users {
+    /// Collects the readers of all nodes.
+    #[must_use]
+    pub fn new(net: &Net) -> Self {
+        let mut start = vec![0_u32; net.nodes.len() + 1];
+        for (source, _) in links(net) {
+            start[source.index() + 1] += 1;
+        }
+        for k in 1..start.len() {
+            start[k] += start[k - 1];
+        }
+        let mut next = start.clone();
+        let total = start.last().map_or(0, |n| *n as usize);
+        let mut readers = vec![NodeId(0); total];
+        for (source, reader) in links(net) {
+            let at = &mut next[source.index()];
+            readers[*at as usize] = reader;
+            *at += 1;
+        }
+        Users { start, readers }
+    }
+
+    /// The nodes that read `node`; one that reads it twice comes twice.
+    #[must_use]
+    pub fn of(&self, node: NodeId) -> &[NodeId] {
+        let at = node.index();
+        &self.readers[self.start[at] as usize..self.start[at + 1] as usize]
+    }
+}
+
+fn links(net: &Net) -> impl Iterator<Item = (NodeId, NodeId)> + '_ {
+    net.node_ids().flat_map(move |reader| {
+        let inputs = net.node(reader).inputs.iter();
+        inputs.filter_map(move |input| Some((input.port()?.node, reader)))
+    })
+}

@@ -1,0 +1,95 @@
+//! The fragments of a net as a tree: who encloses whom, and what stands directly where.
+//!
+//! A view made once per net for all passes; it must not know what the nodes do.
+
+use crate::net::{FragmentId, Net, NodeId};
+
+/// The fragments of one net as a tree.
+#[derive(Clone, Debug)]
+pub struct Tree {
+    parent: Vec<Option<FragmentId>>,
+    depth: Vec<u32>,
+    children: Vec<Vec<FragmentId>>,
+    nodes: Vec<Vec<NodeId>>,
+}
+
+impl Tree {
+    /// The tree of a net whose fragments stand behind their parents.
+    #[must_use]
+    pub fn new(net: &Net) -> Self {
+        let count = net.fragments.len();
+        let mut tree = Tree {
+            parent: net.fragments.iter().map(|f| f.parent).collect(),
+            depth: vec![0; count],
+            children: vec![Vec::new(); count],
+            nodes: vec![Vec::new(); count],
+        };
+        for id in net.fragment_ids() {
+            if let Some(parent) = net.fragment(id).parent {
+                tree.depth[id.index()] = tree.depth[parent.index()] + 1;
+                tree.children[parent.index()].push(id);
+            }
+        }
+        for id in net.node_ids() {
+            tree.nodes[net.node(id).fragment.index()].push(id);
+        }
+        tree
+    }
+
+    /// The nodes that stand directly in a fragment, in declaration order.
+    #[must_use]
+    pub fn nodes(&self, fragment: FragmentId) -> &[NodeId] {
+        &self.nodes[fragment.index()]
+    }
+
+    /// The fragments that stand directly in a fragment, in declaration order.
+    #[must_use]
+    pub fn children(&self, fragment: FragmentId) -> &[FragmentId] {
+        &self.children[fragment.index()]
+    }
+
+    /// The enclosing fragment; none for the root.
+    #[must_use]
+    pub fn parent(&self, fragment: FragmentId) -> Option<FragmentId> {
+        self.parent[fragment.index()]
+    }
+
+    /// How many fragments enclose it; 0 for the root.
+    #[must_use]
+    pub fn depth(&self, fragment: FragmentId) -> u32 {
+        self.depth[fragment.index()]
+    }
+
+    /// The innermost fragment that encloses both (or is one of them).
+    #[must_use]
+    pub fn common(&self, a: FragmentId, b: FragmentId) -> FragmentId {
+        let (mut a, mut b) = (a, b);
+        while a != b {
+            let deeper = if self.depth(a) >= self.depth(b) {
+                &mut a
+            } else {
+                &mut b
+            };
+            match self.parent(*deeper) {
+                Some(up) => *deeper = up,
+                None => break,
+            }
+        }
+        a
+    }
+
+    /// The fragments from `inner` outwards, up to but without `outer`, which encloses it.
+    pub fn between(
+        &self,
+        inner: FragmentId,
+        outer: FragmentId,
+    ) -> impl Iterator<Item = FragmentId> + '_ {
+        std::iter::successors(Some(inner), |f| self.parent(*f)).take_while(move |f| *f != outer)
+    }
+
+    /// The fragment directly in `outer` that is or holds `inner`; none if `inner` is `outer` itself.
+    #[must_use]
+    pub fn child_towards(&self, outer: FragmentId, inner: FragmentId) -> Option<FragmentId> {
+        self.between(inner, outer).last()
+    }
+}
