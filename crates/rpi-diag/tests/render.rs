@@ -30,6 +30,8 @@ let
   -- two
   -- three
   -- four
+  -- five
+  -- six
   c = b - 1.0;
   d = 0.5 * c;
   y = d;

@@ -1,0 +1,13 @@
+//! The rules that carry the house, as tests.
+//!
+//! `ARCHITECTURE.md` states them; `tests/house` holds them. This library is what those tests look
+//! through: the crates as cargo sees them, the files as git sees them, functions and fenced code
+//! blocks by their text. Nothing of the product depends on it.
+
+mod fences;
+mod manifest;
+mod source;
+
+pub use fences::{Fence, fences};
+pub use manifest::{Dependency, Package, packages};
+pub use source::{Function, functions, source_files, tracked_files, without_tests};

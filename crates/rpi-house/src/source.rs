@@ -1,0 +1,171 @@
+//! The project's files, and functions found in Rust text by the layout that rustfmt gives it.
+
+use std::path::{Path, PathBuf};
+use std::process::Command;
+
+use rpi_testkit::{files_below, workspace_root};
+
+/// Every file of the project, relative to its root and sorted: what git tracks or would track.
+/// Without git (an unpacked archive) every file that is no build output.
+pub fn tracked_files() -> Vec<PathBuf> {
+    let listed = Command::new("git")
+        .args(["ls-files", "--cached", "--others", "--exclude-standard"])
+        .current_dir(workspace_root())
+        .output();
+    let mut files: Vec<PathBuf> = match listed {
+        Ok(output) if output.status.success() => String::from_utf8_lossy(&output.stdout)
+            .lines()
+            .map(PathBuf::from)
+            .collect(),
+        _ => files_below("", &[""])
+            .iter()
+            .filter_map(|path| relative(path))
+            .collect(),
+    };
+    files.retain(|path| workspace_root().join(path).is_file());
+    files.sort();
+    files
+}
+
+/// The product's Rust files (`src` of the crates), relative to the root, with their text.
+pub fn source_files() -> Vec<(PathBuf, String)> {
+    let files = files_below("crates", &[".rs"]).into_iter();
+    files
+        .filter_map(|path| Some((relative(&path)?, std::fs::read_to_string(&path).ok()?)))
+        .filter(|(path, _)| path.iter().nth(2).is_some_and(|folder| folder == "src"))
+        .collect()
+}
+
+fn relative(path: &Path) -> Option<PathBuf> {
+    path.strip_prefix(workspace_root()).ok().map(Into::into)
+}
+
+/// The text up to its module of unit tests, which rustfmt and we keep at the end.
+pub fn without_tests(text: &str) -> &str {
+    text.find("#[cfg(test)]\nmod tests {")
+        .map_or(text, |at| &text[..at])
+}
+
+/// A function in Rust text.
+#[derive(Clone, PartialEq, Eq, Debug)]
+pub struct Function<'a> {
+    /// Its name.
+    pub name: &'a str,
+    /// The line of its `fn`, from 1.
+    pub line: usize,
+    /// Lines from `fn` to the closing brace, both counted.
+    pub lines: usize,
+}
+
+/// The functions with bodies in a formatted text, nested ones too, in the order of their lines.
+pub fn functions(text: &str) -> Vec<Function<'_>> {
+    let lines: Vec<&str> = text.lines().collect();
+    let starts = lines
+        .iter()
+        .enumerate()
+        .filter_map(|(at, line)| Some((at, function_name(line)?)));
+    starts
+        .filter_map(|(at, name)| {
+            let lines = body_end(&lines[at..])? + 1;
+            Some(Function {
+                name,
+                line: at + 1,
+                lines,
+            })
+        })
+        .collect()
+}
+
+/// The name, if the line declares a function: qualifiers, then `fn`.
+fn function_name(line: &str) -> Option<&str> {
+    let mut words = line.trim_start();
+    while let Some((word, rest)) = words.split_once(' ') {
+        match word {
+            "fn" => return Some(&rest[..rest.find(['(', '<'])?]),
+            "pub" | "pub(crate)" | "pub(super)" | "const" | "async" | "unsafe" | "extern" => {
+                words = rest
+            }
+            _ => return None,
+        }
+    }
+    None
+}
+
+/// The index of the line that closes what the first line opens: the first one that has its
+/// indentation and begins with a brace. A declaration without body has none.
+fn body_end(lines: &[&str]) -> Option<usize> {
+    let first = lines.first()?;
+    if first.ends_with('}') {
+        return Some(0);
+    }
+    if first.ends_with(';') {
+        return None;
+    }
+    let indent = first.len() - first.trim_start().len();
+    let same =
+        |line: &&str| line.len() - line.trim_start().len() == indent && !line.trim().is_empty();
+    let mut rest = lines
+        .iter()
+        .enumerate()
+        .skip(1)
+        .filter(|(_, line)| same(line));
+    let (at, line) = rest.find(|(_, line)| line.trim() == "}" || line.trim_end().ends_with(';'))?;
+    (line.trim() == "}").then_some(at)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const TEXT: &str = "\
+/// Docs.
+pub const fn short() -> u8 { 1 }
+
+trait T {
+    fn declared(
+        &self,
+    ) -> u8;
+    fn provided<'a>(&self, x: &'a str) -> u8
+    where
+        Self: Sized,
+    {
+        if x.is_empty() {
+            return 1;
+        }
+        2
+    }
+}
+
+fn outer() {
+    fn inner() {
+        call();
+    }
+}
+";
+
+    #[test]
+    fn functions_are_measured_from_fn_to_brace() {
+        let found: Vec<(&str, usize, usize)> = functions(TEXT)
+            .iter()
+            .map(|f| (f.name, f.line, f.lines))
+            .collect();
+        assert_eq!(
+            found,
+            [
+                ("short", 2, 1),
+                ("provided", 8, 9),
+                ("outer", 19, 5),
+                ("inner", 20, 3)
+            ]
+        );
+    }
+
+    #[test]
+    fn unit_tests_are_left_out() {
+        assert_eq!(
+            without_tests("fn a() {}\n#[cfg(test)]\nmod tests {\n}\n"),
+            "fn a() {}\n"
+        );
+        assert_eq!(without_tests("fn a() {}\n"), "fn a() {}\n");
+    }
+}

@@ -1,0 +1,74 @@
+//! Rule 3: a finding is declared in one table, and has one page. Rule 10: it is raised in one place.
+
+use std::collections::{BTreeMap, BTreeSet};
+
+use rpi_diag::Code;
+use rpi_house::{fences, source_files, without_tests};
+use rpi_testkit::files_below;
+
+#[test]
+fn no_page_without_a_code() {
+    let pages: BTreeSet<String> = files_below("crates/rpi-diag/pages", &[".md"])
+        .iter()
+        .filter_map(|path| Some(path.file_stem()?.to_str()?.to_owned()))
+        .collect();
+    let codes: BTreeSet<String> = Code::ALL
+        .iter()
+        .map(|code| code.as_str().to_owned())
+        .collect();
+    assert_eq!(pages, codes);
+}
+
+#[test]
+fn pages_carry_their_title_and_both_programs() {
+    for code in Code::ALL {
+        let heading = format!("# {code}: {}", code.title());
+        assert_eq!(code.page().lines().next(), Some(heading.as_str()), "{code}");
+        let fences = fences(code.page());
+        for info in ["rpi-wrong", "rpi-right"] {
+            let programs = fences
+                .iter()
+                .filter(|f| f.info.split(' ').next() == Some(info));
+            assert!(
+                programs.count() > 0,
+                "{code}: the page has no `{info}` program"
+            );
+        }
+    }
+}
+
+/// The words of a finding live beside the check that knows the facts, and so in one crate.
+#[test]
+fn a_code_is_raised_in_one_crate() {
+    let raisers = raisers();
+    for code in Code::ALL {
+        let crates = raisers.get(code.as_str()).cloned().unwrap_or_default();
+        assert!(
+            crates.len() < 2,
+            "{code} is raised in {crates:?}; one check, one place"
+        );
+    }
+}
+
+fn raisers() -> BTreeMap<String, BTreeSet<String>> {
+    let mut raisers: BTreeMap<String, BTreeSet<String>> = BTreeMap::new();
+    for (path, text) in source_files() {
+        let owner = path
+            .iter()
+            .nth(1)
+            .unwrap_or_default()
+            .to_string_lossy()
+            .into_owned();
+        if owner == "rpi-diag" {
+            continue;
+        }
+        for (at, _) in without_tests(&text).match_indices("Code::RPI") {
+            let code: String = text[at + 6..]
+                .chars()
+                .take_while(char::is_ascii_alphanumeric)
+                .collect();
+            raisers.entry(code).or_default().insert(owner.clone());
+        }
+    }
+    raisers
+}

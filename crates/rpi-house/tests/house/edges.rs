@@ -1,0 +1,205 @@
+//! Rule 1: dependencies point one way, as drawn.
+
+use std::collections::{BTreeMap, BTreeSet};
+
+use rpi_house::{Package, packages};
+
+/// The drawing as a table: which crates a crate is built on. A new edge is a decision: it belongs
+/// here and into `ARCHITECTURE.md`.
+const EDGES: &[(&str, &[&str])] = &[
+    ("rpi-image", &[]),
+    ("rpi-device", &["rpi-image"]),
+    ("rpi-prims", &["rpi-device", "rpi-image"]),
+    ("rpi-core", &["rpi-device", "rpi-image", "rpi-prims"]),
+    ("rpi-kin", &[]),
+    ("rpi-sim", &["rpi-device", "rpi-image", "rpi-kin"]),
+    ("rpi-diag", &[]),
+    ("rpi-syntax", &["rpi-diag"]),
+    ("rpi-net", &["rpi-diag", "rpi-image", "rpi-prims"]),
+    (
+        "rpi-sema",
+        &[
+            "rpi-diag",
+            "rpi-image",
+            "rpi-net",
+            "rpi-prims",
+            "rpi-syntax",
+        ],
+    ),
+    (
+        "rpi-lower",
+        &["rpi-diag", "rpi-image", "rpi-net", "rpi-prims"],
+    ),
+    (
+        "rpi-driver",
+        &[
+            "rpi-diag",
+            "rpi-image",
+            "rpi-lower",
+            "rpi-net",
+            "rpi-prims",
+            "rpi-sema",
+            "rpi-syntax",
+        ],
+    ),
+    (
+        "rpi-host",
+        &[
+            "rpi-core",
+            "rpi-device",
+            "rpi-diag",
+            "rpi-image",
+            "rpi-lower",
+            "rpi-net",
+            "rpi-prims",
+            "rpi-sim",
+        ],
+    ),
+    (
+        "rpic",
+        &[
+            "rpi-diag",
+            "rpi-driver",
+            "rpi-image",
+            "rpi-net",
+            "rpi-prims",
+            "rpi-syntax",
+        ],
+    ),
+    (
+        "rpi",
+        &[
+            "rpi-core",
+            "rpi-device",
+            "rpi-diag",
+            "rpi-driver",
+            "rpi-host",
+            "rpi-image",
+            "rpi-net",
+            "rpi-sim",
+        ],
+    ),
+    ("rpi-testkit", &[]),
+    ("rpi-house", &["rpi-testkit"]),
+    ("xtask", &[]),
+];
+
+/// What runs, or may run, on the cycle thread.
+const NO_STD: &[&str] = &[
+    "rpi-core",
+    "rpi-device",
+    "rpi-image",
+    "rpi-kin",
+    "rpi-prims",
+];
+
+/// The compiler: what the real-time side must never see.
+const COMPILER: &[&str] = &[
+    "rpi-diag",
+    "rpi-driver",
+    "rpi-lower",
+    "rpi-net",
+    "rpi-sema",
+    "rpi-syntax",
+    "rpic",
+];
+
+/// Third-party crates that the real-time side may use; all of them work without `std`.
+const NO_STD_THIRD_PARTY: &[&str] = &["libm", "nalgebra"];
+
+#[test]
+fn edges_are_as_drawn() {
+    let drawn: BTreeMap<&str, BTreeSet<&str>> = EDGES
+        .iter()
+        .map(|(name, to)| (*name, to.iter().copied().collect()))
+        .collect();
+    let packages = packages();
+    let real: BTreeMap<&str, BTreeSet<&str>> = packages
+        .iter()
+        .map(|p| (p.name.as_str(), p.edges().into_iter().collect()))
+        .collect();
+    for name in drawn.keys().chain(real.keys()) {
+        assert_eq!(
+            real.get(name),
+            drawn.get(name),
+            "{name}: left is what its manifest says, right is the drawing (EDGES in {})",
+            file!()
+        );
+    }
+}
+
+#[test]
+fn the_real_time_side_sees_no_compiler() {
+    for name in NO_STD {
+        let seen = reachable(name);
+        let bad: Vec<_> = COMPILER.iter().filter(|c| seen.contains(**c)).collect();
+        assert!(bad.is_empty(), "{name} sees {bad:?}");
+        let std: Vec<_> = seen.iter().filter(|c| !NO_STD.contains(c)).collect();
+        assert!(
+            std.is_empty(),
+            "{name} must do without std and sees {std:?}"
+        );
+    }
+}
+
+#[test]
+fn the_real_time_side_is_no_std() {
+    for package in real_time_packages() {
+        let lib = std::fs::read_to_string(package.dir.join("src/lib.rs")).unwrap_or_default();
+        assert!(
+            lib.contains("\n#![no_std]\n"),
+            "{}: `#![no_std]` is missing",
+            package.name
+        );
+        for dependency in package.third_party().filter(|d| !d.dev) {
+            let (name, crate_name) = (&dependency.name, &package.name);
+            assert!(
+                NO_STD_THIRD_PARTY.contains(&name.as_str()),
+                "{crate_name} must not use {name}"
+            );
+            let plain = dependency.name == "libm" || !dependency.default_features;
+            assert!(
+                plain,
+                "{crate_name}: the default features of {name} bring std along"
+            );
+        }
+    }
+}
+
+#[test]
+fn only_tests_use_the_test_kit() {
+    for package in packages().iter().filter(|p| p.name != "rpi-house") {
+        let edges = package.edges();
+        assert!(
+            !edges.contains(&"rpi-testkit"),
+            "{} is built on the test kit",
+            package.name
+        );
+        assert!(
+            !edges.contains(&"rpi-house"),
+            "{} is built on the house's rules",
+            package.name
+        );
+    }
+}
+
+fn real_time_packages() -> Vec<Package> {
+    packages()
+        .into_iter()
+        .filter(|p| NO_STD.contains(&p.name.as_str()))
+        .collect()
+}
+
+/// Every crate that `from` is built on, directly or not, by the drawing.
+fn reachable(from: &'static str) -> BTreeSet<&'static str> {
+    let mut seen = BTreeSet::new();
+    let mut next: Vec<&str> = vec![from];
+    while let Some(name) = next.pop() {
+        let edges = EDGES
+            .iter()
+            .find(|(drawn, _)| *drawn == name)
+            .map_or(&[][..], |(_, to)| to);
+        next.extend(edges.iter().filter(|to| seen.insert(**to)));
+    }
+    seen
+}

@@ -1,0 +1,10 @@
+//! The rules of `ARCHITECTURE.md`, each as a test. One file per rule or kind of rule.
+
+mod codes;
+mod cycle;
+mod edges;
+mod links;
+mod owners;
+mod rules;
+mod unsafety;
+mod words;

@@ -1,0 +1,80 @@
+//! Rule 9: third-party crates have one owner crate each.
+
+use std::collections::{BTreeMap, BTreeSet};
+
+use rpi_house::packages;
+
+/// Who uses what in the product. nalgebra's types are the one vocabulary that crosses crates, and
+/// libm the one arithmetic; serde and clap are derives that name no type of theirs in an interface.
+const OWNERS: &[(&str, &[&str])] = &[
+    ("clap", &["rpi", "rpic"]),
+    ("clap_complete", &["rpi", "rpic"]),
+    ("clap_mangen", &["rpi", "rpic"]),
+    ("flate2", &["rpi-host", "rpi-testkit"]),
+    ("hdrhistogram", &["rpi-host"]),
+    ("lalrpop", &["rpi-syntax"]),
+    ("lalrpop-util", &["rpi-syntax"]),
+    ("libc", &["rpi-host"]),
+    ("libm", &["rpi-kin", "rpi-prims"]),
+    ("logos", &["rpi-syntax"]),
+    ("miette", &["rpi-diag"]),
+    ("nalgebra", &["rpi-kin", "rpi-prims", "rpi-sim"]),
+    ("petgraph", &["rpi-net", "rpi-sema"]),
+    ("rtrb", &["rpi-host"]),
+    ("serde", &["rpi-diag", "rpi-host", "rpi-sim"]),
+    ("serde_json", &["rpi-diag", "rpi-host", "rpi-house"]),
+    ("toml", &["rpi-sim"]),
+    ("assert_no_alloc", &["rpi-testkit"]),
+];
+
+/// What any crate may use in its tests and benches.
+const TEST_TOOLS: &[&str] = &["criterion", "insta", "proptest", "tempfile"];
+
+#[test]
+fn third_party_crates_have_the_owners_of_the_table() {
+    let listed: BTreeMap<&str, BTreeSet<&str>> = OWNERS
+        .iter()
+        .map(|(name, owners)| (*name, owners.iter().copied().collect()))
+        .collect();
+    let used = used();
+    let used: BTreeMap<&str, BTreeSet<&str>> = used
+        .iter()
+        .map(|(name, owners)| (name.as_str(), owners.iter().map(String::as_str).collect()))
+        .collect();
+    for name in listed.keys().chain(used.keys()) {
+        assert_eq!(
+            used.get(name),
+            listed.get(name),
+            "{name}: left is what the manifests say, right is the table (OWNERS in {})",
+            file!()
+        );
+    }
+}
+
+#[test]
+fn tests_use_what_is_listed_or_owned() {
+    for package in packages() {
+        for tool in package.third_party().filter(|d| d.dev) {
+            let known = TEST_TOOLS.contains(&tool.name.as_str())
+                || OWNERS.iter().any(|(name, _)| *name == tool.name);
+            assert!(
+                known,
+                "{} tests with {}, which nobody listed",
+                package.name, tool.name
+            );
+        }
+    }
+}
+
+/// Third-party crates of the product, each with the crates that depend on it.
+fn used() -> BTreeMap<String, BTreeSet<String>> {
+    let mut used: BTreeMap<String, BTreeSet<String>> = BTreeMap::new();
+    for package in packages() {
+        for dependency in package.third_party().filter(|d| !d.dev) {
+            used.entry(dependency.name.clone())
+                .or_default()
+                .insert(package.name.clone());
+        }
+    }
+    used
+}

@@ -1,0 +1,57 @@
+//! Rule 7: `unsafe` is forbidden except in the crates that say why.
+
+use rpi_house::{packages, source_files};
+use rpi_testkit::workspace_root;
+
+/// Crates that may hold `unsafe` code, and why.
+const ALLOWED: &[(&str, &str)] = &[];
+
+#[test]
+fn the_workspace_forbids_unsafe_and_every_crate_obeys() {
+    let manifest = std::fs::read_to_string(workspace_root().join("Cargo.toml")).unwrap_or_default();
+    assert!(
+        manifest.contains("\nunsafe_code = \"forbid\"\n"),
+        "the workspace lint is gone"
+    );
+    for package in packages().iter().filter(|p| reason(&p.name).is_none()) {
+        let manifest = std::fs::read_to_string(package.dir.join("Cargo.toml")).unwrap_or_default();
+        let obeys = manifest.contains("[lints]\nworkspace = true");
+        assert!(
+            obeys,
+            "{} does not take over the lints of the workspace",
+            package.name
+        );
+    }
+}
+
+#[test]
+fn no_file_outside_of_the_table_says_unsafe() {
+    for (path, text) in source_files() {
+        let owner = path
+            .iter()
+            .nth(1)
+            .unwrap_or_default()
+            .to_string_lossy()
+            .into_owned();
+        let lines = text
+            .lines()
+            .filter(|line| !line.trim_start().starts_with("//"));
+        let found = lines.into_iter().find(|line| says_unsafe(line));
+        if let (Some(line), None) = (found, reason(&owner)) {
+            // The tool that measures functions knows the word as a word.
+            assert!(line.contains("\"unsafe\""), "{}: {line}", path.display());
+        }
+    }
+}
+
+fn says_unsafe(line: &str) -> bool {
+    line.split(|c: char| !c.is_alphanumeric() && c != '_')
+        .any(|word| word == "unsafe")
+}
+
+fn reason(crate_name: &str) -> Option<&'static str> {
+    ALLOWED
+        .iter()
+        .find(|(name, _)| *name == crate_name)
+        .map(|(_, why)| *why)
+}

@@ -1,0 +1,67 @@
+//! What must not stand in any file: the machine it was written on, and where it gets its packages.
+
+use rpi_house::tracked_files;
+use rpi_testkit::workspace_root;
+
+/// Pieces of text, cut in two so that this file does not hold them.
+const FORBIDDEN: &[(&str, &str)] = &[
+    ("/wo", "rk/"),
+    ("/ho", "me/"),
+    ("/ro", "ot/"),
+    ("/Us", "ers/"),
+    ("crates", ".io/"),
+    ("index.crates", ".io"),
+    ("regis", "try+http"),
+    ("pypi", ".org"),
+    ("npmjs", ".com"),
+    ("local", "host:8"),
+];
+
+/// Machines write this one, and it names the registry by its nature.
+const LOCK_FILE: &str = "Cargo.lock";
+
+#[test]
+fn no_file_names_a_machine_or_a_registry() {
+    let mut found = Vec::new();
+    for path in tracked_files()
+        .iter()
+        .filter(|path| !path.ends_with(LOCK_FILE))
+    {
+        let Ok(text) = std::fs::read_to_string(workspace_root().join(path)) else {
+            continue;
+        };
+        for (number, line) in text.lines().enumerate() {
+            if FORBIDDEN
+                .iter()
+                .any(|(a, b)| line.contains(&format!("{a}{b}")))
+            {
+                found.push(format!("{}:{}: {line}", path.display(), number + 1));
+            }
+        }
+    }
+    assert!(found.is_empty(), "{}", found.join("\n"));
+}
+
+#[test]
+fn no_work_is_left_undone() {
+    let words = [
+        ("to", "do!("),
+        ("unimple", "mented!("),
+        ("FIX", "ME"),
+        ("#[ig", "nore]"),
+    ];
+    let mut found = Vec::new();
+    for path in tracked_files()
+        .iter()
+        .filter(|path| path.extension().is_some_and(|e| e == "rs"))
+    {
+        let Ok(text) = std::fs::read_to_string(workspace_root().join(path)) else {
+            continue;
+        };
+        let hits = words
+            .iter()
+            .filter(|(a, b)| text.contains(&format!("{a}{b}")));
+        found.extend(hits.map(|(a, b)| format!("{}: {a}{b}", path.display())));
+    }
+    assert!(found.is_empty(), "{}", found.join("\n"));
+}
