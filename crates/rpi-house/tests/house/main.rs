@@ -5,6 +5,7 @@ mod cycle;
 mod edges;
 mod links;
 mod owners;
+mod primitives;
 mod rules;
 mod unsafety;
 mod words;

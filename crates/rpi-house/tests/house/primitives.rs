@@ -1,0 +1,74 @@
+//! Rule 2: a primitive is declared in exactly one place.
+
+use std::collections::BTreeMap;
+
+use rpi_house::{source_files, without_tests};
+use rpi_prims::{PrimId, registry};
+
+#[test]
+fn names_are_declared_once() {
+    let names: Vec<&str> = registry().iter().map(|prim| prim.desc.name).collect();
+    let unsorted = names.windows(2).find(|pair| pair[0] >= pair[1]);
+    assert_eq!(
+        unsorted, None,
+        "two primitives of one name, or a registry out of order"
+    );
+}
+
+#[test]
+fn declarations_are_complete() {
+    for prim in registry() {
+        let desc = &prim.desc;
+        assert!(
+            !desc.doc.trim().is_empty(),
+            "{}: no documentation",
+            desc.name
+        );
+        assert!(desc.work > 0, "{}: no bound of its work", desc.name);
+        let ports = desc
+            .inputs
+            .iter()
+            .map(|p| p.name)
+            .chain(desc.outputs.iter().map(|p| p.name));
+        let mut seen: BTreeMap<&str, usize> = BTreeMap::new();
+        ports.for_each(|name| *seen.entry(name).or_default() += 1);
+        let twice: Vec<_> = seen.iter().filter(|(_, count)| **count > 1).collect();
+        assert!(
+            twice.is_empty(),
+            "{}: ports declared twice: {twice:?}",
+            desc.name
+        );
+    }
+}
+
+/// What other crates say of a primitive is its name, and the name is in the registry.
+#[test]
+fn names_in_other_crates_are_registered() {
+    let files = source_files();
+    let others = files
+        .iter()
+        .filter(|(path, _)| !path.starts_with("crates/rpi-prims"));
+    for (path, text) in others {
+        for name in quoted_names(without_tests(text)) {
+            assert!(
+                PrimId::of(name).is_some(),
+                "{}: no primitive {name}",
+                path.display()
+            );
+        }
+    }
+}
+
+/// Whole string literals of the form `"Core::Something"` or `"Rpi::Something"`.
+fn quoted_names(text: &str) -> impl Iterator<Item = &str> {
+    let literals = text
+        .lines()
+        .flat_map(|line| line.split('"').skip(1).step_by(2));
+    literals.filter(|literal| {
+        let name = literal
+            .strip_prefix("Core::")
+            .or(literal.strip_prefix("Rpi::"))
+            .unwrap_or("");
+        !name.is_empty() && name.chars().all(|c| c.is_ascii_alphanumeric())
+    })
+}
