@@ -4,6 +4,7 @@
 //! Everything after this crate (lowering, running) sees only a net that has passed [`passes`]. A net must not know
 //! syntax trees or the image; where it came from is an [`Origin`] per node and nothing more.
 
+pub mod literal;
 pub mod net;
 pub mod passes;
 pub mod tree;

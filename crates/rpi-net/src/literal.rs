@@ -1,0 +1,168 @@
+//! Values as texts, in the form of the reference system: parameters of nets and recorded traces.
+//!
+//! Truth values are `true` and `false`, reals may be `nan`, `+inf` and `-inf`, structured values are written
+//! `{x:1.0,y:2.0,z:3.0}`, arrays `[1,2]`, an absent value `null`. Rotations are Euler angles in radians about z, then
+//! y, then x of the turned frame (`{a:..,b:..,c:..}`). Times are milliseconds since the Unix epoch.
+
+use std::fmt;
+
+use rpi_image::{Scalar, Type, Value};
+use rpi_prims::operand::{Flow, Rotation};
+
+mod tree;
+mod write;
+
+use tree::Tree;
+pub use write::write;
+
+/// Why a text is no value of the type asked for.
+#[derive(Clone, PartialEq, Eq, Debug)]
+pub struct LiteralError {
+    /// Byte in the text from which on it cannot be read.
+    pub at: usize,
+    /// What is wrong.
+    pub message: String,
+}
+
+impl LiteralError {
+    fn new(at: usize, message: impl Into<String>) -> LiteralError {
+        LiteralError {
+            at,
+            message: message.into(),
+        }
+    }
+}
+
+impl fmt::Display for LiteralError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(&self.message)
+    }
+}
+
+impl std::error::Error for LiteralError {}
+
+/// Reads one value of a scalar type; `None` for `null`.
+///
+/// # Errors
+/// If the text is not of that type.
+pub fn read_one(text: &str, scalar: Scalar) -> Result<Option<Value>, LiteralError> {
+    let tree = tree::parse(text)?;
+    Ok(element(&tree, scalar)?.map(|cells| Value::Cells {
+        ty: Type::One(scalar),
+        cells,
+    }))
+}
+
+/// Reads an array of any length; elements that are `null` are `None`. `None` for `null` in place of the array.
+///
+/// # Errors
+/// If the text is no array of that element type.
+pub fn read_array(text: &str, scalar: Scalar) -> Result<Option<Vec<Option<Value>>>, LiteralError> {
+    let tree = tree::parse(text)?;
+    if tree.is_null() {
+        return Ok(None);
+    }
+    let value = |cells| Value::Cells {
+        ty: Type::One(scalar),
+        cells,
+    };
+    let elements = tree.elements()?.iter();
+    elements
+        .map(|tree| Ok(element(tree, scalar)?.map(value)))
+        .collect::<Result<_, _>>()
+        .map(Some)
+}
+
+/// Reads a value of a flow type; `None` for `null` and for an array with a `null` in it, which no flow can carry.
+///
+/// # Errors
+/// If the text is not of that type, or an array of another length.
+pub fn read(text: &str, ty: Type) -> Result<Option<Value>, LiteralError> {
+    let (scalar, len) = match ty {
+        Type::One(scalar) => return read_one(text, scalar),
+        Type::Array(scalar, len) => (scalar, len),
+        Type::Matrix(..) => (Scalar::Real, ty.cells()),
+    };
+    let Some(elements) = read_array(text, scalar)? else {
+        return Ok(None);
+    };
+    if elements.len() != len as usize {
+        let message = format!("{} elements where {ty} has {len}", elements.len());
+        return Err(LiteralError::new(0, message));
+    }
+    let elements: Option<Vec<Value>> = elements.into_iter().collect();
+    Ok(elements.map(|elements| Value::Cells {
+        ty,
+        cells: elements.iter().flat_map(Value::cells).copied().collect(),
+    }))
+}
+
+fn element(tree: &Tree<'_>, scalar: Scalar) -> Result<Option<Vec<u64>>, LiteralError> {
+    if tree.is_null() {
+        return Ok(None);
+    }
+    cells(tree, scalar).map(Some)
+}
+
+fn cells(tree: &Tree<'_>, scalar: Scalar) -> Result<Vec<u64>, LiteralError> {
+    Ok(match scalar {
+        Scalar::Bool => vec![u64::from(tree.word("true or false", truth)?)],
+        Scalar::Int => vec![tree.word("a whole number", whole)?.cast_unsigned()],
+        Scalar::Time => vec![tree.word("a time in milliseconds", millis)?.cast_unsigned()],
+        Scalar::Real => vec![real(tree)?.to_bits()],
+        Scalar::Vector => reals(tree, &["x", "y", "z"])?,
+        Scalar::Rotation => {
+            let angles = reals(tree, &["a", "b", "c"])?;
+            let [a, b, c] = [0, 1, 2].map(|k| f64::from_bits(angles[k]));
+            stored(Rotation::from_euler_angles(c, b, a))
+        }
+        Scalar::Pose => pair(tree, ("pos", Scalar::Vector), ("rot", Scalar::Rotation))?,
+        Scalar::Twist => pair(tree, ("vel", Scalar::Vector), ("rot", Scalar::Vector))?,
+        Scalar::Wrench => pair(tree, ("force", Scalar::Vector), ("torque", Scalar::Vector))?,
+    })
+}
+
+fn stored<T: Flow>(value: T) -> Vec<u64> {
+    let mut cells = vec![0; T::CELLS];
+    value.store(&mut cells, 0);
+    cells
+}
+
+type Half = (&'static str, Scalar);
+
+fn pair(tree: &Tree<'_>, a: Half, b: Half) -> Result<Vec<u64>, LiteralError> {
+    let [first, second] = tree.fields([a.0, b.0])?;
+    let mut all = cells(first, a.1)?;
+    all.extend(cells(second, b.1)?);
+    Ok(all)
+}
+
+fn reals(tree: &Tree<'_>, keys: &[&'static str; 3]) -> Result<Vec<u64>, LiteralError> {
+    let fields = tree.fields(*keys)?;
+    fields.iter().map(|f| Ok(real(f)?.to_bits())).collect()
+}
+
+fn real(tree: &Tree<'_>) -> Result<f64, LiteralError> {
+    tree.word("a number", |w| w.parse().ok())
+}
+
+fn truth(word: &str) -> Option<bool> {
+    word.parse().ok()
+}
+
+fn whole(word: &str) -> Option<i64> {
+    word.parse().ok()
+}
+
+/// Milliseconds, with at most six digits after the point, in nanoseconds.
+fn millis(word: &str) -> Option<i64> {
+    let (whole, part) = word.split_once('.').unwrap_or((word, ""));
+    let digits = part.bytes().all(|b| b.is_ascii_digit());
+    let nanos: i64 = format!("{part:0<6}").get(..6)?.parse().ok()?;
+    let whole: i64 = whole.parse::<i64>().ok()?.checked_mul(1_000_000)?;
+    let signed = if word.starts_with('-') { -nanos } else { nanos };
+    digits.then_some(whole)?.checked_add(signed)
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,124 @@
+use super::*;
+
+/// Type, and texts of it that are written back as they are.
+const SAME: &[(Scalar, &[&str])] = &[
+    (Scalar::Bool, &["true", "false"]),
+    (Scalar::Int, &["0", "-7", "9223372036854775807"]),
+    (
+        Scalar::Real,
+        &[
+            "-1.0E-5",
+            "nan",
+            "+inf",
+            "-inf",
+            "-0.0",
+            "0.1",
+            "1.7976931348623157E308",
+        ],
+    ),
+    (Scalar::Time, &["1795223516581", "-1", "5.25", "-0.5"]),
+    (Scalar::Vector, &["{x:1.0,y:-2.5,z:nan}"]),
+    (Scalar::Rotation, &["{a:0.0,b:0.0,c:0.0}"]),
+    (
+        Scalar::Pose,
+        &["{pos:{x:1.0,y:2.0,z:3.0},rot:{a:0.0,b:0.0,c:0.0}}"],
+    ),
+    (
+        Scalar::Twist,
+        &["{vel:{x:1.0,y:2.0,z:3.0},rot:{x:4.0,y:5.0,z:6.0}}"],
+    ),
+    (
+        Scalar::Wrench,
+        &["{force:{x:1.0,y:2.0,z:3.0},torque:{x:4.0,y:5.0,z:6.0}}"],
+    ),
+];
+
+#[test]
+fn texts_read_and_write_back() {
+    for (scalar, texts) in SAME {
+        for text in *texts {
+            let value = read_one(text, *scalar).unwrap().unwrap();
+            assert_eq!(write(value.cells(), Type::One(*scalar)), *text);
+        }
+    }
+}
+
+#[test]
+fn rotations_are_turns_about_z_then_y_then_x() {
+    let rotation = |text| {
+        Rotation::load(
+            read_one(text, Scalar::Rotation).unwrap().unwrap().cells(),
+            0,
+        )
+    };
+    let turns = ["{a:0.3,b:0,c:0}", "{a:0,b:-0.4,c:0}", "{a:0,b:0,c:0.5}"].map(rotation);
+    let all = rotation("{a:0.3,b:-0.4,c:0.5}");
+    assert!(all.angle_to(&(turns[0] * turns[1] * turns[2])) < 1e-15);
+    let axes = turns.map(|t| t.axis().unwrap().into_inner());
+    assert_eq!(
+        axes.map(|a| [a.x, a.y, a.z]),
+        [[0.0, 0.0, 1.0], [0.0, -1.0, 0.0], [1.0, 0.0, 0.0]]
+    );
+}
+
+#[test]
+fn fields_may_come_in_any_order() {
+    let value = read_one("{ z: 3, x: 1, y: 2 }", Scalar::Vector)
+        .unwrap()
+        .unwrap();
+    assert_eq!(
+        write(value.cells(), Scalar::Vector.into()),
+        "{x:1.0,y:2.0,z:3.0}"
+    );
+}
+
+#[test]
+fn null_is_absence() {
+    assert_eq!(read_one("null", Scalar::Pose), Ok(None));
+    assert_eq!(read("[1.0,null]", Type::Array(Scalar::Real, 2)), Ok(None));
+    let elements = read_array("[true,null]", Scalar::Bool).unwrap().unwrap();
+    assert_eq!(elements, [Some(Value::bool(true)), None]);
+}
+
+#[test]
+fn arrays_have_the_length_of_their_type() {
+    let value = read("[1, 2,3 ]", Type::Array(Scalar::Int, 3))
+        .unwrap()
+        .unwrap();
+    assert_eq!(value.cells(), [1, 2, 3]);
+    assert!(read("[1,2]", Type::Array(Scalar::Int, 3)).is_err());
+    assert_eq!(read_array("[]", Scalar::Int).unwrap().unwrap(), []);
+}
+
+#[test]
+fn what_is_wrong_is_said_with_its_place() {
+    let error = |text, scalar| read_one(text, scalar).unwrap_err();
+    assert_eq!(
+        error("maybe", Scalar::Bool).message,
+        "expected true or false"
+    );
+    assert_eq!(
+        error("{x:1,y:2}", Scalar::Vector).message,
+        "expected {x:..,y:..,z:..}"
+    );
+    assert_eq!(error("{x:1,y:2,z:}", Scalar::Vector).at, 11);
+    assert_eq!(error("1.5 2", Scalar::Real).at, 4);
+    assert_eq!(error("", Scalar::Real).message, "expected a value");
+    assert!(
+        error(&"[".repeat(1000), Scalar::Real)
+            .message
+            .contains("deep")
+    );
+}
+
+#[test]
+fn no_prefix_of_a_value_makes_it_panic() {
+    for (scalar, texts) in SAME {
+        for text in texts.iter().chain(["[1,{ä:2}]", "{a", "9.é"].iter()) {
+            for end in (0..=text.len()).filter(|&k| text.is_char_boundary(k)) {
+                let _ = read_one(&text[..end], *scalar);
+                let _ = read_array(&text[..end], *scalar);
+            }
+        }
+    }
+}

@@ -1,0 +1,155 @@
+//! The shape of a value's text: words, objects and arrays.
+
+use super::LiteralError;
+
+/// Deeper nesting than any value has is refused, so that no text can exhaust the stack.
+const MAX_DEPTH: usize = 8;
+
+/// A text taken apart.
+pub(super) enum Tree<'a> {
+    Word(usize, &'a str),
+    Object(usize, Vec<(&'a str, Tree<'a>)>),
+    Array(usize, Vec<Tree<'a>>),
+}
+
+impl<'a> Tree<'a> {
+    pub(super) fn is_null(&self) -> bool {
+        matches!(self, Tree::Word(_, "null"))
+    }
+
+    /// Where it begins.
+    fn at(&self) -> usize {
+        match self {
+            Tree::Word(at, _) | Tree::Object(at, _) | Tree::Array(at, _) => *at,
+        }
+    }
+
+    /// The value of a single word that `read` understands.
+    pub(super) fn word<T>(
+        &self,
+        what: &str,
+        read: impl Fn(&str) -> Option<T>,
+    ) -> Result<T, LiteralError> {
+        let wrong = || LiteralError::new(self.at(), format!("expected {what}"));
+        match self {
+            Tree::Word(_, word) => read(word).ok_or_else(wrong),
+            _ => Err(wrong()),
+        }
+    }
+
+    pub(super) fn elements(&self) -> Result<&[Tree<'a>], LiteralError> {
+        match self {
+            Tree::Array(_, elements) => Ok(elements),
+            _ => Err(LiteralError::new(self.at(), "expected an array `[..]`")),
+        }
+    }
+
+    /// The fields of these names; exactly these must be there, in any order.
+    pub(super) fn fields<const N: usize>(
+        &self,
+        names: [&str; N],
+    ) -> Result<[&Tree<'a>; N], LiteralError> {
+        let expected = || {
+            let form = names.map(|n| format!("{n}:..")).join(",");
+            LiteralError::new(self.at(), format!("expected {{{form}}}"))
+        };
+        let Tree::Object(_, fields) = self else {
+            return Err(expected());
+        };
+        let find = |name: &str| fields.iter().find(|(n, _)| *n == name).map(|(_, t)| t);
+        let found: Option<Vec<&Tree<'a>>> = names.iter().map(|name| find(name)).collect();
+        let found = found.filter(|_| fields.len() == N).ok_or_else(expected)?;
+        found.try_into().map_err(|_| expected())
+    }
+}
+
+/// Takes a whole text apart.
+pub(super) fn parse(text: &str) -> Result<Tree<'_>, LiteralError> {
+    let mut reader = Reader { text, at: 0 };
+    let tree = reader.term(0)?;
+    reader.space();
+    match reader.rest().is_empty() {
+        true => Ok(tree),
+        false => Err(LiteralError::new(
+            reader.at,
+            "expected the end of the value",
+        )),
+    }
+}
+
+struct Reader<'a> {
+    text: &'a str,
+    at: usize,
+}
+
+impl<'a> Reader<'a> {
+    fn rest(&self) -> &'a str {
+        &self.text[self.at..]
+    }
+
+    fn space(&mut self) {
+        self.at = self.text.len() - self.rest().trim_start().len();
+    }
+
+    fn eat(&mut self, sign: char) -> bool {
+        self.space();
+        let found = self.rest().starts_with(sign);
+        self.at += if found { sign.len_utf8() } else { 0 };
+        found
+    }
+
+    fn expect(&mut self, sign: char) -> Result<(), LiteralError> {
+        match self.eat(sign) {
+            true => Ok(()),
+            false => Err(LiteralError::new(self.at, format!("expected `{sign}`"))),
+        }
+    }
+
+    fn term(&mut self, depth: usize) -> Result<Tree<'a>, LiteralError> {
+        self.space();
+        let at = self.at;
+        if depth > MAX_DEPTH {
+            return Err(LiteralError::new(at, "nested too deeply"));
+        }
+        if self.eat('{') {
+            return Ok(Tree::Object(at, self.list('}', |r| r.field(depth))?));
+        }
+        if self.eat('[') {
+            return Ok(Tree::Array(at, self.list(']', |r| r.term(depth + 1))?));
+        }
+        match self.name() {
+            "" => Err(LiteralError::new(at, "expected a value")),
+            word => Ok(Tree::Word(at, word)),
+        }
+    }
+
+    fn list<T>(
+        &mut self,
+        end: char,
+        mut item: impl FnMut(&mut Self) -> Result<T, LiteralError>,
+    ) -> Result<Vec<T>, LiteralError> {
+        let mut items = Vec::new();
+        while !self.eat(end) {
+            if !items.is_empty() {
+                self.expect(',')?;
+            }
+            items.push(item(self)?);
+        }
+        Ok(items)
+    }
+
+    fn field(&mut self, depth: usize) -> Result<(&'a str, Tree<'a>), LiteralError> {
+        self.space();
+        let name = self.name();
+        self.expect(':')?;
+        Ok((name, self.term(depth + 1)?))
+    }
+
+    fn name(&mut self) -> &'a str {
+        let rest = self.rest();
+        let inside = |c: char| c.is_ascii_alphanumeric() || "+-._".contains(c);
+        let word = &rest[..rest.find(|c| !inside(c)).unwrap_or(rest.len())];
+        self.at += word.len();
+        word
+    }
+}

@@ -1,0 +1,103 @@
+//! Writing values as texts that read back to the same bits (rotations: to the same rotation).
+
+use rpi_image::{Scalar, Type};
+use rpi_prims::operand::{Flow, Rotation};
+
+/// The text of a value of a flow type; `cells` are its cells.
+#[must_use]
+pub fn write(cells: &[u64], ty: Type) -> String {
+    match ty {
+        Type::One(scalar) => one(cells, scalar),
+        Type::Array(scalar, _) => array(cells, scalar),
+        Type::Matrix(..) => array(cells, Scalar::Real),
+    }
+}
+
+fn array(cells: &[u64], scalar: Scalar) -> String {
+    let values = cells.chunks_exact(scalar.cells() as usize);
+    let texts: Vec<String> = values.map(|v| one(v, scalar)).collect();
+    format!("[{}]", texts.join(","))
+}
+
+fn one(cells: &[u64], scalar: Scalar) -> String {
+    let part = |from: usize, scalar| one(cells.get(from..).unwrap_or(&[]), scalar);
+    match scalar {
+        Scalar::Bool => (first(cells) != 0).to_string(),
+        Scalar::Int => first(cells).cast_signed().to_string(),
+        Scalar::Real => real(first(cells)),
+        Scalar::Time => millis(first(cells).cast_signed()),
+        Scalar::Vector => object(["x", "y", "z"], cells),
+        Scalar::Rotation => angles(cells),
+        Scalar::Pose => format!(
+            "{{pos:{},rot:{}}}",
+            part(0, Scalar::Vector),
+            part(3, Scalar::Rotation)
+        ),
+        Scalar::Twist => format!(
+            "{{vel:{},rot:{}}}",
+            part(0, Scalar::Vector),
+            part(3, Scalar::Vector)
+        ),
+        Scalar::Wrench => format!(
+            "{{force:{},torque:{}}}",
+            part(0, Scalar::Vector),
+            part(3, Scalar::Vector)
+        ),
+    }
+}
+
+fn first(cells: &[u64]) -> u64 {
+    cells.first().copied().unwrap_or(0)
+}
+
+fn object(names: [&str; 3], cells: &[u64]) -> String {
+    let fields: Vec<String> = names
+        .iter()
+        .zip(cells)
+        .map(|(name, &cell)| format!("{name}:{}", real(cell)))
+        .collect();
+    format!("{{{}}}", fields.join(","))
+}
+
+fn angles(cells: &[u64]) -> String {
+    if cells.len() < Rotation::CELLS {
+        return object(["a", "b", "c"], &[]);
+    }
+    let (roll, pitch, yaw) = Rotation::load(cells, 0).euler_angles();
+    object(["a", "b", "c"], &[yaw, pitch, roll].map(f64::to_bits))
+}
+
+/// The shortest text that reads back to the same bits.
+fn real(bits: u64) -> String {
+    let value = f64::from_bits(bits);
+    if value.is_nan() {
+        "nan".into()
+    } else if value.is_infinite() {
+        if value > 0.0 { "+inf" } else { "-inf" }.into()
+    } else {
+        exponent_written_out(&format!("{value:?}"))
+    }
+}
+
+/// `1e-5` as `1.0E-5`.
+fn exponent_written_out(text: &str) -> String {
+    match text.split_once('e') {
+        None => text.to_owned(),
+        Some((digits, power)) if digits.contains('.') => format!("{digits}E{power}"),
+        Some((digits, power)) => format!("{digits}.0E{power}"),
+    }
+}
+
+fn millis(ns: i64) -> String {
+    let (whole, part) = (ns / 1_000_000, (ns % 1_000_000).unsigned_abs());
+    if part == 0 {
+        return whole.to_string();
+    }
+    let sign = if ns < 0 { "-" } else { "" };
+    let digits = format!("{part:06}");
+    format!(
+        "{sign}{}.{}",
+        whole.unsigned_abs(),
+        digits.trim_end_matches('0')
+    )
+}
