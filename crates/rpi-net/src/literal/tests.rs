@@ -18,10 +18,10 @@ const SAME: &[(Scalar, &[&str])] = &[
     ),
     (Scalar::Time, &["1795223516581", "-1", "5.25", "-0.5"]),
     (Scalar::Vector, &["{x:1.0,y:-2.5,z:nan}"]),
-    (Scalar::Rotation, &["{a:0.0,b:0.0,c:0.0}"]),
+    (Scalar::Rotation, &["{a:0.0,b:-0.0,c:0.0}"]),
     (
         Scalar::Pose,
-        &["{pos:{x:1.0,y:2.0,z:3.0},rot:{a:0.0,b:0.0,c:0.0}}"],
+        &["{pos:{x:1.0,y:2.0,z:3.0},rot:{a:0.0,b:-0.0,c:0.0}}"],
     ),
     (
         Scalar::Twist,
