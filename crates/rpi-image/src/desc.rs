@@ -17,6 +17,8 @@ pub struct PrimDesc {
     pub outputs: &'static [OutPort],
     /// Parameters that are no fallback of an in-port, in declaration order.
     pub params: &'static [Param],
+    /// Lengths of array out-ports, shapes of matrices.
+    pub shape: Shape,
     /// Memory kept from cycle to cycle.
     pub state: State,
     /// How the core treats it.
@@ -54,10 +56,63 @@ pub struct OutPort {
 pub enum PortType {
     /// One value.
     One(Scalar),
-    /// An array; its length is that of the source (in-ports) or the parameter `Size` (out-ports).
+    /// An array; its length is that of the source (in-ports) or follows from [`PrimDesc::shape`] (out-ports).
     Array(Scalar),
-    /// A matrix of reals; its shape is that of the source, or given by parameters.
+    /// A matrix of reals; its shape is that of the source or follows from [`PrimDesc::shape`].
     Matrix,
+}
+
+/// How the lengths of array and matrix out-ports follow from inputs and parameters. [`PrimDesc::out_type`] applies it.
+#[derive(Clone, Copy, Debug)]
+pub enum Shape {
+    /// There is no such port, or nothing to derive and to check.
+    Fixed,
+    /// As long as the integer parameter of this name says.
+    Size(&'static str),
+    /// As long as the array in-port of this index.
+    Like(usize),
+    /// As long as the array parameter of this name.
+    LikeParam(&'static str),
+    /// Worked out, and refused (`None`) where sizes or indices do not fit; also called where only single values come out.
+    Of(fn(&ShapeArgs<'_>) -> Option<Type>),
+}
+
+/// What a shape may depend on.
+#[derive(Clone, Copy, Debug)]
+pub struct ShapeArgs<'a> {
+    /// Types of the in-ports; `None` where nothing is connected and no parameter stands in.
+    pub inputs: &'a [Option<Type>],
+    /// Parameters in the order of [`PrimDesc::params`].
+    pub params: &'a [Value],
+}
+
+impl ShapeArgs<'_> {
+    /// A parameter that is a size or an index; `None` if it is missing, negative or too large.
+    #[must_use]
+    pub fn size(&self, param: usize) -> Option<u32> {
+        self.params
+            .get(param)?
+            .as_int()
+            .and_then(|v| u32::try_from(v).ok())
+    }
+
+    /// Length of an array input.
+    #[must_use]
+    pub fn len(&self, input: usize) -> Option<u32> {
+        match self.inputs.get(input)? {
+            Some(Type::Array(_, n)) => Some(*n),
+            _ => None,
+        }
+    }
+
+    /// Rows and columns of a matrix input.
+    #[must_use]
+    pub fn shape(&self, input: usize) -> Option<(u32, u32)> {
+        match self.inputs.get(input)? {
+            Some(Type::Matrix(rows, cols)) => Some((*rows, *cols)),
+            _ => None,
+        }
+    }
 }
 
 /// What an in-port does when nothing is connected.
@@ -67,6 +122,8 @@ pub enum Need {
     Required,
     /// The parameter of this name, or else this default, stands in.
     Param(&'static str, Default),
+    /// A value made of several real parameters stands in: their names with defaults, and how it is made of them.
+    Params(&'static [(&'static str, f64)], fn(&[f64]) -> Value),
     /// It counts as absent.
     Absent,
 }
@@ -131,7 +188,7 @@ pub enum Presence {
     /// Present exactly if every connected input is. The primitive's code never sees absence:
     /// it has only a `total` form, and one with state is not run in a cycle in which an input is absent.
     Strict,
-    /// The code decides; surely present if all inputs are (Kleene `and`, conditional).
+    /// The code decides; surely present if all connected inputs are (Kleene `and`, conditional).
     IfAll,
     /// The code decides; surely present if any input is (`??`).
     IfAny,
@@ -161,6 +218,17 @@ pub struct SizeArgs<'a> {
     pub dt: f64,
 }
 
+impl SizeArgs<'_> {
+    /// Number of cycles that a real parameter spans, given in seconds: rounded up, at least 0, saturating.
+    #[must_use]
+    pub fn cycles(&self, param: usize) -> u32 {
+        let span = self.params.get(param).and_then(Value::as_real);
+        let cycles = span.unwrap_or(0.0) / self.dt;
+        let whole = cycles as u32;
+        whole.saturating_add(u32::from(cycles > f64::from(whole)))
+    }
+}
+
 /// How the core treats a primitive.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum Role {
@@ -176,9 +244,12 @@ pub enum Role {
     First,
     /// Its outputs are read from a device before evaluation; it is read even inside an inactive fragment.
     Sensor(DeviceUse),
-    /// It hands its input to a device: checked in dependency order, delivered in the write phase.
+    /// It hands its inputs, one after the other as cells of one value, to a device: checked in dependency order, delivered in the write phase.
+    /// Its out-ports are the device's answers ([`DeviceUse::answers`]).
     Actuator(DeviceUse),
-    /// It calls a function of a device (kinematics) in dependency order.
+    /// It calls a function of a device (kinematics) in dependency order, with its inputs one after the other as arguments and its
+    /// out-ports one after the other as result.
+    /// Where the device has no result, an output that is `Maybe` is absent and a `Strict` one is not a number.
     DeviceFunction(DeviceUse),
     /// Its output is set from outside between cycles, by key.
     Input,
@@ -197,6 +268,23 @@ pub struct DeviceUse {
     pub index: Option<&'static str>,
     /// The device's ports: one per out-port for a sensor, one for an actuator or a function.
     pub ports: DevicePorts,
+    /// What an actuator's out-ports tell, one per out-port; empty for a sensor or a function.
+    pub answers: &'static [Answer],
+}
+
+/// What an out-port of an actuator tells about the set-point handed over in this cycle.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub enum Answer {
+    /// True if another writer has set the port in the same cycle.
+    ConcurrentAccess,
+    /// True if the device has failed.
+    DeviceFailed,
+    /// True if the value is not reachable, out of limits or not a number.
+    IllegalValue,
+    /// The device's error code (int), 0 if it is well.
+    ErrorCode,
+    /// True once the device has taken the value over: it is well and has accepted it in the previous cycle.
+    Completed,
 }
 
 /// Names of device ports.
@@ -246,11 +334,38 @@ impl PrimDesc {
         self.params.iter().position(|p| p.name == name)
     }
 
-    /// Index of the in-port for which the parameter `name` stands in.
+    /// Index of the in-port for which the parameter `name` stands in, alone or with others.
     #[must_use]
     pub fn fallback(&self, name: &str) -> Option<usize> {
-        self.inputs
-            .iter()
-            .position(|p| matches!(p.need, Need::Param(n, _) if n == name))
+        self.inputs.iter().position(|p| match p.need {
+            Need::Param(n, _) => n == name,
+            Need::Params(names, _) => names.iter().any(|(n, _)| *n == name),
+            Need::Required | Need::Absent => false,
+        })
+    }
+
+    /// Type of an out-port once the types of the in-ports and the parameters are known; `None` if they do not fit.
+    #[must_use]
+    pub fn out_type(&self, port: usize, args: &ShapeArgs<'_>) -> Option<Type> {
+        if let Shape::Of(of) = self.shape {
+            return of(args);
+        }
+        match self.outputs.get(port)?.ty {
+            PortType::One(s) => Some(Type::One(s)),
+            PortType::Array(s) => self.out_len(args).map(|n| Type::Array(s, n)),
+            PortType::Matrix => None,
+        }
+    }
+
+    fn out_len(&self, args: &ShapeArgs<'_>) -> Option<u32> {
+        match self.shape {
+            Shape::Fixed | Shape::Of(_) => None,
+            Shape::Size(name) => args.size(self.param(name)?),
+            Shape::Like(input) => args.len(input),
+            Shape::LikeParam(name) => match args.params.get(self.param(name)?)?.ty()? {
+                Type::Array(_, n) => Some(n),
+                _ => None,
+            },
+        }
     }
 }

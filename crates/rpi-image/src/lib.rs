@@ -11,8 +11,8 @@ pub mod ty;
 pub mod value;
 
 pub use desc::{
-    CommandFlow, Default as PortDefault, DevicePorts, DeviceUse, InPort, Need, OutPort, Param,
-    ParamType, PortType, Presence, PrimDesc, Role, SizeArgs, State,
+    Answer, CommandFlow, Default as PortDefault, DevicePorts, DeviceUse, InPort, Need, OutPort,
+    Param, ParamType, PortType, Presence, PrimDesc, Role, Shape, ShapeArgs, SizeArgs, State,
 };
 pub use ty::{Scalar, Type};
 pub use value::Value;

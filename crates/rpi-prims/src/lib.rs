@@ -7,12 +7,17 @@
 
 extern crate alloc;
 
+pub mod bulk;
 pub mod catalogue;
 pub mod cx;
+pub mod flow;
+pub mod geometry;
 mod macros;
 pub mod operand;
 pub mod registry;
+mod ring;
 mod run;
+mod window;
 
 pub use cx::{Clock, Cx, Fault, FaultCode};
 pub use registry::{Prim, PrimId, RunFn, registry};

@@ -1,4 +1,4 @@
-//! `primitive!`: the one place in which a primitive is declared.
+//! `primitive!` and `interface!`: the one place in which a primitive is declared.
 //!
 //! ```text
 //! primitive! {
@@ -11,23 +11,35 @@
 //! }
 //! ```
 //! In-ports: `name: type` must be connected; `= Param(Default)` names the parameter that stands in for a missing
-//! connection; `= absent` counts as absent. `param { Name: type = Default }` and `state { types }` come where they exist.
+//! connection; `= absent` counts as absent; `= [NEED]` gives a `Need` as it is (a value made of several parameters).
+//! `param { Name: type = Default }`, `state { types }`, `ring { size function }`, `init function;` and `shape EXPR;` (how
+//! long array outputs are, see [`rpi_image::Shape`]) come where they exist. Types are those of [`crate::flow`], [`crate::bulk::Array`], [`crate::bulk::Matrix`]; parameters may be `Text`.
 //!
 //! Presence is one of `strict`, `if_all`, `if_any`, `always`, `maybe` (see [`rpi_image::Presence`]). The closure of a
-//! strict primitive sees values; of the others it sees and gives options.
+//! strict primitive sees values; of the others it sees and gives options. `faults` after `work N` says that a cycle may
+//! fault.
 //!
-//! `pure |inputs| outputs` is for code without state and parameters;
-//! `full |cx, place, state, params, inputs| outputs` for the rest: `cx` has clocks and takes faults (`cx.fault(code, place)`).
+//! - `pure |inputs| outputs`: no state, no parameters.
+//! - `full |cx, place, state, params, inputs| outputs`: `cx` has cells and clocks and takes faults
+//!   (`cx.fault(code, place)`); the state is a tuple, or the `Region` of a `ring`.
+//! - `bulk |cx, place, params, inputs, outputs| ()`: outputs are arrays or matrices, which the code writes itself;
+//!   where the presence is `maybe` it returns whether they are present.
+//!
+//! `interface!` declares what has no code here because the core does it: devices, keys, delays, constants. A `role`
+//! stands in place of the code, and an out-port's own presence may follow its type (`outValue: f64 maybe`).
 
-/// Declares one primitive as a constant of type [`crate::registry::Prim`]; the module text tells the form.
+/// Declares one primitive with code as a constant of type [`crate::registry::Prim`]; the module text tells the form.
 macro_rules! primitive {
     (
-        $(#[doc = $doc:literal])+
+        $(#[doc = $doc:expr])+
         $id:ident = $name:expr;
-        in { $( $in:ident : $ity:ty $( = $par:ident $( ( $($def:tt)+ ) )? )? );* $(;)? }
+        in { $( $in:ident : $ity:ty $( = $need:tt $( ( $($def:tt)+ ) )? )? );* $(;)? }
         $( param { $( $pn:ident : $pty:ty = $pd:expr );* $(;)? } )?
         out { $( $out:ident : $oty:ty );* $(;)? }
         $( state { $( $sty:ty ),* } )?
+        $( ring { $ring:expr } )?
+        $( init $init:expr; )?
+        $( shape $shape:expr; )?
         presence $presence:ident work $work:literal $( $faults:ident )?;
         $kind:ident $code:expr
     ) => {
@@ -38,26 +50,66 @@ macro_rules! primitive {
                 doc: concat!($($doc, "\n"),+),
                 inputs: &[ $( ::rpi_image::InPort {
                     name: stringify!($in),
-                    ty: ::rpi_image::PortType::One(<$ity as $crate::operand::Flow>::SCALAR),
-                    need: $crate::macros::need!($( $par $( ( $($def)+ ) )? )?),
+                    ty: <$ity as $crate::operand::Port>::TYPE,
+                    need: $crate::macros::need!($( $need $( ( $($def)+ ) )? )?),
                 } ),* ],
                 outputs: &[ $( ::rpi_image::OutPort {
                     name: stringify!($out),
-                    ty: ::rpi_image::PortType::One(<$oty as $crate::operand::Flow>::SCALAR),
+                    ty: <$oty as $crate::operand::Port>::TYPE,
                     presence: $crate::macros::presence!($presence),
                 } ),* ],
-                params: &[ $( $( ::rpi_image::Param {
-                    name: stringify!($pn),
-                    ty: ::rpi_image::ParamType::One(<$pty as $crate::operand::Flow>::SCALAR),
-                    default: { #[allow(unused_imports)] use ::rpi_image::PortDefault::*; $pd },
-                } ),* )? ],
-                state: $crate::macros::state!($( $( $sty ),* )?),
+                params: $crate::macros::params!($( $( $pn : $pty = $pd );* )?),
+                shape: $crate::macros::shape!($( $shape )?),
+                state: $crate::macros::state!([$( $( $sty ),* )?] [$( $ring )?]),
                 role: ::rpi_image::Role::Compute,
                 work: $work,
                 may_fault: $crate::macros::may_fault!($( $faults )?),
             },
-            total: $crate::macros::total!($presence $kind, ($($ity,)*), ($( $($pty,)* )?), ($($oty,)*), ($( $($sty,)* )?), $code),
-            optional: $crate::macros::optional!($presence $kind, ($($ity,)*), ($( $($pty,)* )?), ($($oty,)*), ($( $($sty,)* )?), $code),
+            total: $crate::macros::total!($presence $kind, ($($ity,)*), ($( $($pty,)* )?), ($($oty,)*),
+                $crate::macros::memory!([$( $( $sty ),* )?] [$( $ring )?]), $code),
+            optional: $crate::macros::optional!($presence $kind, ($($ity,)*), ($( $($pty,)* )?), ($($oty,)*),
+                $crate::macros::memory!([$( $( $sty ),* )?] [$( $ring )?]), $code),
+            init: $crate::macros::init!($( $init )?),
+        };
+    };
+}
+
+/// Declares one primitive that the core handles by its role.
+macro_rules! interface {
+    (
+        $(#[doc = $doc:expr])+
+        $id:ident = $name:expr;
+        in { $( $in:ident : $ity:ty $( = $need:tt $( ( $($def:tt)+ ) )? )? );* $(;)? }
+        $( param { $( $pn:ident : $pty:ty = $pd:expr );* $(;)? } )?
+        out { $( $out:ident : $oty:tt $( < $arg:ty > )? $( $own:ident )? );* $(;)? }
+        $( shape $shape:expr; )?
+        presence $presence:ident work $work:literal $( $faults:ident )?;
+        role $role:expr
+    ) => {
+        $(#[doc = $doc])+
+        pub(crate) const $id: $crate::registry::Prim = $crate::registry::Prim {
+            desc: ::rpi_image::PrimDesc {
+                name: $name,
+                doc: concat!($($doc, "\n"),+),
+                inputs: &[ $( ::rpi_image::InPort {
+                    name: stringify!($in),
+                    ty: <$ity as $crate::operand::Port>::TYPE,
+                    need: $crate::macros::need!($( $need $( ( $($def)+ ) )? )?),
+                } ),* ],
+                outputs: &[ $( ::rpi_image::OutPort {
+                    name: stringify!($out),
+                    ty: <$oty $( < $arg > )? as $crate::operand::Port>::TYPE,
+                    presence: $crate::macros::presence!($( $own )? $presence),
+                } ),* ],
+                params: $crate::macros::params!($( $( $pn : $pty = $pd );* )?),
+                shape: $crate::macros::shape!($( $shape )?),
+                state: ::rpi_image::State::None,
+                role: $role,
+                work: $work,
+                may_fault: $crate::macros::may_fault!($( $faults )?),
+            },
+            total: None,
+            optional: None,
             init: None,
         };
     };
@@ -70,6 +122,9 @@ macro_rules! need {
     (absent) => {
         ::rpi_image::Need::Absent
     };
+    ([ $composed:expr ]) => {
+        $composed
+    };
     ($par:ident ( $($def:tt)+ )) => {
         ::rpi_image::Need::Param(stringify!($par), {
             #[allow(unused_imports)]
@@ -79,20 +134,34 @@ macro_rules! need {
     };
 }
 
+macro_rules! params {
+    ($( $pn:ident : $pty:ty = $pd:expr );*) => {
+        &[ $( ::rpi_image::Param {
+            name: stringify!($pn),
+            ty: <$pty as $crate::operand::Setting>::TYPE,
+            default: {
+                #[allow(unused_imports)]
+                use ::rpi_image::PortDefault::*;
+                $pd
+            },
+        } ),* ]
+    };
+}
+
 macro_rules! presence {
-    (strict) => {
+    (strict $($rest:ident)?) => {
         ::rpi_image::Presence::Strict
     };
-    (if_all) => {
+    (if_all $($rest:ident)?) => {
         ::rpi_image::Presence::IfAll
     };
-    (if_any) => {
+    (if_any $($rest:ident)?) => {
         ::rpi_image::Presence::IfAny
     };
-    (always) => {
+    (always $($rest:ident)?) => {
         ::rpi_image::Presence::Always
     };
-    (maybe) => {
+    (maybe $($rest:ident)?) => {
         ::rpi_image::Presence::Maybe
     };
 }
@@ -106,9 +175,39 @@ macro_rules! may_fault {
     };
 }
 
+macro_rules! shape {
+    () => {
+        ::rpi_image::Shape::Fixed
+    };
+    ($shape:expr) => {
+        $shape
+    };
+}
+
+macro_rules! init {
+    () => {
+        None
+    };
+    ($init:expr) => {
+        Some($init)
+    };
+}
+
 macro_rules! state {
-    () => { ::rpi_image::State::None };
-    ($($t:ty),+) => { ::rpi_image::State::Cells(0 $( + <$t as $crate::operand::Flow>::SCALAR.cells() )+) };
+    ([] []) => {
+        ::rpi_image::State::None
+    };
+    ([ $($t:ty),+ ] []) => {
+        ::rpi_image::State::Cells(<($($t,)+) as $crate::operand::Memory>::CELLS)
+    };
+    ([] [ $ring:expr ]) => {
+        ::rpi_image::State::Sized($ring)
+    };
+}
+
+macro_rules! memory {
+    ([ $($t:ty),* ] []) => { ($($t,)*) };
+    ([] [ $ring:expr ]) => { $crate::bulk::Region };
 }
 
 macro_rules! total {
@@ -121,6 +220,9 @@ macro_rules! total {
     (strict full, $i:ty, $p:ty, $o:ty, $s:ty, $code:expr) => {
         Some(|cx, words| $crate::run::full::<$i, $p, $o, $s>(cx, words, $code))
     };
+    (strict bulk, $i:ty, $p:ty, $o:ty, $s:ty, $code:expr) => {
+        Some(|cx, words| $crate::run::bulk::<$i, $p, $o>(cx, words, $code))
+    };
     ($presence:ident pure, $i:ty, $p:ty, $o:ty, $s:ty, $code:expr) => {
         Some(|cx, words| $crate::run::pure_present::<$i, $o>(cx, words, $code))
     };
@@ -132,6 +234,11 @@ macro_rules! total {
 macro_rules! optional {
     (strict $($rest:tt)*) => {
         None
+    };
+    (maybe bulk, $i:ty, $p:ty, $o:ty, $s:ty, $code:expr) => {
+        Some(|cx, words| {
+            $crate::run::bulk_maybe::<<$i as $crate::operand::Row>::Maybe, $p, $o>(cx, words, $code)
+        })
     };
     ($presence:ident pure, $i:ty, $p:ty, $o:ty, $s:ty, $code:expr) => {
         Some(|cx, words| {
@@ -153,4 +260,7 @@ macro_rules! optional {
     };
 }
 
-pub(crate) use {may_fault, need, optional, presence, primitive, state, total};
+pub(crate) use {
+    init, interface, may_fault, memory, need, optional, params, presence, primitive, shape, state,
+    total,
+};

@@ -6,10 +6,11 @@ use rpi_image::{PrimDesc, SizeArgs};
 
 /// Runs a row of equal primitives: `operands` holds one group of words per primitive.
 ///
-/// Words of a group, in this order: inputs, parameters, outputs, state. In the `total` form every input and output
-/// takes one word (first cell); in the `optional` form two (first cell, presence cell). Parameters take one word each,
-/// text parameters none. Arrays and matrices take one or two words more for their length or shape, right after their
-/// first cell. State takes one word (fixed size) or two (first cell, length).
+/// Words of a group, in this order: inputs, parameters, outputs, state. A single value takes its first cell, an array
+/// its first cell and its length, a matrix its first cell, rows and columns. In the `optional` form a presence cell
+/// follows at the end of each input and output (also of those that happen to be always present). Parameters that stand
+/// in for an in-port are inputs; text parameters take no word. State takes one word (fixed size) or two (first cell,
+/// length).
 pub type RunFn = fn(&mut Cx<'_>, &[u32]);
 
 /// A primitive: what is known of it, and its code.

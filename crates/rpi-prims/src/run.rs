@@ -21,13 +21,12 @@ pub(crate) fn full<I: Operand, P: Operand, O: Operand, S: Memory>(
 ) {
     let (params, outputs) = (I::WORDS, I::WORDS + P::WORDS);
     let state = outputs + O::WORDS;
-    for w in words.chunks_exact(state + usize::from(S::CELLS > 0)) {
+    for w in words.chunks_exact(state + S::WORDS) {
         let (input, param) = (I::get(cx.cells, w), P::get(cx.cells, &w[params..]));
-        let at = w.get(state).map_or(0, |&cell| cell as usize);
-        let mut memory = S::load(cx.cells, at);
+        let mut memory = S::load(cx.cells, &w[state..]);
         let place = w.get(outputs).copied().unwrap_or(0);
         let output = code(cx, place, &mut memory, param, input);
-        memory.store(cx.cells, at);
+        memory.store(cx.cells, &w[state..]);
         output.put(cx.cells, &w[outputs..]);
     }
 }
@@ -52,4 +51,36 @@ pub(crate) fn pure_present<I: Row, O: Row>(
     code: impl Fn(I::Maybe) -> O::Maybe,
 ) {
     pure::<I, O>(cx, words, |i| O::expect(code(i.present())));
+}
+
+/// Code that writes its array outputs itself.
+#[inline(always)]
+pub(crate) fn bulk<I: Operand, P: Operand, O: Operand>(
+    cx: &mut Cx<'_>,
+    words: &[u32],
+    code: impl Fn(&mut Cx<'_>, u32, P, I, O),
+) {
+    let (params, outputs) = (I::WORDS, I::WORDS + P::WORDS);
+    for w in words.chunks_exact(outputs + O::WORDS) {
+        let (input, param) = (I::get(cx.cells, w), P::get(cx.cells, &w[params..]));
+        let output = O::get(cx.cells, &w[outputs..]);
+        code(cx, w[outputs], param, input, output);
+    }
+}
+
+/// [`bulk`] with one output that may be absent: the code tells whether it is present.
+#[inline(always)]
+pub(crate) fn bulk_maybe<I: Operand, P: Operand, O: Operand>(
+    cx: &mut Cx<'_>,
+    words: &[u32],
+    code: impl Fn(&mut Cx<'_>, u32, P, I, O) -> bool,
+) {
+    let (params, outputs) = (I::WORDS, I::WORDS + P::WORDS);
+    let presence = outputs + O::WORDS;
+    for w in words.chunks_exact(presence + 1) {
+        let (input, param) = (I::get(cx.cells, w), P::get(cx.cells, &w[params..]));
+        let output = O::get(cx.cells, &w[outputs..]);
+        let present = code(cx, w[outputs], param, input, output);
+        cx.cells[w[presence] as usize] = u64::from(present);
+    }
 }

@@ -1,9 +1,10 @@
-//! Clocks and times.
+//! Clocks, and the flows that the core gives to a command.
 
-use crate::macros::primitive;
+use crate::macros::{interface, primitive};
 use crate::registry::Prim;
+use rpi_image::{CommandFlow, Role};
 
-pub(super) const ALL: &[Prim] = &[CLOCK];
+pub(super) const ALL: &[Prim] = &[CLOCK, CYCLE_TIME, CANCEL, TAKEOVER];
 
 primitive! {
     /// Seconds since start, scaled: adds `Increment` times the period in each cycle, so the first output is one step, not 0.
@@ -17,4 +18,31 @@ primitive! {
         *time = if reset { 0.0 } else { *time } + increment * cx.clock.dt;
         (*time,)
     }
+}
+
+interface! {
+    /// Period of the command in seconds.
+    CYCLE_TIME = "Core::CycleTime";
+    in {}
+    out { outValue: f64 }
+    presence always work 0;
+    role Role::Flow(CommandFlow::Period)
+}
+
+interface! {
+    /// True from the first cycle after a cancel request on.
+    CANCEL = "Cancel";
+    in {}
+    out { outCancel: bool }
+    presence always work 0;
+    role Role::Flow(CommandFlow::Cancel)
+}
+
+interface! {
+    /// True in cycles in which a successor is scheduled that covers every actuator which may be moving.
+    TAKEOVER = "Takeover";
+    in {}
+    out { outTakeover: bool }
+    presence always work 0;
+    role Role::Flow(CommandFlow::Takeover)
 }

@@ -3,7 +3,7 @@
 use crate::macros::primitive;
 use crate::registry::Prim;
 
-pub(super) const ALL: &[Prim] = &[AND];
+pub(super) const ALL: &[Prim] = &[AND, OR, NOT];
 
 primitive! {
     /// Conjunction. False if either operand is false, even when the other is absent; otherwise absent if one is absent.
@@ -16,4 +16,26 @@ primitive! {
         (Some(true), Some(true)) => Some(true),
         _ => None,
     },)
+}
+
+primitive! {
+    /// Disjunction. True if either operand is true, even when the other is absent; otherwise absent if one is absent.
+    OR = "Core::BooleanOr";
+    in { inFirst: bool = First(Bool(false)); inSecond: bool = Second(Bool(false)) }
+    out { outValue: bool }
+    presence if_all work 1;
+    pure |(a, b)| (match (a, b) {
+        (Some(true), _) | (_, Some(true)) => Some(true),
+        (Some(false), Some(false)) => Some(false),
+        _ => None,
+    },)
+}
+
+primitive! {
+    /// Negation.
+    NOT = "Core::BooleanNot";
+    in { inValue: bool = Value(Bool(false)) }
+    out { outValue: bool }
+    presence strict work 1;
+    pure |(a,)| (!a,)
 }

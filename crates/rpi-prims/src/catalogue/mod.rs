@@ -1,13 +1,56 @@
 //! The primitives, one file per family; [`SORTED`] is their table.
 
+mod arm;
+mod average;
+mod base;
 mod clock;
+mod devices;
+mod events;
+mod frame;
+mod functions;
+mod generic;
+mod int;
+mod interpolation;
+mod io;
 mod logic;
+mod lwr;
 mod real;
+mod rotation;
+mod spatial;
+mod times;
+mod twist;
+mod vector;
 
 use crate::registry::Prim;
 
 /// The families. A new file is one line here.
-const FAMILIES: &[&[Prim]] = &[clock::ALL, logic::ALL, real::ALL];
+const FAMILIES: &[&[Prim]] = &[
+    arm::ALL,
+    average::ALL,
+    base::ALL,
+    clock::ALL,
+    events::ALL,
+    frame::ALL,
+    functions::ALL,
+    generic::boolean::ALL,
+    generic::double::ALL,
+    generic::frame::ALL,
+    generic::int::ALL,
+    generic::rotation::ALL,
+    generic::twist::ALL,
+    generic::vector::ALL,
+    generic::wrench::ALL,
+    int::ALL,
+    interpolation::ALL,
+    io::ALL,
+    logic::ALL,
+    lwr::ALL,
+    real::ALL,
+    rotation::ALL,
+    times::ALL,
+    twist::ALL,
+    vector::ALL,
+];
 
 const COUNT: usize = {
     let (mut n, mut k) = (0, 0);
@@ -22,23 +65,62 @@ const COUNT: usize = {
 pub(crate) static SORTED: [Prim; COUNT] = sorted();
 
 const fn sorted() -> [Prim; COUNT] {
+    let (mut from, mut to) = (listed(), listed());
+    let mut run = 1;
+    while run < COUNT {
+        let mut at = 0;
+        while at < COUNT {
+            to = merged(&from, to, at, at + run, at + 2 * run);
+            at += 2 * run;
+        }
+        (from, to) = (to, from);
+        run *= 2;
+    }
+    from
+}
+
+/// All primitives family by family.
+const fn listed() -> [Prim; COUNT] {
     let mut all = [FAMILIES[0][0]; COUNT];
     let (mut n, mut k) = (0, 0);
     while k < FAMILIES.len() {
         let mut i = 0;
         while i < FAMILIES[k].len() {
-            let mut at = n;
-            while at > 0 && !before(all[at - 1].desc.name, FAMILIES[k][i].desc.name) {
-                all[at] = all[at - 1];
-                at -= 1;
-            }
-            all[at] = FAMILIES[k][i];
+            all[n] = FAMILIES[k][i];
             n += 1;
             i += 1;
         }
         k += 1;
     }
     all
+}
+
+/// `to` with the sorted runs `from[a..b]` and `from[b..c]` merged into `to[a..c]`; both may end early.
+const fn merged(
+    from: &[Prim; COUNT],
+    mut to: [Prim; COUNT],
+    a: usize,
+    b: usize,
+    c: usize,
+) -> [Prim; COUNT] {
+    let (b, c) = (
+        if b < COUNT { b } else { COUNT },
+        if c < COUNT { c } else { COUNT },
+    );
+    let (mut left, mut right, mut at) = (a, b, a);
+    while at < c {
+        let take_left =
+            right == c || (left < b && before(from[left].desc.name, from[right].desc.name));
+        if take_left {
+            to[at] = from[left];
+            left += 1;
+        } else {
+            to[at] = from[right];
+            right += 1;
+        }
+        at += 1;
+    }
+    to
 }
 
 /// True if `a` sorts before `b`; equal names are refused.

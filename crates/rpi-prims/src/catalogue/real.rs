@@ -1,9 +1,9 @@
-//! Arithmetic on reals.
+//! Arithmetic and comparison of reals (IEEE 754 doubles: no faults, infinities and not-a-number run through).
 
 use crate::macros::primitive;
 use crate::registry::Prim;
 
-pub(super) const ALL: &[Prim] = &[ADD, CONDITIONAL];
+pub(super) const ALL: &[Prim] = &[ADD, MULTIPLY, DIVIDE, MODULO, EQUALS, GREATER];
 
 primitive! {
     /// Sum of two reals.
@@ -15,11 +15,47 @@ primitive! {
 }
 
 primitive! {
-    /// One of two reals: `True` where the condition holds, else `False`. Absent without a condition or if the chosen one is absent;
-    /// the other one does not matter.
-    CONDITIONAL = "Core::DoubleConditional";
-    in { inCondition: bool; inTrue: f64 = True(Real(0.0)); inFalse: f64 = False(Real(0.0)) }
+    /// Product of two reals.
+    MULTIPLY = "Core::DoubleMultiply";
+    in { inFirst: f64 = First(Real(0.0)); inSecond: f64 = Second(Real(0.0)) }
     out { outValue: f64 }
-    presence if_all work 1;
-    pure |(c, t, f)| (match c { Some(true) => t, Some(false) => f, None => None },)
+    presence strict work 1;
+    pure |(a, b)| (a * b,)
+}
+
+primitive! {
+    /// Quotient of two reals; infinite or not a number where the second is 0.
+    DIVIDE = "Core::DoubleDivide";
+    in { inFirst: f64 = First(Real(0.0)); inSecond: f64 = Second(Real(0.0)) }
+    out { outValue: f64 }
+    presence strict work 4;
+    pure |(a, b)| (a / b,)
+}
+
+primitive! {
+    /// Remainder of a truncated division; it has the sign of the first operand (C `fmod`).
+    MODULO = "Core::DoubleModulo";
+    in { inFirst: f64 = First(Real(1.0)); inSecond: f64 = Second(Real(1.0)) }
+    out { outValue: f64 }
+    presence strict work 40;
+    pure |(a, b)| (libm::fmod(a, b),)
+}
+
+primitive! {
+    /// True if the operands differ by at most `Epsilon`. Never true for not-a-number.
+    EQUALS = "Core::DoubleEquals";
+    in { inFirst: f64 = First(Real(0.0)); inSecond: f64 = Second(Real(0.0)) }
+    param { Epsilon: f64 = Real(0.0) }
+    out { outValue: bool }
+    presence strict work 1;
+    full |_, _, _, (epsilon,), (a, b)| (libm::fabs(a - b) <= epsilon,)
+}
+
+primitive! {
+    /// True if the first operand is greater than the second. Never true for not-a-number.
+    GREATER = "Core::DoubleGreater";
+    in { inFirst: f64 = First(Real(0.0)); inSecond: f64 = Second(Real(0.0)) }
+    out { outValue: bool }
+    presence strict work 1;
+    pure |(a, b)| (a > b,)
 }

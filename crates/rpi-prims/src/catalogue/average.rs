@@ -1,0 +1,53 @@
+//! Sliding means. Until the window is full the mean of what there is; cycles without a value are passed over.
+
+use crate::bulk::Region;
+use crate::cx::Cx;
+use crate::flow::Vector;
+use crate::macros::primitive;
+use crate::registry::Prim;
+use crate::window::{Summand, Window};
+use rpi_image::SizeArgs;
+
+pub(super) const ALL: &[Prim] = &[DOUBLE, VECTOR];
+
+primitive! {
+    /// Mean of the last `Duration` seconds, rounded up to whole cycles.
+    DOUBLE = "Core::DoubleAverage";
+    in { inValue: f64; inReset: bool = Reset(Bool(false)) }
+    param { Duration: f64 = Real(1.0) }
+    out { outValue: f64 }
+    ring { cells::<f64> }
+    presence strict work 8;
+    full |cx, _, history, _, (value, reset)| {
+        let (sum, seen) = sum(cx, *history, value, reset);
+        (sum / seen,)
+    }
+}
+
+primitive! {
+    /// Mean of the last `Duration` seconds, rounded up to whole cycles, component by component.
+    VECTOR = "World::VectorAverage";
+    in { inValue: Vector; inReset: bool = Reset(Bool(false)) }
+    param { Duration: f64 = Real(1.0) }
+    out { outValue: Vector }
+    ring { cells::<Vector> }
+    presence strict work 16;
+    full |cx, _, history, _, (value, reset)| {
+        let (sum, seen) = sum(cx, *history, value, reset);
+        (sum / seen,)
+    }
+}
+
+fn cells<T: Summand>(args: &SizeArgs<'_>) -> u32 {
+    Window::<T>::cells(args.cycles(0))
+}
+
+/// Adds a value: the sum of the window and how many values are in it.
+fn sum<T: Summand>(cx: &mut Cx<'_>, history: Region, value: T, reset: bool) -> (T, f64) {
+    let window = Window::<T>::of(history);
+    if reset {
+        window.clear(cx.cells);
+    }
+    let sum = window.push(cx.cells, value);
+    (sum, window.len(cx.cells) as f64)
+}

@@ -1,0 +1,78 @@
+//! How primitives name device ports. A driver offers the ports it has under these names.
+//!
+//! | port | kind | value | what |
+//! |---|---|---|---|
+//! | `joint.commanded_position`, `joint.measured_position` | sensor | real | rad (m for a linear axis), indexed by axis |
+//! | `joint.commanded_velocity`, `joint.measured_velocity` | sensor | real | rad/s |
+//! | `joint.commanded_acceleration`, `joint.measured_acceleration` | sensor | real | rad/s² |
+//! | `joint.measured_torque`, `joint.external_torque` | sensor | real | N m |
+//! | `joint1.measured_torque`, `joint1.external_torque`, ... `joint7` | sensor | real | the same without an index, axes from 1 |
+//! | `joint.error` | sensor | int | 0 if the axis is well |
+//! | `joint.position` | actuator | real | rad |
+//! | `joint.impedance` | actuator | real^4 | stiffness, damping, additional torque, largest torque |
+//! | `tcp.commanded_position`, `tcp.measured_position` | sensor | Pose | tool in base |
+//! | `tcp.commanded_velocity`, `tcp.measured_velocity` | sensor | Twist | of the tool, in base |
+//! | `tcp.error` | sensor | int | 0 if the device is well |
+//! | `tcp.position` | actuator | Pose | tool in base |
+//! | `tcp.impedance` | actuator | real^18 | stiffness, damping, additional force, each as a wrench |
+//! | `tcp.sine` | actuator | real^12 | amplitude and frequency of an overlaid force, each as a wrench |
+//! | `tcp.force_x`, `_y`, `_z`, `tcp.torque_x`, `_y`, `_z` | sensor | real | estimated at the tool, N and N m |
+//! | `tool` | actuator | real^7 | mass (kg), centre of mass (m), moments of inertia (kg m²); indexed by axis |
+//! | `tool_and_tcp` | actuator | real^10 | the same and the tool centre point (m) |
+//! | `control_strategy` | actuator | int | way of control: position, impedance |
+//! | `kinematics` | function | real^n to Pose | joints to tool in base |
+//! | `inverse_kinematics` | function | Pose, real^n to real^n | tool in base and joints to be near of, to joints |
+//! | `inverse_kinematics_nullspace` | function | Pose, real^7, real^7 to real^7 | joints to be near of, then the joints that choose the elbow |
+//! | `velocity_kinematics` | function | real^7, real^7 to real^7 | joints and their velocities, to the tool's twist and that of the elbow angle |
+//! | `base.position` | sensor | Pose | platform in world |
+//! | `base.measured_velocity`, `base.commanded_velocity` | sensor | Twist | of the platform |
+//! | `base.error` | sensor | int | 0 if the platform is well |
+//! | `base.velocity` | actuator | Twist | of the platform |
+//! | `wheel.position`, `wheel.velocity` | sensor | real | rad, rad/s, indexed by wheel |
+//! | `in.bool`, `in.real`, `out.bool`, `out.real` | sensor | bool, real | inputs, and what outputs are set to; indexed |
+//! | `out.bool`, `out.real` | actuator | bool, real | outputs; indexed |
+//! | `gnss.longitude`, `gnss.latitude`, `gnss.altitude`, `gnss.hdop`, `gnss.vdop` | sensor | real | deg, m, dilutions of precision |
+//! | `gnss.satellites` | sensor | int | number in use |
+//!
+//! An actuator or a function with several in-ports takes them one after the other as cells of one value, in the order
+//! of their declaration; a function with several out-ports gives them likewise.
+
+use rpi_image::{Answer, DevicePorts, DeviceUse, Role};
+
+/// Reads one device port per out-port.
+pub(super) const fn sensor(
+    device: &'static str,
+    index: Option<&'static str>,
+    ports: &'static [&'static str],
+) -> Role {
+    Role::Sensor(device_use(device, index, ports, &[]))
+}
+
+/// Writes a device port; the out-ports tell what the device answers.
+pub(super) const fn actuator(
+    device: &'static str,
+    index: Option<&'static str>,
+    port: &'static [&'static str; 1],
+    answers: &'static [Answer],
+) -> Role {
+    Role::Actuator(device_use(device, index, port, answers))
+}
+
+/// Calls a function of a device.
+pub(super) const fn function(device: &'static str, port: &'static [&'static str; 1]) -> Role {
+    Role::DeviceFunction(device_use(device, None, port, &[]))
+}
+
+const fn device_use(
+    device: &'static str,
+    index: Option<&'static str>,
+    ports: &'static [&'static str],
+    answers: &'static [Answer],
+) -> DeviceUse {
+    DeviceUse {
+        device,
+        index,
+        ports: DevicePorts::Fixed(ports),
+        answers,
+    }
+}

@@ -1,0 +1,87 @@
+//! Functions of reals. All by the same software implementation on every machine, so that results are equal to the bit.
+
+use crate::macros::primitive;
+use crate::registry::Prim;
+
+pub(super) const ALL: &[Prim] = &[SIN, COS, TAN, ASIN, ACOS, ATAN2, POWER, SQUARE_ROOT, LOG];
+
+primitive! {
+    /// Sine of an angle in rad.
+    SIN = "Core::DoubleSin";
+    in { inValue: f64 = Value(Real(1.0)) }
+    out { outValue: f64 }
+    presence strict work 20;
+    pure |(x,)| (libm::sin(x),)
+}
+
+primitive! {
+    /// Cosine of an angle in rad.
+    COS = "Core::DoubleCos";
+    in { inValue: f64 = Value(Real(1.0)) }
+    out { outValue: f64 }
+    presence strict work 20;
+    pure |(x,)| (libm::cos(x),)
+}
+
+primitive! {
+    /// Tangent of an angle in rad.
+    TAN = "Core::DoubleTan";
+    in { inValue: f64 = Value(Real(1.0)) }
+    out { outValue: f64 }
+    presence strict work 25;
+    pure |(x,)| (libm::tan(x),)
+}
+
+primitive! {
+    /// Arc sine in rad, -π/2 to π/2; not a number outside -1 to 1.
+    ASIN = "Core::DoubleAsin";
+    in { inValue: f64 = Value(Real(1.0)) }
+    out { outValue: f64 }
+    presence strict work 20;
+    pure |(x,)| (libm::asin(x),)
+}
+
+primitive! {
+    /// Arc cosine in rad, 0 to π; not a number outside -1 to 1.
+    ACOS = "Core::DoubleAcos";
+    in { inValue: f64 = Value(Real(1.0)) }
+    out { outValue: f64 }
+    presence strict work 20;
+    pure |(x,)| (libm::acos(x),)
+}
+
+primitive! {
+    /// Angle of the point (x, y) in rad, -π to π.
+    ATAN2 = "Core::DoubleAtan2";
+    in { inY: f64 = Y(Real(1.0)); inX: f64 = X(Real(1.0)) }
+    out { outValue: f64 }
+    presence strict work 30;
+    pure |(y, x)| (libm::atan2(y, x),)
+}
+
+primitive! {
+    /// First operand to the power of the second (C `pow`).
+    POWER = "Core::DoublePower";
+    in { inFirst: f64 = First(Real(0.0)); inSecond: f64 = Second(Real(0.0)) }
+    out { outValue: f64 }
+    presence strict work 60;
+    pure |(a, b)| (libm::pow(a, b),)
+}
+
+primitive! {
+    /// Square root; not a number below 0.
+    SQUARE_ROOT = "Core::DoubleSquareRoot";
+    in { inValue: f64 = Value(Real(1.0)) }
+    out { outValue: f64 }
+    presence strict work 5;
+    pure |(x,)| (libm::sqrt(x),)
+}
+
+primitive! {
+    /// Natural logarithm; minus infinity at 0, not a number below.
+    LOG = "Core::DoubleLog";
+    in { inValue: f64 = Value(Real(0.0)) }
+    out { outValue: f64 }
+    presence strict work 20;
+    pure |(x,)| (libm::log(x),)
+}

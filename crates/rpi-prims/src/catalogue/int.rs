@@ -1,0 +1,113 @@
+//! Arithmetic and comparison of 64-bit integers. A result that does not fit is a fault, never a wrapped value.
+
+use crate::cx::{Cx, FaultCode};
+use crate::macros::primitive;
+use crate::registry::Prim;
+
+pub(super) const ALL: &[Prim] = &[
+    ADD,
+    MULTIPLY,
+    DIVIDE,
+    EQUALS,
+    GREATER,
+    DOUBLE_FROM_INT,
+    INT_FROM_DOUBLE,
+];
+
+primitive! {
+    /// Sum of two integers.
+    ADD = "Core::IntAdd";
+    in { inFirst: i64 = First(Int(0)); inSecond: i64 = Second(Int(0)) }
+    out { outValue: i64 }
+    presence strict work 1 faults;
+    full |cx, place, _, _, (a, b)| (fits(cx, place, a.checked_add(b)),)
+}
+
+primitive! {
+    /// Product of two integers.
+    MULTIPLY = "Core::IntMultiply";
+    in { inFirst: i64 = First(Int(0)); inSecond: i64 = Second(Int(0)) }
+    out { outValue: i64 }
+    presence strict work 1 faults;
+    full |cx, place, _, _, (a, b)| (fits(cx, place, a.checked_mul(b)),)
+}
+
+primitive! {
+    /// Quotient of two integers, truncated towards 0. Division by zero is a fault.
+    DIVIDE = "Core::IntDivide";
+    in { inFirst: i64 = First(Int(0)); inSecond: i64 = Second(Int(0)) }
+    out { outValue: i64 }
+    presence strict work 10 faults;
+    full |cx, place, _, _, (a, b)| (divided(cx, place, b, a.checked_div(b)),)
+}
+
+primitive! {
+    /// True if the operands differ by at most `Epsilon`.
+    EQUALS = "Core::IntEquals";
+    in { inFirst: i64 = First(Int(0)); inSecond: i64 = Second(Int(0)) }
+    param { Epsilon: i64 = Int(0) }
+    out { outValue: bool }
+    presence strict work 1;
+    full |_, _, _, (epsilon,), (a, b)| (u64::try_from(epsilon).is_ok_and(|e| a.abs_diff(b) <= e),)
+}
+
+primitive! {
+    /// True if the first operand is greater than the second.
+    GREATER = "Core::IntGreater";
+    in { inFirst: i64 = First(Int(0)); inSecond: i64 = Second(Int(0)) }
+    out { outValue: bool }
+    presence strict work 1;
+    pure |(a, b)| (a > b,)
+}
+
+primitive! {
+    /// The real nearest to an integer.
+    DOUBLE_FROM_INT = "Core::DoubleFromInt";
+    in { inValue: i64 = Value(Int(1)) }
+    out { outValue: f64 }
+    presence strict work 1;
+    pure |(a,)| (a as f64,)
+}
+
+primitive! {
+    /// A real without its fraction: truncated towards 0. Not-a-number, infinities and what does not fit are faults.
+    INT_FROM_DOUBLE = "Core::IntFromDouble";
+    in { inValue: f64 = Value(Real(1.0)) }
+    out { outValue: i64 }
+    presence strict work 1 faults;
+    full |cx, place, _, _, (a,)| (whole(cx, place, a),)
+}
+
+/// The result, or 0 and a fault if it does not fit.
+#[inline(always)]
+pub(super) fn fits(cx: &mut Cx<'_>, place: u32, result: Option<i64>) -> i64 {
+    result.unwrap_or_else(|| {
+        cx.fault(FaultCode::IntegerOverflow, place);
+        0
+    })
+}
+
+/// The result of a division, or 0 and a fault that tells whether the divisor is to blame.
+#[inline(always)]
+pub(super) fn divided(cx: &mut Cx<'_>, place: u32, divisor: i64, result: Option<i64>) -> i64 {
+    result.unwrap_or_else(|| {
+        let code = if divisor == 0 {
+            FaultCode::DivisionByZero
+        } else {
+            FaultCode::IntegerOverflow
+        };
+        cx.fault(code, place);
+        0
+    })
+}
+
+/// The real's integer part, or 0 and a fault if it has none that fits.
+#[inline(always)]
+pub(super) fn whole(cx: &mut Cx<'_>, place: u32, real: f64) -> i64 {
+    const LIMIT: f64 = 9_223_372_036_854_775_808.0;
+    if (-LIMIT..LIMIT).contains(&real) {
+        return real as i64;
+    }
+    cx.fault(FaultCode::LossyConversion, place);
+    0
+}

@@ -1,0 +1,97 @@
+//! Rotations. Inside they are unit quaternions; Euler angles a, b, c (about z, the new y, the new x, in rad) only here.
+
+use crate::flow::{Rotation, Vector};
+use crate::geometry;
+use crate::macros::primitive;
+use crate::registry::Prim;
+
+pub(super) const ALL: &[Prim] = &[
+    FROM_ABC,
+    TO_ABC,
+    FROM_AXIS_ANGLE,
+    TO_AXIS_ANGLE,
+    FROM_QUATERNION,
+    TO_QUATERNION,
+    INVERT,
+    TRANSFORM,
+];
+
+primitive! {
+    /// A rotation from Euler angles in rad: by `A` about z, then `B` about the new y, then `C` about the new x.
+    FROM_ABC = "World::RotationFromABC";
+    in { inA: f64 = A(Real(0.0)); inB: f64 = B(Real(0.0)); inC: f64 = C(Real(0.0)) }
+    out { outValue: Rotation }
+    presence strict work 80;
+    pure |(a, b, c)| (geometry::from_abc(a, b, c),)
+}
+
+primitive! {
+    /// Euler angles of a rotation in rad, the second from -π/2 to π/2. At its ends the third is 0.
+    TO_ABC = "World::RotationToABC";
+    in { inValue: Rotation }
+    out { outA: f64; outB: f64; outC: f64 }
+    presence strict work 100;
+    pure |(rotation,)| geometry::to_abc(rotation)
+}
+
+primitive! {
+    /// Rotation by an angle in rad about an axis of any length.
+    FROM_AXIS_ANGLE = "World::RotationFromAxisAngle";
+    in { inAxis: Vector = [super::spatial::AXIS]; inAngle: f64 = Angle(Real(0.0)) }
+    out { outValue: Rotation }
+    presence strict work 50;
+    pure |(axis, angle)| (geometry::from_axis_angle(axis, angle),)
+}
+
+primitive! {
+    /// Unit axis and angle (rad, 0 to π) of a rotation; the axis is x where there is no rotation.
+    TO_AXIS_ANGLE = "World::RotationToAxisAngle";
+    in { inValue: Rotation }
+    out { outAxis: Vector; outAngle: f64 }
+    presence strict work 50;
+    pure |(rotation,)| geometry::to_axis_angle(rotation)
+}
+
+primitive! {
+    /// A rotation from a quaternion, which is scaled to unit length.
+    FROM_QUATERNION = "World::RotationFromQuaternion";
+    in {
+        inX: f64 = X(Real(1.0));
+        inY: f64 = Y(Real(0.0));
+        inZ: f64 = Z(Real(0.0));
+        inW: f64 = W(Real(0.0))
+    }
+    out { outValue: Rotation }
+    presence strict work 16;
+    pure |(x, y, z, w)| (geometry::from_quaternion(x, y, z, w),)
+}
+
+primitive! {
+    /// The unit quaternion of a rotation, with `w` at least 0.
+    TO_QUATERNION = "World::RotationToQuaternion";
+    in { inValue: Rotation }
+    out { outX: f64; outY: f64; outZ: f64; outW: f64 }
+    presence strict work 6;
+    pure |(r,): (Rotation,)| {
+        let sign = if r.w < 0.0 { -1.0 } else { 1.0 };
+        (r.i * sign, r.j * sign, r.k * sign, r.w * sign)
+    }
+}
+
+primitive! {
+    /// The opposite rotation.
+    INVERT = "World::RotationInvert";
+    in { inValue: Rotation }
+    out { outValue: Rotation }
+    presence strict work 3;
+    pure |(rotation,): (Rotation,)| (rotation.inverse(),)
+}
+
+primitive! {
+    /// The first rotation, then the second in the turned frame.
+    TRANSFORM = "World::RotationTransform";
+    in { inFirst: Rotation; inSecond: Rotation }
+    out { outValue: Rotation }
+    presence strict work 28;
+    pure |(a, b): (Rotation, Rotation)| (a * b,)
+}

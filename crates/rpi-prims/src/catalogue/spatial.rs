@@ -1,0 +1,32 @@
+//! Spatial values made of several real parameters where nothing is connected.
+
+use crate::flow::{Rotation, Vector};
+use crate::geometry;
+use rpi_image::{Need, Scalar, Value};
+
+/// A vector from `X`, `Y`, `Z`; 0 by default.
+pub(super) const XYZ: Need = Need::Params(&[("X", 0.0), ("Y", 0.0), ("Z", 0.0)], vector);
+/// A vector from `RX`, `RY`, `RZ`; 0 by default.
+pub(super) const RXYZ: Need = Need::Params(&[("RX", 0.0), ("RY", 0.0), ("RZ", 0.0)], vector);
+/// An axis from `X`, `Y`, `Z`; x by default.
+pub(super) const AXIS: Need = Need::Params(&[("X", 1.0), ("Y", 0.0), ("Z", 0.0)], vector);
+/// A rotation from the Euler angles `A`, `B`, `C`; none by default.
+pub(super) const ABC: Need = Need::Params(&[("A", 0.0), ("B", 0.0), ("C", 0.0)], rotation);
+
+fn vector(parts: &[f64]) -> Value {
+    let v = Vector::new(part(parts, 0), part(parts, 1), part(parts, 2));
+    value(Scalar::Vector, v.as_slice())
+}
+
+fn rotation(parts: &[f64]) -> Value {
+    let r: Rotation = geometry::from_abc(part(parts, 0), part(parts, 1), part(parts, 2));
+    value(Scalar::Rotation, &[r.i, r.j, r.k, r.w])
+}
+
+fn part(parts: &[f64], k: usize) -> f64 {
+    parts.get(k).copied().unwrap_or(0.0)
+}
+
+fn value(scalar: Scalar, reals: &[f64]) -> Value {
+    Value::reals(scalar, reals).unwrap_or_else(|| Value::neutral(scalar.into()))
+}

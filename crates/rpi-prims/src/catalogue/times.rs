@@ -1,0 +1,83 @@
+//! Points in time: whole nanoseconds since the Unix epoch.
+
+use super::generic::sampled;
+use crate::cx::{Cx, FaultCode};
+use crate::flow::Time;
+use crate::macros::{interface, primitive};
+use crate::registry::Prim;
+use rpi_image::{CommandFlow, Role};
+
+pub(super) const ALL: &[Prim] = &[NET, WALL, ADD, DIFF, PRE, AT_TIME];
+
+interface! {
+    /// Logical time of the cycle: that of the command's first cycle and then one period more in each.
+    NET = "Core::TimeNet";
+    in {}
+    out { outValue: Time }
+    presence always work 0;
+    role Role::Flow(CommandFlow::NetTime)
+}
+
+interface! {
+    /// The machine's clock at the start of the cycle.
+    WALL = "Core::TimeWall";
+    in {}
+    out { outValue: Time }
+    presence always work 0;
+    role Role::Flow(CommandFlow::WallTime)
+}
+
+primitive! {
+    /// A time and some seconds more, truncated to nanoseconds. A result that is no time is a fault.
+    ADD = "Core::TimeAdd";
+    in { inTime: Time; inDelta: f64 }
+    out { outValue: Time }
+    presence strict work 3 faults;
+    full |cx, place, _, _, (time, delta)| (later(cx, place, time, delta),)
+}
+
+primitive! {
+    /// Seconds from the first to the second time.
+    DIFF = "Core::TimeDiff";
+    in { inFirst: Time; inSecond: Time }
+    out { outValue: f64 }
+    presence strict work 2;
+    pure |(first, second)| (seconds_between(first, second),)
+}
+
+interface! {
+    /// The time of the previous cycle in which the surrounding fragment was active, absence included; absent at first.
+    PRE = "Core::TimePre";
+    in { inValue: Time }
+    out { outValue: Time }
+    presence maybe work 1;
+    role Role::Delay
+}
+
+primitive! {
+    /// The time of an earlier cycle: `inAge` seconds, rounded down to whole cycles, before the previous one. Like the
+    /// operation of the same name on other types.
+    AT_TIME = "Core::TimeAtTime";
+    in { inValue: Time; inAge: f64 = Age(Real(0.0)) }
+    param { MaxAge: f64 = Real(1.0) }
+    out { outValue: Time }
+    ring { sampled::history::<Time> }
+    presence maybe work 4;
+    full |cx, _, history, (max_age,), (value, age)| {
+        (sampled::at_time::<Time>(cx, *history, max_age, value, age),)
+    }
+}
+
+/// Seconds from the first to the second time.
+pub(super) fn seconds_between(first: Time, second: Time) -> f64 {
+    let nanoseconds = i128::from(second.0) - i128::from(first.0);
+    nanoseconds as f64 / 1e9
+}
+
+fn later(cx: &mut Cx<'_>, place: u32, time: Time, seconds: f64) -> Time {
+    let delta = super::int::whole(cx, place, seconds * 1e9);
+    Time(time.0.checked_add(delta).unwrap_or_else(|| {
+        cx.fault(FaultCode::IntegerOverflow, place);
+        time.0
+    }))
+}

@@ -1,0 +1,135 @@
+//! Velocities (m/s, rad/s) and wrenches (N, N m).
+
+use crate::flow::{Pose, Rotation, Twist, Vector, Wrench};
+use crate::geometry;
+use crate::macros::primitive;
+use crate::registry::Prim;
+
+pub(super) const ALL: &[Prim] = &[
+    ADD,
+    CHANGE_CENTER,
+    FROM_FRAMES,
+    FROM_VELOCITIES,
+    TO_VELOCITIES,
+    FROM_XYZ,
+    TO_XYZ,
+    ROTATE,
+    WRENCH_FROM_XYZ,
+    WRENCH_TO_XYZ,
+];
+
+primitive! {
+    /// Sum of two velocities.
+    ADD = "World::TwistAdd";
+    in { inFirst: Twist; inSecond: Twist }
+    out { outValue: Twist }
+    presence strict work 6;
+    pure |(a, b): (Twist, Twist)| (twist(a.linear + b.linear, a.angular + b.angular),)
+}
+
+primitive! {
+    /// The velocity of another point of the same body, which lies at `inVector` from the first.
+    CHANGE_CENTER = "World::TwistChangeCenter";
+    in { inValue: Twist; inVector: Vector }
+    out { outValue: Twist }
+    presence strict work 12;
+    pure |(t, to): (Twist, Vector)| (twist(t.linear + t.angular.cross(&to), t.angular),)
+}
+
+primitive! {
+    /// The velocity that leads from one pose to another in one period, in base coordinates.
+    FROM_FRAMES = "World::TwistFromFrames";
+    in { inPrevFrame: Pose; inFrame: Pose }
+    out { outValue: Twist }
+    presence strict work 90;
+    full |cx, _, _, _, (from, to)| (velocity(from, to, cx.clock.dt),)
+}
+
+primitive! {
+    /// A velocity from its linear and angular part.
+    FROM_VELOCITIES = "World::TwistFromVelocities";
+    in { inTransVel: Vector = [super::spatial::XYZ]; inRotVel: Vector = [super::spatial::RXYZ] }
+    out { outValue: Twist }
+    presence strict work 6;
+    pure |(linear, angular)| (twist(linear, angular),)
+}
+
+primitive! {
+    /// Linear and angular part of a velocity.
+    TO_VELOCITIES = "World::TwistToVelocities";
+    in { inValue: Twist }
+    out { outTransVel: Vector; outRotVel: Vector }
+    presence strict work 6;
+    pure |(t,): (Twist,)| (t.linear, t.angular)
+}
+
+primitive! {
+    /// A velocity from its components: linear x, y, z, angular a, b, c about z, y, x.
+    FROM_XYZ = "World::TwistFromXYZ";
+    in {
+        inX: f64 = X(Real(0.0));
+        inY: f64 = Y(Real(0.0));
+        inZ: f64 = Z(Real(0.0));
+        inA: f64 = A(Real(0.0));
+        inB: f64 = B(Real(0.0));
+        inC: f64 = C(Real(0.0))
+    }
+    out { outValue: Twist }
+    presence strict work 6;
+    pure |(x, y, z, a, b, c)| (twist(Vector::new(x, y, z), Vector::new(c, b, a)),)
+}
+
+primitive! {
+    /// Components of a velocity: linear x, y, z, angular a, b, c about z, y, x.
+    TO_XYZ = "World::TwistToXYZ";
+    in { inValue: Twist }
+    out { outX: f64; outY: f64; outZ: f64; outA: f64; outB: f64; outC: f64 }
+    presence strict work 6;
+    pure |(t,): (Twist,)| (t.linear.x, t.linear.y, t.linear.z, t.angular.z, t.angular.y, t.angular.x)
+}
+
+primitive! {
+    /// The velocity in the coordinates of the frame in which `inRot` is given.
+    ROTATE = "World::TwistRotate";
+    in { inValue: Twist; inRot: Rotation }
+    out { outValue: Twist }
+    presence strict work 40;
+    pure |(t, rotation): (Twist, Rotation)| (twist(rotation * t.linear, rotation * t.angular),)
+}
+
+primitive! {
+    /// A wrench from its components: force x, y, z, torque a, b, c about z, y, x.
+    WRENCH_FROM_XYZ = "World::WrenchFromXYZ";
+    in {
+        inX: f64 = X(Real(0.0));
+        inY: f64 = Y(Real(0.0));
+        inZ: f64 = Z(Real(0.0));
+        inA: f64 = A(Real(0.0));
+        inB: f64 = B(Real(0.0));
+        inC: f64 = C(Real(0.0))
+    }
+    out { outValue: Wrench }
+    presence strict work 6;
+    pure |(x, y, z, a, b, c)| (Wrench { force: Vector::new(x, y, z), torque: Vector::new(c, b, a) },)
+}
+
+primitive! {
+    /// Components of a wrench: force x, y, z, torque a, b, c about z, y, x.
+    WRENCH_TO_XYZ = "World::WrenchToXYZ";
+    in { inValue: Wrench }
+    out { outX: f64; outY: f64; outZ: f64; outA: f64; outB: f64; outC: f64 }
+    presence strict work 6;
+    pure |(w,): (Wrench,)| (w.force.x, w.force.y, w.force.z, w.torque.z, w.torque.y, w.torque.x)
+}
+
+/// A velocity from its parts.
+pub(super) fn twist(linear: Vector, angular: Vector) -> Twist {
+    Twist { linear, angular }
+}
+
+/// The velocity in base coordinates that leads from one pose to another in `dt` seconds.
+pub(super) fn velocity(from: Pose, to: Pose, dt: f64) -> Twist {
+    let way = to.translation.vector - from.translation.vector;
+    let turn = geometry::log(to.rotation * from.rotation.inverse());
+    twist(way / dt, turn / dt)
+}

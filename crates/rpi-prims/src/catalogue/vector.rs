@@ -1,0 +1,70 @@
+//! Vectors: positions in m, or directions.
+
+use crate::flow::{Rotation, Vector};
+use crate::macros::primitive;
+use crate::registry::Prim;
+
+pub(super) const ALL: &[Prim] = &[ADD, CROSS, DOT, SCALE, ROTATE, FROM_XYZ, TO_XYZ];
+
+primitive! {
+    /// Sum of two vectors.
+    ADD = "World::VectorAdd";
+    in { inFirst: Vector; inSecond: Vector }
+    out { outValue: Vector }
+    presence strict work 3;
+    pure |(a, b)| (a + b,)
+}
+
+primitive! {
+    /// Cross product of two vectors.
+    CROSS = "World::VectorCross";
+    in { inFirst: Vector; inSecond: Vector }
+    out { outValue: Vector }
+    presence strict work 9;
+    pure |(a, b): (Vector, Vector)| (a.cross(&b),)
+}
+
+primitive! {
+    /// Scalar product of two vectors.
+    DOT = "World::VectorDot";
+    in { inFirst: Vector; inSecond: Vector }
+    out { outValue: f64 }
+    presence strict work 5;
+    pure |(a, b): (Vector, Vector)| (a.dot(&b),)
+}
+
+primitive! {
+    /// Vector times a real.
+    SCALE = "World::VectorScale";
+    in { inValue: Vector; inFactor: f64 = Factor(Real(1.0)) }
+    out { outValue: Vector }
+    presence strict work 3;
+    pure |(v, factor): (Vector, f64)| (v * factor,)
+}
+
+primitive! {
+    /// The vector turned by a rotation: from the turned frame's coordinates to the base's.
+    ROTATE = "World::VectorRotate";
+    in { inValue: Vector; inRot: Rotation }
+    out { outValue: Vector }
+    presence strict work 20;
+    pure |(v, rotation): (Vector, Rotation)| (rotation * v,)
+}
+
+primitive! {
+    /// A vector from its components.
+    FROM_XYZ = "World::VectorFromXYZ";
+    in { inX: f64 = X(Real(0.0)); inY: f64 = Y(Real(0.0)); inZ: f64 = Z(Real(0.0)) }
+    out { outValue: Vector }
+    presence strict work 3;
+    pure |(x, y, z)| (Vector::new(x, y, z),)
+}
+
+primitive! {
+    /// The components of a vector.
+    TO_XYZ = "World::VectorToXYZ";
+    in { inValue: Vector }
+    out { outX: f64; outY: f64; outZ: f64 }
+    presence strict work 3;
+    pure |(v,): (Vector,)| (v.x, v.y, v.z)
+}

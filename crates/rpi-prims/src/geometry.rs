@@ -1,0 +1,102 @@
+//! Rotations and rigid motions: Euler angles, axis and angle, exponential and logarithm.
+//!
+//! Trigonometry goes through `libm`, so that results are equal to the bit on every machine.
+//! Formulas: Lynch and Park, Modern Robotics (2017), chapter 3.
+
+use crate::flow::{Rotation, Vector};
+use core::f64::consts::FRAC_PI_2;
+use nalgebra::{Quaternion, UnitQuaternion};
+
+/// Rotation by `a` about z, then `b` about the new y, then `c` about the new x (rad).
+#[must_use]
+pub fn from_abc(a: f64, b: f64, c: f64) -> Rotation {
+    let half = |angle: f64| (libm::sin(angle / 2.0), libm::cos(angle / 2.0));
+    let ((sa, ca), (sb, cb), (sc, cc)) = (half(a), half(b), half(c));
+    UnitQuaternion::new_unchecked(Quaternion::new(
+        ca * cb * cc + sa * sb * sc,
+        ca * cb * sc - sa * sb * cc,
+        ca * sb * cc + sa * cb * sc,
+        sa * cb * cc - ca * sb * sc,
+    ))
+}
+
+/// Angles `a`, `b`, `c` of [`from_abc`], with `b` from -π/2 to π/2. Where `b` is at an end (to 1e-12) the other two turn
+/// about one axis: `c` is 0 then.
+#[must_use]
+pub fn to_abc(rotation: Rotation) -> (f64, f64, f64) {
+    let m = matrix(rotation);
+    let b = libm::atan2(-m[2][0], libm::sqrt(m[0][0] * m[0][0] + m[1][0] * m[1][0]));
+    if libm::fabs(b) > FRAC_PI_2 - 1e-12 {
+        return (libm::atan2(-m[0][1], m[1][1]), b, 0.0);
+    }
+    let (a, c) = (libm::atan2(m[1][0], m[0][0]), libm::atan2(m[2][1], m[2][2]));
+    (a, b, c)
+}
+
+/// The rotation as a matrix, row by row.
+#[must_use]
+pub fn matrix(rotation: Rotation) -> [[f64; 3]; 3] {
+    let m = rotation.to_rotation_matrix();
+    [0, 1, 2].map(|r| [0, 1, 2].map(|c| m[(r, c)]))
+}
+
+/// Rotation by `angle` (rad) about an axis of any length; about x if it has none.
+#[must_use]
+pub fn from_axis_angle(axis: Vector, angle: f64) -> Rotation {
+    let length = norm(axis);
+    let unit = if length > 0.0 {
+        axis / length
+    } else {
+        Vector::x()
+    };
+    let (s, c) = (libm::sin(angle / 2.0), libm::cos(angle / 2.0));
+    UnitQuaternion::new_unchecked(Quaternion::from_parts(c, unit * s))
+}
+
+/// Unit axis and angle from 0 to π of a rotation; the axis is x where there is no rotation.
+#[must_use]
+pub fn to_axis_angle(rotation: Rotation) -> (Vector, f64) {
+    let sign = if rotation.w < 0.0 { -1.0 } else { 1.0 };
+    let v = Vector::new(rotation.i, rotation.j, rotation.k) * sign;
+    let s = norm(v);
+    if s == 0.0 {
+        return (Vector::x(), 0.0);
+    }
+    (v / s, 2.0 * libm::atan2(s, rotation.w * sign))
+}
+
+/// The rotation that a constant angular velocity makes in unit time: `vector` is axis times angle (rad).
+#[must_use]
+pub fn exp(vector: Vector) -> Rotation {
+    from_axis_angle(vector, norm(vector))
+}
+
+/// Axis times angle (rad, 0 to π) of a rotation: the inverse of [`exp`].
+#[must_use]
+pub fn log(rotation: Rotation) -> Vector {
+    let (axis, angle) = to_axis_angle(rotation);
+    axis * angle
+}
+
+/// Rotation on the shortest arc between two: `from` at 0, `to` at 1.
+#[must_use]
+pub fn slerp(from: Rotation, to: Rotation, amount: f64) -> Rotation {
+    from * exp(log(from.inverse() * to) * amount)
+}
+
+/// Length of a vector.
+#[must_use]
+pub fn norm(v: Vector) -> f64 {
+    libm::sqrt(v.dot(&v))
+}
+
+/// Unit quaternion from any quaternion; the identity where it has no length.
+#[must_use]
+pub fn from_quaternion(x: f64, y: f64, z: f64, w: f64) -> Rotation {
+    let length = libm::sqrt(x * x + y * y + z * z + w * w);
+    if length > 0.0 {
+        let q = Quaternion::new(w, x, y, z) / length;
+        return UnitQuaternion::new_unchecked(q);
+    }
+    Rotation::identity()
+}

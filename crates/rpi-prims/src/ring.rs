@@ -1,0 +1,74 @@
+//! The last values of a flow, in a state sized at load.
+//!
+//! Cells: place of the next entry, number of entries seen (up to the capacity), then the entries; each is a presence
+//! cell and the value's cells. All zero is the empty ring.
+
+use crate::bulk::Region;
+use crate::flow::Flow;
+use core::marker::PhantomData;
+
+/// The last values of a flow, absences included.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Ring<T> {
+    at: usize,
+    capacity: usize,
+    of: PhantomData<T>,
+}
+
+impl<T: Flow> Ring<T> {
+    const ENTRY: usize = 1 + T::CELLS;
+    const HEAD: usize = 2;
+
+    /// Cells for a ring of `entries`, as a state's size.
+    pub(crate) fn cells(entries: u32) -> u32 {
+        let entry = u32::try_from(Self::ENTRY).unwrap_or(u32::MAX);
+        entries.max(1).saturating_mul(entry).saturating_add(2)
+    }
+
+    /// The ring that fills a state.
+    pub(crate) fn of(region: Region) -> Self {
+        Ring {
+            at: region.at,
+            capacity: (region.len - Self::HEAD) / Self::ENTRY,
+            of: PhantomData,
+        }
+    }
+
+    /// How many entries it can hold.
+    pub(crate) fn capacity(self) -> usize {
+        self.capacity
+    }
+
+    /// How many entries it holds.
+    pub(crate) fn len(self, cells: &[u64]) -> usize {
+        usize::try_from(cells[self.at + 1])
+            .unwrap_or(usize::MAX)
+            .min(self.capacity)
+    }
+
+    /// Adds the newest entry; the oldest leaves a full ring.
+    pub(crate) fn push(self, cells: &mut [u64], value: Option<T>) {
+        let next = usize::try_from(cells[self.at]).unwrap_or(0) % self.capacity;
+        let entry = self.entry(next);
+        cells[entry] = u64::from(value.is_some());
+        if let Some(value) = value {
+            value.store(cells, entry + 1);
+        }
+        cells[self.at] = ((next + 1) % self.capacity) as u64;
+        cells[self.at + 1] = (self.len(cells) + 1).min(self.capacity) as u64;
+    }
+
+    /// The entry `back` pushes ago, the newest at 0; `None` if there is none or it was absent.
+    pub(crate) fn back(self, cells: &[u64], back: usize) -> Option<T> {
+        if back >= self.len(cells) {
+            return None;
+        }
+        let next = usize::try_from(cells[self.at]).unwrap_or(0) % self.capacity;
+        let entry = self.entry((next + self.capacity - 1 - back) % self.capacity);
+        (cells[entry] != 0).then(|| T::load(cells, entry + 1))
+    }
+
+    fn entry(self, k: usize) -> usize {
+        self.at + Self::HEAD + k * Self::ENTRY
+    }
+}
