@@ -5,7 +5,7 @@
 //! presence cell.
 
 use crate::bulk::{Array, Matrix};
-use crate::flow::{Flow, Pose, Rotation, Time, Twist, Vector, Wrench};
+pub use crate::flow::{Flow, Pose, Rotation, Time, Twist, Vector, Wrench};
 use rpi_image::{ParamType, PortType};
 
 /// Something that is read from or written to through operand words: a port, or a tuple of ports.
