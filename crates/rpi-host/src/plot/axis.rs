@@ -1,0 +1,129 @@
+//! Axes: from values to pixels, and where the ticks stand.
+
+/// A straight map from values to pixels.
+#[derive(Clone, Copy, PartialEq, Debug)]
+pub(super) struct Axis {
+    /// Smallest and largest value.
+    pub(super) values: (f64, f64),
+    /// Where these lie.
+    pub(super) pixels: (f64, f64),
+}
+
+impl Axis {
+    /// The pixel of a value.
+    pub(super) fn at(&self, value: f64) -> f64 {
+        let (low, high) = self.values;
+        self.pixels.0 + (value - low) / (high - low) * (self.pixels.1 - self.pixels.0)
+    }
+
+    /// The ticks: round values, about one per `spacing` pixels.
+    pub(super) fn ticks(&self, spacing: f64) -> Vec<f64> {
+        let (low, high) = self.values;
+        let count = ((self.pixels.1 - self.pixels.0).abs() / spacing).max(1.0);
+        let step = round_step((high - low) / count);
+        let first = (low / step).ceil();
+        let last = ((high / step).floor() - first).clamp(0.0, 1000.0) as usize;
+        (0..=last).map(|k| (first + k as f64) * step).collect()
+    }
+
+    /// As many decimals as tell the ticks apart.
+    pub(super) fn label(&self, tick: f64, spacing: f64) -> String {
+        let ticks = self.ticks(spacing);
+        let step = ticks.windows(2).map(|w| w[1] - w[0]).next().unwrap_or(1.0);
+        let decimals = (0..6).find(|&d| {
+            let scaled = step * POWERS[d];
+            (scaled - scaled.round()).abs() < 1e-6 * scaled
+        });
+        let text = format!("{tick:.*}", decimals.unwrap_or(6));
+        if text
+            .trim_start_matches('-')
+            .bytes()
+            .all(|b| b == b'0' || b == b'.')
+        {
+            text.trim_start_matches('-').to_owned()
+        } else {
+            text.replace('-', "\u{2212}")
+        }
+    }
+}
+
+const POWERS: [f64; 6] = [1.0, 10.0, 100.0, 1e3, 1e4, 1e5];
+
+/// The smallest of 1, 2, 5, 10, 20, ... that is at least `step`.
+fn round_step(step: f64) -> f64 {
+    let mut power = 1e-9;
+    while power * 10.0 < step && power < 1e12 {
+        power *= 10.0;
+    }
+    let rounds = [1.0, 2.0, 5.0, 10.0].map(|r| r * power);
+    rounds
+        .into_iter()
+        .find(|r| *r >= step * (1.0 - 1e-9))
+        .unwrap_or(step)
+}
+
+/// Smallest and largest of the values, widened where they are too close to show; finite values only.
+pub(super) fn range(values: impl Iterator<Item = f64>, least: f64) -> (f64, f64) {
+    let finite = values.filter(|v| v.is_finite());
+    let (low, high) = finite.fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), v| {
+        (l.min(v), h.max(v))
+    });
+    if low > high {
+        return (-least / 2.0, least / 2.0);
+    }
+    let missing = ((least - (high - low)) / 2.0).max(0.0);
+    (low - missing, high + missing)
+}
+
+/// A range with a margin, a part of its width, at both ends.
+pub(super) fn padded((low, high): (f64, f64), part: f64) -> (f64, f64) {
+    let margin = (high - low) * part;
+    (low - margin, high + margin)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn ticks_are_round_and_inside() {
+        let axis = Axis {
+            values: (-1.3, 2.7),
+            pixels: (0.0, 400.0),
+        };
+        assert_eq!(axis.ticks(100.0), [-1.0, 0.0, 1.0, 2.0]);
+        let labels: Vec<_> = axis
+            .ticks(50.0)
+            .iter()
+            .map(|t| axis.label(*t, 50.0))
+            .collect();
+        assert_eq!(labels[0], "\u{2212}1.0");
+        assert!(labels.contains(&"0.0".to_owned()));
+    }
+
+    #[test]
+    fn steps_are_one_two_or_five() {
+        assert_eq!(
+            [0.03, 1.0, 1.2, 4.9, 70.0].map(round_step),
+            [0.05, 1.0, 2.0, 5.0, 100.0]
+        );
+    }
+
+    #[test]
+    fn a_constant_gets_a_range() {
+        assert_eq!(range([3.0, 3.0].into_iter(), 2.0), (2.0, 4.0));
+        assert_eq!(range([f64::NAN].into_iter(), 2.0), (-1.0, 1.0));
+    }
+
+    #[test]
+    fn values_map_to_pixels_also_upside_down() {
+        let axis = Axis {
+            values: (0.0, 2.0),
+            pixels: (100.0, 0.0),
+        };
+        assert_eq!(
+            [axis.at(0.0), axis.at(0.5), axis.at(2.0)],
+            [100.0, 75.0, 0.0]
+        );
+    }
+}

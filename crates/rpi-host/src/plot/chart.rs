@@ -1,0 +1,111 @@
+//! Values over time, each line with its name at its end.
+
+use super::axis::{Axis, padded, range};
+use super::frame::{FIGURE, Frame};
+use super::palette::{AXIS, dashes, hue};
+use super::simplify::simplify;
+use super::svg::{Anchor, Svg, TextStyle};
+use super::{Chart, Spell};
+
+/// Where a chart goes.
+#[derive(Clone, Copy)]
+pub(super) struct Place {
+    /// Left and right border of the field.
+    pub(super) x: (f64, f64),
+    /// Upper and lower border of the field.
+    pub(super) y: (f64, f64),
+}
+
+/// Names of lines closer than this would overlap, pixels.
+const LABEL_HEIGHT: f64 = 13.0;
+
+pub(super) fn draw(
+    svg: &mut Svg,
+    chart: &Chart,
+    place: Place,
+    seconds: (f64, f64),
+    spells: &[Spell],
+) {
+    let values = chart
+        .lines
+        .iter()
+        .flat_map(|l| l.points.iter().map(|p| p.1));
+    let frame = Frame {
+        x: Axis {
+            values: seconds,
+            pixels: place.x,
+        },
+        y: Axis {
+            values: padded(range(values, 1e-3), 0.06),
+            pixels: (place.y.1, place.y.0),
+        },
+    };
+    frame.draw(svg, &chart.title, "s");
+    for spell in spells.iter().skip(1) {
+        let x = frame.x.at(spell.from);
+        svg.dashed((x, frame.top()), (x, frame.bottom()), AXIS);
+    }
+    for (k, line) in chart.lines.iter().enumerate() {
+        let pixels: Vec<(f64, f64)> = line.points.iter().map(|p| frame.at(p.0, p.1)).collect();
+        svg.polyline(&simplify(&pixels, 0.15), hue(k), dashes(k), &line.name);
+    }
+    names(svg, chart, &frame);
+}
+
+/// The names at the right, at the height of the lines' ends as far as there is room.
+fn names(svg: &mut Svg, chart: &Chart, frame: &Frame) {
+    let ends = chart.lines.iter().enumerate();
+    let mut ends: Vec<(f64, usize)> = ends
+        .filter_map(|(k, line)| Some((frame.y.at(line.points.last()?.1), k)))
+        .filter(|(y, _)| y.is_finite())
+        .collect();
+    ends.sort_by(|a, b| a.0.total_cmp(&b.0));
+    let heights = spread(
+        ends.iter().map(|e| e.0).collect(),
+        frame.top(),
+        frame.bottom(),
+    );
+    for (y, (_, k)) in heights.into_iter().zip(ends) {
+        svg.line(
+            (frame.right() + 6.0, y),
+            (frame.right() + 16.0, y),
+            hue(k),
+            3.0,
+        );
+        let style = TextStyle {
+            anchor: Anchor::Start,
+            ..FIGURE
+        };
+        svg.text((frame.right() + 21.0, y + 4.0), style, &chart.lines[k].name);
+    }
+}
+
+/// Ascending heights moved apart so that none overlap, inside of the field if they fit.
+fn spread(mut heights: Vec<f64>, top: f64, bottom: f64) -> Vec<f64> {
+    let mut least = top;
+    for height in &mut heights {
+        *height = height.max(least);
+        least = *height + LABEL_HEIGHT;
+    }
+    let mut most = bottom;
+    for height in heights.iter_mut().rev() {
+        *height = height.min(most);
+        most = *height - LABEL_HEIGHT;
+    }
+    heights
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn names_that_would_overlap_move_apart_and_stay_inside() {
+        assert_eq!(spread(vec![10.0, 50.0], 0.0, 100.0), [10.0, 50.0]);
+        assert_eq!(
+            spread(vec![98.0, 99.0, 100.0], 0.0, 100.0),
+            [74.0, 87.0, 100.0]
+        );
+        assert_eq!(spread(vec![0.0, 0.0], 0.0, 100.0), [0.0, 13.0]);
+    }
+}

@@ -1,0 +1,93 @@
+//! The field that a chart is drawn in: heading, grid, ticks.
+
+use super::axis::Axis;
+use super::palette::{AXIS, GRID, INK, SOFT_INK};
+use super::svg::{Anchor, Svg, TextStyle};
+
+/// Headings of charts.
+pub(super) const HEADING: TextStyle = TextStyle {
+    size: 13.0,
+    color: INK,
+    bold: true,
+    anchor: Anchor::Start,
+};
+
+/// Figures at axes.
+pub(super) const FIGURE: TextStyle = TextStyle {
+    size: 11.0,
+    color: SOFT_INK,
+    bold: false,
+    anchor: Anchor::Middle,
+};
+
+/// A field with two axes.
+#[derive(Clone, Copy)]
+pub(super) struct Frame {
+    pub(super) x: Axis,
+    pub(super) y: Axis,
+}
+
+/// Pixels between ticks.
+const SPACING: (f64, f64) = (90.0, 34.0);
+
+impl Frame {
+    pub(super) fn at(&self, x: f64, y: f64) -> (f64, f64) {
+        (self.x.at(x), self.y.at(y))
+    }
+
+    pub(super) fn left(&self) -> f64 {
+        self.x.pixels.0
+    }
+
+    pub(super) fn right(&self) -> f64 {
+        self.x.pixels.1
+    }
+
+    pub(super) fn bottom(&self) -> f64 {
+        self.y.pixels.0
+    }
+
+    pub(super) fn top(&self) -> f64 {
+        self.y.pixels.1
+    }
+
+    /// Heading, grid and figures; `x_title` stands at the end of the lower axis.
+    pub(super) fn draw(&self, svg: &mut Svg, heading: &str, x_title: &str) {
+        svg.text((self.left(), self.top() - 10.0), HEADING, heading);
+        self.rows(svg);
+        self.columns(svg, x_title);
+        svg.line(
+            (self.left(), self.bottom()),
+            (self.right(), self.bottom()),
+            AXIS,
+            1.0,
+        );
+    }
+
+    fn rows(&self, svg: &mut Svg) {
+        let style = TextStyle {
+            anchor: Anchor::End,
+            ..FIGURE
+        };
+        for tick in self.y.ticks(SPACING.1) {
+            let y = self.y.at(tick);
+            svg.line((self.left(), y), (self.right(), y), GRID, 1.0);
+            let label = self.y.label(tick, SPACING.1);
+            svg.text((self.left() - 8.0, y + 4.0), style, &label);
+        }
+    }
+
+    fn columns(&self, svg: &mut Svg, title: &str) {
+        let below = self.bottom() + 17.0;
+        for tick in self.x.ticks(SPACING.0) {
+            let x = self.x.at(tick);
+            svg.line((x, self.bottom()), (x, self.bottom() + 4.0), AXIS, 1.0);
+            svg.text((x, below), FIGURE, &self.x.label(tick, SPACING.0));
+        }
+        let style = TextStyle {
+            anchor: Anchor::Start,
+            ..FIGURE
+        };
+        svg.text((self.right() + 8.0, below), style, title);
+    }
+}

@@ -1,0 +1,160 @@
+//! A way through space, seen along an axis: both axes at one scale, each command in its hue.
+
+use super::axis::{Axis, padded, range};
+use super::chart::Place;
+use super::frame::{FIGURE, Frame};
+use super::palette::{INK, PAPER, SOFT_INK, hue};
+use super::simplify::simplify;
+use super::svg::{Anchor, Svg, TextStyle};
+use super::{SpacePath, Spell};
+
+/// From where one looks.
+#[derive(Clone, Copy)]
+pub(super) enum View {
+    /// From above: x to the right, y up.
+    Top,
+    /// From the side: x to the right, z up.
+    Side,
+}
+
+impl View {
+    fn name(self) -> &'static str {
+        match self {
+            View::Top => "from above (x right, y up, m)",
+            View::Side => "from the side (x right, z up, m)",
+        }
+    }
+
+    fn project(self, [x, y, z]: [f64; 3]) -> (f64, f64) {
+        match self {
+            View::Top => (x, y),
+            View::Side => (x, z),
+        }
+    }
+}
+
+/// Less is not shown larger, metres: a resting arm is a dot, not noise.
+const LEAST_WIDTH: f64 = 0.02;
+
+pub(super) fn draw(svg: &mut Svg, path: &SpacePath, view: View, place: Place, spells: &[Spell]) {
+    let points: Vec<(f64, (f64, f64))> = path
+        .points
+        .iter()
+        .map(|(t, p)| (*t, view.project(*p)))
+        .collect();
+    let frame = frame(&points, place);
+    frame.draw(svg, &format!("{}, {}", path.name, view.name()), "");
+    for (k, part) in parts(&points, spells).into_iter().enumerate() {
+        let pixels: Vec<(f64, f64)> = part.iter().map(|(_, p)| frame.at(p.0, p.1)).collect();
+        let name = spells.get(k).map_or("", |s| s.command.as_str());
+        svg.polyline(&simplify(&pixels, 0.1), hue(k), None, name);
+    }
+    marks(svg, &points, spells, &frame);
+}
+
+/// A field in which both axes have one scale.
+fn frame(points: &[(f64, (f64, f64))], place: Place) -> Frame {
+    let x = padded(range(points.iter().map(|p| p.1.0), LEAST_WIDTH), 0.08);
+    let y = padded(range(points.iter().map(|p| p.1.1), LEAST_WIDTH), 0.08);
+    let (width, height) = (place.x.1 - place.x.0, place.y.1 - place.y.0);
+    let scale = ((x.1 - x.0) / width).max((y.1 - y.0) / height);
+    let widened = |(low, high): (f64, f64), pixels: f64| {
+        let margin = (scale * pixels - (high - low)) / 2.0;
+        (low - margin, high + margin)
+    };
+    Frame {
+        x: Axis {
+            values: widened(x, width),
+            pixels: place.x,
+        },
+        y: Axis {
+            values: widened(y, height),
+            pixels: (place.y.1, place.y.0),
+        },
+    }
+}
+
+/// The points of each command, with the last one of its predecessor so that the way has no gap.
+fn parts<P: Copy>(points: &[(f64, P)], spells: &[Spell]) -> Vec<Vec<(f64, P)>> {
+    if spells.is_empty() {
+        return vec![points.to_vec()];
+    }
+    let starts = spells
+        .iter()
+        .map(|s| points.partition_point(|p| p.0 < s.from));
+    let starts: Vec<usize> = starts.collect();
+    let ends = starts.iter().skip(1).copied().chain([points.len()]);
+    let ranges = starts.iter().zip(ends);
+    ranges
+        .map(|(&from, to)| points[from.saturating_sub(1)..to.max(from)].to_vec())
+        .collect()
+}
+
+/// Start, switches and end.
+fn marks(svg: &mut Svg, points: &[(f64, (f64, f64))], spells: &[Spell], frame: &Frame) {
+    let (Some(first), Some(last)) = (points.first(), points.last()) else {
+        return;
+    };
+    let pixel = |p: &(f64, (f64, f64))| frame.at(p.1.0, p.1.1);
+    for (k, spell) in spells.iter().enumerate().skip(1) {
+        let at = points
+            .partition_point(|p| p.0 < spell.from)
+            .min(points.len() - 1);
+        let style = TextStyle {
+            color: SOFT_INK,
+            anchor: Anchor::Start,
+            ..FIGURE
+        };
+        svg.dot(pixel(&points[at]), 5.0, hue(k), PAPER);
+        let (x, y) = pixel(&points[at]);
+        svg.text(
+            (x + 9.0, y - 7.0),
+            style,
+            &format!("switch {:.3} s", spell.from),
+        );
+    }
+    let style = TextStyle {
+        color: INK,
+        anchor: Anchor::Start,
+        ..FIGURE
+    };
+    for (point, name) in [(first, "start"), (last, "end")] {
+        let (x, y) = pixel(point);
+        svg.dot((x, y), 4.5, INK, PAPER);
+        svg.text((x + 9.0, y + 14.0), style, name);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn spell(from: f64, to: f64) -> Spell {
+        Spell {
+            from,
+            to,
+            ..Spell::default()
+        }
+    }
+
+    #[test]
+    fn each_command_has_its_part_and_no_gap() {
+        let points: Vec<(f64, u32)> = (0..6).map(|k| (f64::from(k), k)).collect();
+        let parts = parts(&points, &[spell(0.0, 3.0), spell(3.0, 6.0)]);
+        assert_eq!(parts[0], points[0..3]);
+        assert_eq!(parts[1], points[2..6]);
+    }
+
+    #[test]
+    fn both_axes_have_one_scale() {
+        let place = Place {
+            x: (0.0, 400.0),
+            y: (0.0, 200.0),
+        };
+        let frame = frame(&[(0.0, (0.0, 0.0)), (1.0, (1.0, 1.0))], place);
+        let per_pixel =
+            |axis: Axis| ((axis.values.1 - axis.values.0) / (axis.pixels.1 - axis.pixels.0)).abs();
+        assert!((per_pixel(frame.x) - per_pixel(frame.y)).abs() < 1e-12);
+        assert!(frame.at(1.0, 1.0).1 > 0.0);
+    }
+}

@@ -1,0 +1,43 @@
+//! Which command ran when: one bar each, on the time axis of the charts below.
+
+use super::Spell;
+use super::axis::Axis;
+use super::palette::{INK, SOFT_INK, hue};
+use super::svg::{Anchor, Svg, TextStyle};
+
+const BAR: f64 = 7.0;
+
+/// Bars are drawn here; the names stand above them.
+pub(super) fn draw(svg: &mut Svg, spells: &[Spell], x: Axis, y: f64) {
+    for (k, spell) in spells.iter().enumerate() {
+        let (from, to) = (x.at(spell.from), x.at(spell.to));
+        // Two pixels of paper keep neighbours apart.
+        svg.rect((from, y), ((to - from - 2.0).max(1.0), BAR), 2.0, hue(k));
+        name(svg, spell, (from, y - 7.0), to - from);
+    }
+}
+
+/// Command and end as far as they fit over the bar.
+fn name(svg: &mut Svg, spell: &Spell, at: (f64, f64), room: f64) {
+    let width = |text: &str| text.chars().count() as f64 * 6.8;
+    let style = TextStyle {
+        size: 12.0,
+        color: INK,
+        bold: true,
+        anchor: Anchor::Start,
+    };
+    if width(&spell.command) > room {
+        return;
+    }
+    svg.text(at, style, &spell.command);
+    let end = format!("\u{2192} {}", spell.end);
+    if !spell.end.is_empty() && width(&spell.command) + width(&end) + 10.0 < room {
+        let soft = TextStyle {
+            size: 11.0,
+            color: SOFT_INK,
+            bold: false,
+            anchor: Anchor::Start,
+        };
+        svg.text((at.0 + width(&spell.command) + 8.0, at.1), soft, &end);
+    }
+}
