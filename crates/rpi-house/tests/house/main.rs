@@ -3,6 +3,7 @@
 mod codes;
 mod cycle;
 mod edges;
+mod generated;
 mod links;
 mod owners;
 mod primitives;

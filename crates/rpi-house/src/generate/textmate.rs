@@ -1,0 +1,134 @@
+//! The TextMate grammar for editors, from the compiler's table of words.
+//!
+//! It colours; it does not parse. Words that are keywords only in places are coloured where the
+//! lexer's rule for them allows it: not after `.` and not before `=`, `:`, `,` or `)`.
+
+use rpi_syntax::ops::{BINARY, UNARY};
+use rpi_syntax::{KEYWORDS, Place};
+use serde_json::{Value, json};
+
+const NAME: &str = "[A-Za-z_][A-Za-z0-9_']*";
+const TYPES: &[&str] = &["bool", "int", "real"];
+const CONSTANTS: &[&str] = &["true", "false"];
+/// Flows, values and operators that are declared without a declaration (language reference).
+const PREDECLARED: &[&str] = &[
+    "cancel",
+    "dt",
+    "first",
+    "hold",
+    "none",
+    "predecessor",
+    "present",
+    "still",
+    "takeover",
+    "time",
+];
+
+pub(super) fn grammar() -> String {
+    let grammar = json!({
+        "name": "RPI",
+        "scopeName": "source.rpi",
+        "fileTypes": ["rpi", "lus"],
+        "patterns": [
+            { "include": "#comments" }, { "include": "#literals" }, { "include": "#declarations" },
+            { "include": "#words" }, { "include": "#operators" },
+        ],
+        "repository": {
+            "comments": { "patterns": comments() },
+            "literals": { "patterns": literals() },
+            "declarations": { "patterns": declarations() },
+            "words": { "patterns": words() },
+            "operators": { "patterns": [one("keyword.operator", r"->|=>|\?\?|<>|<=|>=|<<|>>|\*\*|[-+*/%^|#=<>?]")] },
+        },
+    });
+    // A value of strings and lists always serialises.
+    serde_json::to_string_pretty(&grammar).unwrap_or_default() + "\n"
+}
+
+fn comments() -> Value {
+    json!([
+        one("comment.line.documentation", r"--\|.*$"),
+        one("comment.line.double-dash", r"--.*$"),
+        one("comment.line.double-slash", r"//.*$"),
+        between("comment.block", r"\(\*", r"\*\)"),
+        between("comment.block", r"/\*", r"\*/"),
+    ])
+}
+
+fn literals() -> Value {
+    let number = r"(\b0[xX][0-9a-fA-F]+|\b[0-9]+(?:\.[0-9]*)?(?:[eE][-+]?[0-9]+)?|\.[0-9]+(?:[eE][-+]?[0-9]+)?)";
+    json!([
+        { "name": scope("string.quoted.double"), "begin": "\"", "end": "\"|$",
+          "patterns": [one("constant.character.escape", r"\\.")] },
+        { "match": format!(r"{number}(?:(\[)([^\]]*)(\]))?"),
+          "captures": { "1": { "name": scope("constant.numeric") }, "3": { "name": scope("keyword.other.unit") } } },
+    ])
+}
+
+/// The name after the word that declares it.
+fn declarations() -> Value {
+    let words = alternatives(
+        KEYWORDS
+            .iter()
+            .filter(|w| w.place == Place::Declaration)
+            .map(|w| w.text),
+    );
+    json!([{
+        "match": format!(r"\b(node|function|{words})\s+({NAME})"),
+        "captures": { "1": { "name": scope("keyword.control") }, "2": { "name": scope("entity.name.function") } },
+    }])
+}
+
+fn words() -> Value {
+    let (reserved, by_place): (Vec<_>, Vec<_>) =
+        KEYWORDS.iter().partition(|w| w.place == Place::Reserved);
+    let reserved = reserved.iter().map(|w| w.text);
+    let special: Vec<&str> = [TYPES, CONSTANTS].concat();
+    let (operators, control): (Vec<&str>, Vec<&str>) = reserved
+        .filter(|text| !special.contains(text))
+        .partition(|text| is_operator(text));
+    let contextual = alternatives(by_place.iter().map(|w| w.text));
+    json!([
+        whole("storage.type", TYPES),
+        whole("constant.language", CONSTANTS),
+        whole("keyword.operator.word", &operators),
+        whole("keyword.control", &control),
+        one(
+            "keyword.control.contextual",
+            &format!(r"(?<![.\w'])(?:{contextual})(?![\w'])(?!\s*[=:,)])")
+        ),
+        whole("variable.language", PREDECLARED),
+    ])
+}
+
+fn is_operator(text: &str) -> bool {
+    BINARY.iter().any(|row| row.spelling == text) || UNARY.iter().any(|row| row.spelling == text)
+}
+
+fn whole(name: &str, words: &[&str]) -> Value {
+    one(
+        name,
+        &format!(
+            r"(?<![.\w'])(?:{})(?![\w'])",
+            alternatives(words.iter().copied())
+        ),
+    )
+}
+
+fn alternatives<'a>(words: impl Iterator<Item = &'a str>) -> String {
+    let mut words: Vec<&str> = words.collect();
+    words.sort_unstable();
+    words.join("|")
+}
+
+fn one(name: &str, pattern: &str) -> Value {
+    json!({ "name": scope(name), "match": pattern })
+}
+
+fn between(name: &str, begin: &str, end: &str) -> Value {
+    json!({ "name": scope(name), "begin": begin, "end": end })
+}
+
+fn scope(name: &str) -> String {
+    format!("{name}.rpi")
+}

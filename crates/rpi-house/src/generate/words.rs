@@ -1,0 +1,67 @@
+//! The chapter on words and operators, from the tables of the front end.
+
+use std::fmt::Write;
+
+use rpi_syntax::ops::{BINARY, BinaryRow, Grouping, UNARY, UnaryRow};
+use rpi_syntax::{KEYWORDS, Keyword, Place};
+
+use super::MARK;
+
+pub(super) fn chapter() -> String {
+    let mut out = format!("{MARK}# Words and operators\n\n");
+    out.push_str("## Reserved words\n\nThese can not be names.\n\n| word | in `.lus` | what it is for |\n|---|---|---|\n");
+    rows(&mut out, |word| word.place == Place::Reserved);
+    out.push_str("\n## Words by place\n\nThese are keywords only where the grammar expects them, and names everywhere else. ");
+    out.push_str("They are never keywords after `.` or before `=`, `:`, `,` or `)`.\n\n");
+    out.push_str("| word | in `.lus` | what it is for |\n|---|---|---|\n");
+    rows(&mut out, |word| word.place != Place::Reserved);
+    out.push_str("\n## Operators\n\nWeakest first; a larger level binds more strongly.\n\n");
+    out.push_str("| level | operator | groups | what it does |\n|---|---|---|---|\n");
+    for (_, row) in operators() {
+        out.push_str(&row);
+    }
+    out
+}
+
+fn rows(out: &mut String, wanted: impl Fn(&Keyword) -> bool) {
+    let mut words: Vec<&Keyword> = KEYWORDS.iter().filter(|word| wanted(word)).collect();
+    words.sort_by_key(|word| word.text);
+    for word in words {
+        let lustre = if word.in_lustre { "yes" } else { "no" };
+        // Writing to a string does not fail.
+        let _ = writeln!(out, "| `{}` | {lustre} | {} |", word.text, word.doc);
+    }
+}
+
+fn operators() -> Vec<(u8, String)> {
+    let mut rows: Vec<(u8, String)> = BINARY
+        .iter()
+        .map(binary)
+        .chain(UNARY.iter().map(unary))
+        .collect();
+    rows.sort_by_key(|(level, _)| *level);
+    rows
+}
+
+fn binary(row: &BinaryRow) -> (u8, String) {
+    let groups = match row.grouping {
+        Grouping::Left => "to the left",
+        Grouping::Right => "to the right",
+        Grouping::None => "not",
+    };
+    let spelling = row.spelling.replace('|', "\\|");
+    (
+        row.level,
+        format!(
+            "| {} | `a {spelling} b` | {groups} | {} |\n",
+            row.level, row.doc
+        ),
+    )
+}
+
+fn unary(row: &UnaryRow) -> (u8, String) {
+    (
+        row.level,
+        format!("| {} | `{} a` | | {} |\n", row.level, row.spelling, row.doc),
+    )
+}
