@@ -27,12 +27,17 @@ pub fn tracked_files() -> Vec<PathBuf> {
     files
 }
 
-/// The product's Rust files (`src` of the crates), relative to the root, with their text.
+/// The product's Rust files (`src` of the crates, files of unit tests apart), relative to the root,
+/// with their text.
 pub fn source_files() -> Vec<(PathBuf, String)> {
     let files = files_below("crates", &[".rs"]).into_iter();
     files
         .filter_map(|path| Some((relative(&path)?, std::fs::read_to_string(&path).ok()?)))
         .filter(|(path, _)| path.iter().nth(2).is_some_and(|folder| folder == "src"))
+        .filter(|(path, _)| {
+            path.iter()
+                .all(|part| part != "tests" && part != "tests.rs")
+        })
         .collect()
 }
 

@@ -8,5 +8,6 @@ mod links;
 mod owners;
 mod primitives;
 mod rules;
+mod sizes;
 mod unsafety;
 mod words;
