@@ -1,0 +1,106 @@
+//! Angles on the circle and on the line: wrapping, whole turns, the turn that suits a range.
+
+use crate::Range;
+use core::f64::consts::{PI, TAU};
+
+/// Half turn and full turn in radians, for callers that should not import `core::f64::consts` themselves.
+pub const HALF_TURN: f64 = PI;
+
+/// `angle` moved by whole turns into [-pi, pi].
+#[must_use]
+pub fn wrap(angle: f64) -> f64 {
+    if (-PI..=PI).contains(&angle) {
+        return angle;
+    }
+    angle - TAU * libm::rint(angle / TAU)
+}
+
+/// `angle` moved by whole turns to the value nearest to `near`.
+#[must_use]
+pub fn nearest_turn(angle: f64, near: f64) -> f64 {
+    angle + TAU * libm::rint((near - angle) / TAU)
+}
+
+/// `angle` moved by whole turns into `range`, as near to `near` as the range allows; `None` if no turn lies inside.
+#[must_use]
+pub fn turn_within(angle: f64, near: f64, range: Range) -> Option<f64> {
+    let nearest = nearest_turn(angle, near);
+    if range.contains(nearest) {
+        return Some(nearest);
+    }
+    // Beyond an end of the range the best turn is the one nearest to that end.
+    let target = if nearest > range.upper {
+        range.upper
+    } else {
+        range.lower
+    };
+    let inward = if nearest > range.upper { -TAU } else { TAU };
+    let close = nearest_turn(angle, target);
+    [close, close + inward]
+        .into_iter()
+        .find(|turn| range.contains(*turn))
+}
+
+/// Sine and cosine of an angle, kept together because every user needs both.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct SinCos {
+    /// The sine.
+    pub sin: f64,
+    /// The cosine.
+    pub cos: f64,
+}
+
+impl SinCos {
+    /// Of an angle in radians.
+    #[must_use]
+    pub fn of(angle: f64) -> Self {
+        let (sin, cos) = libm::sincos(angle);
+        Self { sin, cos }
+    }
+
+    /// The angle, in [-pi, pi].
+    #[must_use]
+    pub fn angle(self) -> f64 {
+        libm::atan2(self.sin, self.cos)
+    }
+
+    /// Of this angle minus another.
+    #[must_use]
+    pub fn minus(self, other: Self) -> Self {
+        Self {
+            sin: self.sin * other.cos - self.cos * other.sin,
+            cos: self.cos * other.cos + self.sin * other.sin,
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_wrapped_angle_is_within_half_a_turn_and_the_same_direction() {
+        for k in -50..50 {
+            let angle = 0.37 * f64::from(k);
+            let wrapped = wrap(angle);
+            assert!((-PI..=PI).contains(&wrapped), "{angle} -> {wrapped}");
+            assert!((libm::sin(angle) - libm::sin(wrapped)).abs() < 1e-14);
+            assert!((libm::cos(angle) - libm::cos(wrapped)).abs() < 1e-14);
+        }
+    }
+
+    #[test]
+    fn the_turn_within_a_range_is_the_nearest_one_that_fits() {
+        let wide = Range::symmetric(2.0 * TAU);
+        assert_eq!(turn_within(0.5, 6.5, wide), Some(0.5 + TAU));
+        let narrow = Range::symmetric(3.0);
+        assert_eq!(turn_within(3.1, 3.0, narrow), None);
+        assert_eq!(
+            turn_within(-2.9, 3.0, narrow),
+            Some(-2.9),
+            "the hint's turn, 3.38, is outside"
+        );
+        assert_eq!(turn_within(2.9, -3.0, narrow), Some(2.9));
+        assert_eq!(turn_within(f64::NAN, 0.0, narrow), None);
+    }
+}

@@ -1,0 +1,152 @@
+//! KUKA's seven-axis lightweight arms: LWR 4+, LBR iiwa 7 and 14.
+//!
+//! All three are S-R-S arms without offsets, alike but for lengths and for the sense in which axes 2, 4 and 6 count: a
+//! positive angle of an iiwa's axis 2 leans the arm towards +x, of an LWR's towards -x.
+
+use crate::chain::Twist;
+use crate::model::{ArmModel, Inverse};
+use crate::srs::Geometry;
+use crate::{AxisLimits, Chain, Convention, Link};
+
+/// LBR iiwa 7 R800.
+pub static IIWA_7: ArmModel = ArmModel {
+    id: "kuka-iiwa-7",
+    title: "KUKA LBR iiwa 7 R800",
+    source: "lengths: IFL-CAMP/iiwa_stack; ranges and velocities: lbr-stack/lbr_fri_ros2_stack; acceleration and jerk: roboticsapi/kuka-lwr-api",
+    chain: chain(&IIWA_7_LINKS),
+    limits: &IIWA_7_LIMITS,
+    inverse: Inverse::Srs(IIWA_7_LENGTHS.geometry()),
+};
+
+/// LBR iiwa 14 R820.
+pub static IIWA_14: ArmModel = ArmModel {
+    id: "kuka-iiwa-14",
+    title: "KUKA LBR iiwa 14 R820",
+    source: "lengths: IFL-CAMP/iiwa_stack; ranges and velocities: lbr-stack/lbr_fri_ros2_stack; acceleration and jerk: roboticsapi/kuka-lwr-api",
+    chain: chain(&IIWA_14_LINKS),
+    limits: &IIWA_14_LIMITS,
+    inverse: Inverse::Srs(IIWA_14_LENGTHS.geometry()),
+};
+
+/// LWR 4+.
+pub static LWR_4_PLUS: ArmModel = ArmModel {
+    id: "kuka-lwr4+",
+    title: "KUKA LWR 4+",
+    source: "roboticsapi/kuka-lwr-api; lengths also in orocos_kdl",
+    chain: chain(&LWR_4_PLUS_LINKS),
+    limits: &LWR_4_PLUS_LIMITS,
+    inverse: Inverse::Srs(LWR_4_PLUS_LENGTHS.geometry()),
+};
+
+const IIWA_7_LENGTHS: Lbr = Lbr {
+    base: 0.340,
+    upper: 0.400,
+    fore: 0.400,
+    hand: 0.126,
+    leans: 1.0,
+};
+const IIWA_14_LENGTHS: Lbr = Lbr {
+    base: 0.360,
+    upper: 0.420,
+    fore: 0.400,
+    hand: 0.126,
+    leans: 1.0,
+};
+const LWR_4_PLUS_LENGTHS: Lbr = Lbr {
+    base: 0.3105,
+    upper: 0.400,
+    fore: 0.390,
+    hand: 0.078,
+    leans: -1.0,
+};
+
+static IIWA_7_LINKS: [Link; 7] = IIWA_7_LENGTHS.links();
+static IIWA_14_LINKS: [Link; 7] = IIWA_14_LENGTHS.links();
+static LWR_4_PLUS_LINKS: [Link; 7] = LWR_4_PLUS_LENGTHS.links();
+
+/// Full speed after a third of a second, full acceleration after 0.15 s.
+const ACCELERATION: f64 = 3.0;
+const JERK: f64 = 20.0;
+
+static IIWA_7_LIMITS: [AxisLimits; 7] =
+    iiwa_limits([98.0, 98.0, 100.0, 130.0, 140.0, 180.0, 180.0]);
+static IIWA_14_LIMITS: [AxisLimits; 7] =
+    iiwa_limits([85.0, 85.0, 100.0, 75.0, 130.0, 135.0, 135.0]);
+static LWR_4_PLUS_LIMITS: [AxisLimits; 7] = [
+    lwr_limits(170.0, 112.5),
+    lwr_limits(120.0, 112.5),
+    lwr_limits(170.0, 112.5),
+    lwr_limits(120.0, 112.5),
+    lwr_limits(170.0, 180.0),
+    lwr_limits(120.0, 112.5),
+    lwr_limits(170.0, 112.5),
+];
+
+const fn iiwa_limits(velocity: [f64; 7]) -> [AxisLimits; 7] {
+    [
+        AxisLimits::degrees(-170.0, 170.0, velocity[0]).scaled(ACCELERATION, JERK),
+        AxisLimits::degrees(-120.0, 120.0, velocity[1]).scaled(ACCELERATION, JERK),
+        AxisLimits::degrees(-170.0, 170.0, velocity[2]).scaled(ACCELERATION, JERK),
+        AxisLimits::degrees(-120.0, 120.0, velocity[3]).scaled(ACCELERATION, JERK),
+        AxisLimits::degrees(-170.0, 170.0, velocity[4]).scaled(ACCELERATION, JERK),
+        AxisLimits::degrees(-120.0, 120.0, velocity[5]).scaled(ACCELERATION, JERK),
+        AxisLimits::degrees(-175.0, 175.0, velocity[6]).scaled(ACCELERATION, JERK),
+    ]
+}
+
+/// The LWR's acceleration is given as 4 rad/s^2 for every axis. No jerk is published: the iiwa's ratio stands in.
+const fn lwr_limits(bound: f64, velocity: f64) -> AxisLimits {
+    let limits = AxisLimits::degrees(-bound, bound, velocity);
+    limits.changing(4.0, JERK * limits.velocity)
+}
+
+const fn chain(links: &'static [Link]) -> Chain {
+    Chain {
+        convention: Convention::Standard,
+        links,
+        tail: &[],
+    }
+}
+
+/// What distinguishes one of these arms from another.
+#[derive(Clone, Copy)]
+struct Lbr {
+    /// Base to shoulder, shoulder to elbow, elbow to wrist, wrist to flange, in m.
+    base: f64,
+    upper: f64,
+    fore: f64,
+    hand: f64,
+    /// +1 if a positive angle of axis 2 leans the arm towards +x, else -1.
+    leans: f64,
+}
+
+impl Lbr {
+    /// Standard rows: lengths on every other row, quarter turns between all.
+    const fn links(self) -> [Link; 7] {
+        let (over, back) = if self.leans > 0.0 {
+            (Twist::MINUS_90, Twist::PLUS_90)
+        } else {
+            (Twist::PLUS_90, Twist::MINUS_90)
+        };
+        [
+            Link::new(0.0, over, self.base),
+            Link::new(0.0, back, 0.0),
+            Link::new(0.0, back, self.upper),
+            Link::new(0.0, over, 0.0),
+            Link::new(0.0, over, self.fore),
+            Link::new(0.0, back, 0.0),
+            Link::new(0.0, Twist::NONE, self.hand),
+        ]
+    }
+
+    const fn geometry(self) -> Geometry {
+        let sense = [1.0, self.leans, 1.0, -self.leans, 1.0, self.leans, 1.0];
+        Geometry {
+            base: self.base,
+            upper: self.upper,
+            fore: self.fore,
+            hand: self.hand,
+            sense,
+        }
+    }
+}

@@ -1,0 +1,155 @@
+//! The eight sets of joints for one pose and one place of the elbow.
+
+use super::{Joints, Reach};
+use crate::angle::{HALF_TURN, SinCos};
+use nalgebra::{Matrix3, Vector3};
+
+/// Below this sine of its bend a joint counts as straight: only the sum of the turns on both sides of it is defined.
+const STRAIGHT: f64 = 1e-12;
+
+/// One of the eight: which of shoulder, elbow and wrist bend in the negative sense of the canonical chain.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Branch(u8);
+
+impl Branch {
+    /// All eight, the one without a negative bend first.
+    pub const ALL: [Self; 8] = [
+        Self(0),
+        Self(1),
+        Self(2),
+        Self(3),
+        Self(4),
+        Self(5),
+        Self(6),
+        Self(7),
+    ];
+
+    /// Axis 2 bends in the negative sense.
+    #[must_use]
+    pub const fn shoulder(self) -> bool {
+        self.0 & 1 != 0
+    }
+
+    /// Axis 4 bends in the negative sense.
+    #[must_use]
+    pub const fn elbow(self) -> bool {
+        self.0 & 2 != 0
+    }
+
+    /// Axis 6 bends in the negative sense.
+    #[must_use]
+    pub const fn wrist(self) -> bool {
+        self.0 & 4 != 0
+    }
+
+    /// This branch's canonical angles from those of the first, not wrapped: bending the other way means turning both
+    /// neighbours by half a turn.
+    #[must_use]
+    pub fn of(self, first: &Joints) -> Joints {
+        let bend = |negative: bool, angle: f64| if negative { -angle } else { angle };
+        let turn = |one: bool, other: bool, angle: f64| {
+            if one == other {
+                angle
+            } else {
+                angle + HALF_TURN
+            }
+        };
+        [
+            turn(self.shoulder(), false, first[0]),
+            bend(self.shoulder(), first[1]),
+            turn(self.shoulder(), self.elbow(), first[2]),
+            bend(self.elbow(), first[3]),
+            turn(self.elbow(), self.wrist(), first[4]),
+            bend(self.wrist(), first[5]),
+            turn(self.wrist(), false, first[6]),
+        ]
+    }
+}
+
+/// The canonical angles of the first branch, for a pose and the elbow's direction from the line (a unit vector).
+/// Turns that the pose leaves open, next to a straight shoulder, elbow or wrist, are taken from `hint` (canonical angles).
+///
+/// Each joint is found from what those before it leave over. Near a straight joint the single turns are ill defined, but
+/// the later one makes up for the error of the earlier one, and the pose stays exact.
+#[must_use]
+pub fn first_branch(reach: &Reach, elbow: &Vector3<f64>, hint: &Joints) -> Joints {
+    let upper = reach.axis * reach.lift.cos + elbow * reach.lift.sin;
+    let shoulder = Ball::towards(&upper, hint[0]);
+    let fore = shoulder.undo(&forearm(reach, elbow));
+    let p3 = if reach.bend.sin > STRAIGHT {
+        libm::atan2(fore.y, fore.x)
+    } else {
+        hint[2]
+    };
+    let p4 = libm::atan2(reach.bend.sin, reach.bend.cos);
+    let elbow = Ball {
+        turn: p3,
+        turned: SinCos::of(p3),
+        bend: p4,
+        bent: reach.bend,
+    };
+    let hand = Matrix3::from_columns(&[
+        elbow.undo(&shoulder.undo(&reach.flange.column(0).into())),
+        Vector3::zeros(),
+        elbow.undo(&shoulder.undo(&reach.flange.column(2).into())),
+    ]);
+    let wrist = Ball::towards(&hand.column(2).into(), hint[4]);
+    let x = wrist.undo(&hand.column(0).into());
+    [
+        shoulder.turn,
+        shoulder.bend,
+        p3,
+        p4,
+        wrist.turn,
+        wrist.bend,
+        libm::atan2(x.y, x.x),
+    ]
+}
+
+/// The direction of the forearm: the upper arm's, bent at the elbow back towards the line.
+fn forearm(reach: &Reach, elbow: &Vector3<f64>) -> Vector3<f64> {
+    let tilt = reach.lift.minus(reach.bend);
+    reach.axis * tilt.cos + elbow * tilt.sin
+}
+
+/// A turn about z and a bend about the new y, not negative, with their sines and cosines.
+struct Ball {
+    turn: f64,
+    turned: SinCos,
+    bend: f64,
+    bent: SinCos,
+}
+
+impl Ball {
+    /// What points z along the unit vector `to`; the turn is `open` if z points there already.
+    fn towards(to: &Vector3<f64>, open: f64) -> Self {
+        let sin = libm::sqrt(to.x * to.x + to.y * to.y);
+        let (turn, turned) = if sin > STRAIGHT {
+            (
+                libm::atan2(to.y, to.x),
+                SinCos {
+                    sin: to.y / sin,
+                    cos: to.x / sin,
+                },
+            )
+        } else {
+            (open, SinCos::of(open))
+        };
+        Self {
+            turn,
+            turned,
+            bend: libm::atan2(sin, to.z),
+            bent: SinCos { sin, cos: to.z },
+        }
+    }
+
+    /// The vector `v` as seen after turn and bend.
+    fn undo(&self, v: &Vector3<f64>) -> Vector3<f64> {
+        let level = self.turned.cos * v.x + self.turned.sin * v.y;
+        Vector3::new(
+            self.bent.cos * level - self.bent.sin * v.z,
+            self.turned.cos * v.y - self.turned.sin * v.x,
+            self.bent.sin * level + self.bent.cos * v.z,
+        )
+    }
+}

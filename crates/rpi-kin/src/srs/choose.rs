@@ -1,0 +1,225 @@
+//! Which of all solutions the hint asks for.
+//!
+//! In this order, the first that has every joint in its range:
+//!
+//! 1. the arm angle of the hint and, of the eight branches, the one nearest to it;
+//! 2. the same branch, the arm angle moved the least;
+//! 3. any branch, the arm angle moved the least, and of several branches there the one nearest to the hint.
+//!
+//! Nearest means: the smallest largest difference of a joint, each joint taken at the whole turn nearest to the hint (for
+//! 3, nearest within its range). So a path that stays in range keeps its configuration, and one that meets the end of a
+//! range swings its elbow instead of jumping.
+
+use super::branches::{Branch, first_branch};
+use super::elbow::{Circle, Elbow};
+use super::swing::{CROSSINGS, canonical_ranges, crossings};
+use super::{Geometry, Joints, Reach};
+use crate::angle::{SinCos, nearest_turn, turn_within, wrap};
+use crate::{NoSolution, Range, Transform};
+
+/// How far inside a range a joint is put that has to stand at its end, in rad: more than rounding, less than any use.
+const INSIDE: f64 = 1e-9;
+
+/// One set of joints that reaches the pose.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Choice {
+    /// The joint values, in rad.
+    pub joints: Joints,
+    /// The arm angle, in rad.
+    pub arm_angle: f64,
+    /// How far the arm angle was moved from the hint's, in rad; 0 if it was kept.
+    pub moved: f64,
+    /// Which of the eight.
+    pub branch: Branch,
+}
+
+impl Geometry {
+    /// The joints that put the flange at `flange` (in the base), chosen by `hint` (rad) within `ranges`.
+    ///
+    /// # Errors
+    /// [`NoSolution::OutOfReach`], [`NoSolution::OutOfLimits`], or [`NoSolution::NotFinite`].
+    pub fn inverse(
+        &self,
+        flange: &Transform,
+        hint: &Joints,
+        ranges: &[Range; 7],
+    ) -> Result<Choice, NoSolution> {
+        if hint.iter().any(|joint| !joint.is_finite()) {
+            return Err(NoSolution::NotFinite);
+        }
+        let reach = self.reach(flange)?;
+        let hint = self.counted(hint);
+        let ranges = canonical_ranges(ranges, &self.sense);
+        let search = Search::new(self, &reach, &hint, &ranges);
+        let found = search
+            .kept()
+            .or_else(|| search.moved())
+            .ok_or(NoSolution::OutOfLimits)?;
+        Ok(Choice {
+            joints: self.counted(&found.joints),
+            ..found
+        })
+    }
+
+    /// All eight sets of joints for a pose and an arm angle, in rad within half a turn, ranges left aside. Turns that
+    /// the pose leaves open are zero.
+    ///
+    /// # Errors
+    /// [`NoSolution::OutOfReach`] or [`NoSolution::NotFinite`].
+    pub fn branches(&self, flange: &Transform, arm_angle: f64) -> Result<[Joints; 8], NoSolution> {
+        let reach = self.reach(flange)?;
+        let elbow = Circle::about(reach.axis).direction(SinCos::of(arm_angle));
+        let first = first_branch(&reach, &elbow, &[0.0; 7]);
+        Ok(Branch::ALL.map(|branch| self.counted(&branch.of(&first).map(wrap))))
+    }
+
+    /// The arm angle of a set of joints, in rad; 0 if the forearm is folded back onto the shoulder.
+    #[must_use]
+    pub fn arm_angle(&self, joints: &Joints) -> f64 {
+        Elbow::of(self, &self.counted(joints)).map_or(0.0, |elbow| elbow.arm_angle().angle())
+    }
+}
+
+/// One call's data: everything in canonical angles.
+struct Search<'a> {
+    reach: &'a Reach,
+    circle: Circle,
+    hint: &'a Joints,
+    ranges: &'a [Range; 7],
+    kept: SinCos,
+    nearest: Choice,
+}
+
+impl<'a> Search<'a> {
+    fn new(
+        geometry: &Geometry,
+        reach: &'a Reach,
+        hint: &'a Joints,
+        ranges: &'a [Range; 7],
+    ) -> Self {
+        let circle = Circle::about(reach.axis);
+        let kept = Elbow::of(geometry, hint).map_or(SinCos { sin: 0.0, cos: 1.0 }, |elbow| {
+            elbow.kept_on(&circle)
+        });
+        let first = first_branch(reach, &circle.direction(kept), hint);
+        let turned = |branch: Branch| -> Joints {
+            let joints = branch.of(&first);
+            core::array::from_fn(|axis| nearest_turn(joints[axis], hint[axis]))
+        };
+        let (branch, joints) = nearest(
+            Branch::ALL
+                .map(|branch| (branch, turned(branch)))
+                .into_iter(),
+            hint,
+        )
+        .unwrap_or((Branch::ALL[0], first));
+        let nearest = Choice {
+            joints,
+            arm_angle: kept.angle(),
+            moved: 0.0,
+            branch,
+        };
+        Self {
+            reach,
+            circle,
+            hint,
+            ranges,
+            kept,
+            nearest,
+        }
+    }
+
+    /// Rule 1.
+    fn kept(&self) -> Option<Choice> {
+        self.fits(&self.nearest.joints).then_some(self.nearest)
+    }
+
+    /// Rules 2 and 3.
+    fn moved(&self) -> Option<Choice> {
+        let angles = self.candidates();
+        let own = [self.nearest.branch];
+        let same = angles
+            .iter()
+            .find_map(|angle| self.at(*angle, &own, nearest_fitting));
+        same.or_else(|| {
+            let kept = core::iter::once(self.nearest.arm_angle);
+            kept.chain(angles)
+                .find_map(|angle| self.at(angle, &Branch::ALL, turn_within))
+        })
+    }
+
+    /// The arm angles at which a joint just enters its range, nearest to the kept one first.
+    fn candidates(&self) -> [f64; CROSSINGS] {
+        let inner = self.ranges.map(|range| range.shrunk(INSIDE));
+        let mut angles = crossings(self.reach, &self.circle, &inner);
+        angles.sort_unstable_by(|one, other| self.distance(*one).total_cmp(&self.distance(*other)));
+        angles
+    }
+
+    fn distance(&self, arm_angle: f64) -> f64 {
+        wrap(arm_angle - self.nearest.arm_angle).abs()
+    }
+
+    /// The nearest of `branches` at an arm angle whose joints `fit`, if any.
+    fn at(&self, arm_angle: f64, branches: &[Branch], fit: Fit) -> Option<Choice> {
+        if arm_angle.is_nan() {
+            return None;
+        }
+        let moved = wrap(arm_angle - self.nearest.arm_angle);
+        let elbow = self.circle.direction(if moved == 0.0 {
+            self.kept
+        } else {
+            SinCos::of(arm_angle)
+        });
+        let first = first_branch(self.reach, &elbow, self.hint);
+        let fitting = branches
+            .iter()
+            .filter_map(|branch| Some((*branch, self.fitted(&branch.of(&first), fit)?)));
+        let (branch, joints) = nearest(fitting, self.hint)?;
+        Some(Choice {
+            joints,
+            arm_angle: wrap(arm_angle),
+            moved,
+            branch,
+        })
+    }
+
+    fn fitted(&self, joints: &Joints, fit: Fit) -> Option<Joints> {
+        let mut fitted = *joints;
+        for (axis, joint) in fitted.iter_mut().enumerate() {
+            *joint = fit(*joint, self.hint[axis], self.ranges[axis])?;
+        }
+        Some(fitted)
+    }
+
+    fn fits(&self, joints: &Joints) -> bool {
+        joints
+            .iter()
+            .zip(self.ranges)
+            .all(|(joint, range)| range.contains(*joint))
+    }
+}
+
+/// How a joint is brought into its range by whole turns: angle, hint, range.
+type Fit = fn(f64, f64, Range) -> Option<f64>;
+
+/// The turn nearest to the hint, if it is in range.
+fn nearest_fitting(angle: f64, hint: f64, range: Range) -> Option<f64> {
+    Some(nearest_turn(angle, hint)).filter(|turn| range.contains(*turn))
+}
+
+/// The candidate whose largest difference from the hint is smallest; of equals the first.
+fn nearest(
+    candidates: impl Iterator<Item = (Branch, Joints)>,
+    hint: &Joints,
+) -> Option<(Branch, Joints)> {
+    let distance = |joints: &Joints| {
+        joints
+            .iter()
+            .zip(hint)
+            .fold(0.0_f64, |largest, (joint, hint)| {
+                largest.max((joint - hint).abs())
+            })
+    };
+    candidates.min_by(|(_, one), (_, other)| distance(one).total_cmp(&distance(other)))
+}
