@@ -67,6 +67,10 @@ impl Link {
         }
     }
 
+    fn theta(&self, q: f64) -> SinCos {
+        SinCos::of(self.sense * q + self.offset)
+    }
+
     /// The same row with the vendor's zero and sense of rotation.
     #[must_use]
     pub const fn counted(self, sense: f64, offset: f64) -> Self {
@@ -99,10 +103,18 @@ impl Chain {
     /// The flange in the base for the joint values `q` (rad). Missing values count as zero, surplus ones are ignored.
     #[must_use]
     pub fn flange(&self, q: &[f64]) -> Transform {
-        let last = self.frames(q).last().unwrap_or(Moving::BASE);
-        let end = self.tail.iter().fold(last, |frame, link| {
-            frame.advance(self.convention, link, 0.0)
-        });
+        let padded = q.iter().copied().chain(core::iter::repeat(0.0));
+        let joints = self.links.iter().zip(padded);
+        let rows = joints.chain(self.tail.iter().zip(core::iter::repeat(0.0)));
+        // One loop for each convention: the choice is not made again on every row.
+        let end = match self.convention {
+            Convention::Standard => {
+                rows.fold(Moving::BASE, |frame, (row, q)| frame.standard(row, q))
+            }
+            Convention::Modified => {
+                rows.fold(Moving::BASE, |frame, (row, q)| frame.modified(row, q))
+            }
+        };
         end.transform()
     }
 
@@ -116,31 +128,29 @@ impl Chain {
         &'a self,
         q: &'a [f64],
     ) -> impl Iterator<Item = (Vector3<f64>, Vector3<f64>)> + 'a {
-        let own = self.frames(q);
-        let previous = core::iter::once(Moving::BASE).chain(self.frames(q));
-        previous
-            .zip(own)
-            .zip(self.links)
-            .map(|((before, after), link)| {
-                // Standard rows turn about the z of the frame before them, modified rows about their own.
-                let frame = if self.convention == Convention::Standard {
-                    before
-                } else {
-                    after
-                };
-                (frame.p, frame.z * link.sense)
-            })
+        let mut before = Moving::BASE;
+        self.frames(q).zip(self.links).map(move |(after, link)| {
+            // Standard rows turn about the z of the frame before them, modified rows about their own.
+            let turned = if self.convention == Convention::Standard {
+                before
+            } else {
+                after
+            };
+            before = after;
+            (turned.p, turned.z * link.sense)
+        })
     }
 
     fn frames<'a>(&'a self, q: &'a [f64]) -> impl Iterator<Item = Moving> + 'a {
         let padded = q.iter().copied().chain(core::iter::repeat(0.0));
-        self.links
-            .iter()
-            .zip(padded)
-            .scan(Moving::BASE, |frame, (link, q)| {
-                *frame = frame.advance(self.convention, link, q);
-                Some(*frame)
-            })
+        let mut frame = Moving::BASE;
+        self.links.iter().zip(padded).map(move |(link, q)| {
+            frame = match self.convention {
+                Convention::Standard => frame.standard(link, q),
+                Convention::Modified => frame.modified(link, q),
+            };
+            frame
+        })
     }
 }
 
@@ -163,12 +173,13 @@ impl Moving {
     };
 
     #[inline]
-    fn advance(self, convention: Convention, link: &Link, q: f64) -> Self {
-        let theta = SinCos::of(link.sense * q + link.offset);
-        match convention {
-            Convention::Standard => self.about_z(theta, link.d).about_x(link.alpha, link.a),
-            Convention::Modified => self.about_x(link.alpha, link.a).about_z(theta, link.d),
-        }
+    fn standard(self, row: &Link, q: f64) -> Self {
+        self.about_z(row.theta(q), row.d).about_x(row.alpha, row.a)
+    }
+
+    #[inline]
+    fn modified(self, row: &Link, q: f64) -> Self {
+        self.about_x(row.alpha, row.a).about_z(row.theta(q), row.d)
     }
 
     #[inline]

@@ -4,8 +4,9 @@ use super::{Joints, Reach};
 use crate::angle::{HALF_TURN, SinCos};
 use nalgebra::{Matrix3, Vector3};
 
-/// Below this sine of its bend a joint counts as straight: only the sum of the turns on both sides of it is defined.
-const STRAIGHT: f64 = 1e-12;
+/// Below this sine of its bend a joint counts as straight: only the sum of the turns on both sides of it is defined. Small
+/// enough to move the flange by no more than 1e-10 m and rad, large enough for the turns to stand out from rounding.
+const STRAIGHT: f64 = 1e-10;
 
 /// One of the eight: which of shoulder, elbow and wrist bend in the negative sense of the canonical chain.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -23,6 +24,12 @@ impl Branch {
         Self(6),
         Self(7),
     ];
+
+    /// Its place in [`ALL`](Self::ALL).
+    #[must_use]
+    pub const fn index(self) -> usize {
+        self.0 as usize
+    }
 
     /// Axis 2 bends in the negative sense.
     #[must_use]

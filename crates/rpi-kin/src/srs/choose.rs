@@ -3,7 +3,7 @@
 //! In this order, the first that has every joint in its range:
 //!
 //! 1. the arm angle of the hint and, of the eight branches, the one nearest to it;
-//! 2. the same branch, the arm angle moved the least;
+//! 2. the same branch, every joint at most half a turn from the hint, the arm angle moved the least;
 //! 3. any branch, the arm angle moved the least, and of several branches there the one nearest to the hint.
 //!
 //! Nearest means: the smallest largest difference of a joint, each joint taken at the whole turn nearest to the hint (for
@@ -14,7 +14,7 @@ use super::branches::{Branch, first_branch};
 use super::elbow::{Circle, Elbow};
 use super::swing::{CROSSINGS, canonical_ranges, crossings};
 use super::{Geometry, Joints, Reach};
-use crate::angle::{SinCos, nearest_turn, turn_within, wrap};
+use crate::angle::{HALF_TURN, SinCos, nearest_turn, turn_within, wrap};
 use crate::{NoSolution, Range, Transform};
 
 /// How far inside a range a joint is put that has to stand at its end, in rad: more than rounding, less than any use.
@@ -136,21 +136,30 @@ impl<'a> Search<'a> {
 
     /// Rules 2 and 3.
     fn moved(&self) -> Option<Choice> {
-        let angles = self.candidates();
+        let near = core::array::from_fn(|axis| self.near_hint(axis));
         let own = [self.nearest.branch];
-        let same = angles
-            .iter()
-            .find_map(|angle| self.at(*angle, &own, nearest_fitting));
-        same.or_else(|| {
-            let kept = core::iter::once(self.nearest.arm_angle);
-            kept.chain(angles)
-                .find_map(|angle| self.at(angle, &Branch::ALL, turn_within))
-        })
+        let mut angles = self.candidates(&near).into_iter();
+        angles
+            .find_map(|angle| self.at(angle, &own, &near))
+            .or_else(|| {
+                let kept = core::iter::once(self.nearest.arm_angle);
+                let mut angles = kept.chain(self.candidates(self.ranges));
+                angles.find_map(|angle| self.at(angle, &Branch::ALL, self.ranges))
+            })
+    }
+
+    /// The part of an axis's range that is at most half a turn from the hint.
+    fn near_hint(&self, axis: usize) -> Range {
+        let (range, hint) = (self.ranges[axis], self.hint[axis]);
+        Range {
+            lower: range.lower.max(hint - HALF_TURN),
+            upper: range.upper.min(hint + HALF_TURN),
+        }
     }
 
     /// The arm angles at which a joint just enters its range, nearest to the kept one first.
-    fn candidates(&self) -> [f64; CROSSINGS] {
-        let inner = self.ranges.map(|range| range.shrunk(INSIDE));
+    fn candidates(&self, ranges: &[Range; 7]) -> [f64; CROSSINGS] {
+        let inner = ranges.map(|range| range.shrunk(INSIDE));
         let mut angles = crossings(self.reach, &self.circle, &inner);
         angles.sort_unstable_by(|one, other| self.distance(*one).total_cmp(&self.distance(*other)));
         angles
@@ -160,21 +169,21 @@ impl<'a> Search<'a> {
         wrap(arm_angle - self.nearest.arm_angle).abs()
     }
 
-    /// The nearest of `branches` at an arm angle whose joints `fit`, if any.
-    fn at(&self, arm_angle: f64, branches: &[Branch], fit: Fit) -> Option<Choice> {
+    /// The nearest of `branches` at an arm angle with all joints in `ranges`, if any.
+    fn at(&self, arm_angle: f64, branches: &[Branch], ranges: &[Range; 7]) -> Option<Choice> {
         if arm_angle.is_nan() {
             return None;
         }
         let moved = wrap(arm_angle - self.nearest.arm_angle);
-        let elbow = self.circle.direction(if moved == 0.0 {
+        let elbow = if moved == 0.0 {
             self.kept
         } else {
             SinCos::of(arm_angle)
-        });
-        let first = first_branch(self.reach, &elbow, self.hint);
+        };
+        let first = first_branch(self.reach, &self.circle.direction(elbow), self.hint);
         let fitting = branches
             .iter()
-            .filter_map(|branch| Some((*branch, self.fitted(&branch.of(&first), fit)?)));
+            .filter_map(|branch| Some((*branch, self.turned_into(ranges, &branch.of(&first))?)));
         let (branch, joints) = nearest(fitting, self.hint)?;
         Some(Choice {
             joints,
@@ -184,12 +193,12 @@ impl<'a> Search<'a> {
         })
     }
 
-    fn fitted(&self, joints: &Joints, fit: Fit) -> Option<Joints> {
-        let mut fitted = *joints;
-        for (axis, joint) in fitted.iter_mut().enumerate() {
-            *joint = fit(*joint, self.hint[axis], self.ranges[axis])?;
+    fn turned_into(&self, ranges: &[Range; 7], joints: &Joints) -> Option<Joints> {
+        let mut turned = *joints;
+        for (axis, joint) in turned.iter_mut().enumerate() {
+            *joint = turn_within(*joint, self.hint[axis], ranges[axis])?;
         }
-        Some(fitted)
+        Some(turned)
     }
 
     fn fits(&self, joints: &Joints) -> bool {
@@ -198,14 +207,6 @@ impl<'a> Search<'a> {
             .zip(self.ranges)
             .all(|(joint, range)| range.contains(*joint))
     }
-}
-
-/// How a joint is brought into its range by whole turns: angle, hint, range.
-type Fit = fn(f64, f64, Range) -> Option<f64>;
-
-/// The turn nearest to the hint, if it is in range.
-fn nearest_fitting(angle: f64, hint: f64, range: Range) -> Option<f64> {
-    Some(nearest_turn(angle, hint)).filter(|turn| range.contains(*turn))
 }
 
 /// The candidate whose largest difference from the hint is smallest; of equals the first.

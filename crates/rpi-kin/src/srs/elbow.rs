@@ -78,7 +78,8 @@ impl Elbow {
             return None;
         }
         let axis = (upper * along + front * across) / distance;
-        let away = if s4.sin < 0.0 { 1.0 } else { -1.0 };
+        // A straight arm's sense is the sign of its zero.
+        let away = if s4.sin.is_sign_negative() { 1.0 } else { -1.0 };
         let direction = (front * along - upper * across) * (away / distance);
         Some(Self {
             circle: Circle::about(axis),

@@ -1,0 +1,332 @@
+//! The S-R-S inverse: exact, within limits, true to the hint, and silent only where there is nothing to say.
+
+mod common;
+
+use common::{Random, distance, largest};
+use rpi_kin::model::Inverse;
+use rpi_kin::models::lbr::{IIWA_7, IIWA_14, LWR_4_PLUS};
+use rpi_kin::srs::{Geometry, Joints};
+use rpi_kin::{ArmModel, NoSolution, Pose, Range, pose_of, transform_of};
+use std::f64::consts::{FRAC_PI_2, PI, TAU};
+
+const ARMS: [&ArmModel; 3] = [&LWR_4_PLUS, &IIWA_7, &IIWA_14];
+const EXACT: f64 = 1e-9;
+
+fn geometry(arm: &ArmModel) -> Geometry {
+    match arm.inverse {
+        Inverse::Srs(geometry) => geometry,
+        _ => panic!("{} is not an S-R-S arm", arm.id),
+    }
+}
+
+fn ranges(arm: &ArmModel) -> [Range; 7] {
+    std::array::from_fn(|axis| arm.limits[axis].position)
+}
+
+fn within(arm: &ArmModel, joints: &Joints) -> bool {
+    joints
+        .iter()
+        .zip(ranges(arm))
+        .all(|(joint, range)| range.contains(*joint))
+}
+
+/// Reaches the pose of `joints` from `hint` and returns the choice after checking that it is exact and in limits.
+fn reached(arm: &ArmModel, joints: &Joints, hint: &Joints) -> Joints {
+    let pose = arm.forward(joints);
+    let found = arm
+        .inverse(&pose, hint, arm.limits)
+        .unwrap_or_else(|why| panic!("{}: {why:?} for {joints:?} from {hint:?}", arm.id));
+    let error = distance(&arm.forward(&found), &pose);
+    assert!(
+        error < EXACT,
+        "{}: {error:e} off at {joints:?} from {hint:?}: {found:?}",
+        arm.id
+    );
+    assert!(within(arm, &found), "{}: out of limits: {found:?}", arm.id);
+    found
+}
+
+#[test]
+fn a_pose_with_its_own_joints_as_hint_gives_these_joints() {
+    let mut random = Random(1);
+    for arm in ARMS {
+        for _ in 0..20_000 {
+            let joints: Joints = random.joints(arm.limits);
+            let found = reached(arm, &joints, &joints);
+            assert!(
+                largest(&found, &joints) < 1e-6,
+                "{}: {joints:?} became {found:?}",
+                arm.id
+            );
+        }
+    }
+}
+
+#[test]
+fn any_reachable_pose_is_reached_from_any_hint() {
+    let mut random = Random(2);
+    for arm in ARMS {
+        for _ in 0..20_000 {
+            let joints: Joints = random.joints(arm.limits);
+            let hint: Joints = random.joints(arm.limits);
+            let pose = arm.forward(&joints);
+            match arm.inverse(&pose, &hint, arm.limits) {
+                Ok(_) => drop(reached(arm, &joints, &hint)),
+                Err(why) => panic!("{}: {why:?} for {joints:?} from {hint:?}", arm.id),
+            }
+        }
+    }
+}
+
+#[test]
+fn straight_and_nearly_straight_joints_are_reached_exactly() {
+    let mut random = Random(3);
+    let bends = [0.0, 1e-16, 1e-13, 1e-12, 1e-11, 1e-9, 1e-8, 1e-6, 1e-3];
+    for arm in ARMS {
+        for round in 0..20_000 {
+            let mut joints: Joints = random.joints(arm.limits);
+            for axis in [1, 3, 5] {
+                if random.unit() < 0.6 {
+                    let sign = if random.unit() < 0.5 { 1.0 } else { -1.0 };
+                    joints[axis] = sign * bends[(round + axis) % bends.len()];
+                }
+            }
+            let found = reached(arm, &joints, &joints);
+            // Two tiny bends cannot be told from each other by the pose; their turns may then be shared differently.
+            let tiny = [1, 3, 5]
+                .into_iter()
+                .filter(|axis| joints[*axis].abs() < 1e-5);
+            if tiny.count() > 1 {
+                continue;
+            }
+            assert!(
+                largest(&found, &joints) < 1e-2,
+                "{}: {joints:?} became {found:?}",
+                arm.id
+            );
+        }
+    }
+}
+
+#[test]
+fn a_small_step_of_the_flange_is_a_small_step_of_the_joints() {
+    let mut random = Random(4);
+    for arm in ARMS {
+        for _ in 0..5_000 {
+            let mut joints: Joints = random.joints(arm.limits);
+            for axis in [1, 3, 5] {
+                joints[axis] = 0.3_f64.max(joints[axis].abs()) * joints[axis].signum();
+            }
+            let near: Joints =
+                std::array::from_fn(|axis| joints[axis] + random.between(-1e-5, 1e-5));
+            if !within(arm, &near) || shoulder_to_wrist_is_steep(arm, &joints) {
+                continue;
+            }
+            let found = reached(arm, &near, &joints);
+            assert!(
+                largest(&found, &joints) < 1e-2,
+                "{}: {joints:?} became {found:?}",
+                arm.id
+            );
+        }
+    }
+}
+
+/// The arm angle is measured from the vertical plane, which turns fast where the wrist is nearly above the shoulder.
+fn shoulder_to_wrist_is_steep(arm: &ArmModel, joints: &Joints) -> bool {
+    let wrist = arm
+        .chain
+        .link_frames(joints)
+        .nth(4)
+        .map(|frame| frame.translation.vector);
+    wrist.is_some_and(|wrist| wrist.x.hypot(wrist.y) < 0.05)
+}
+
+#[test]
+fn the_arm_angle_is_kept_where_limits_allow() {
+    let mut random = Random(5);
+    for arm in ARMS {
+        let (geometry, ranges) = (geometry(arm), ranges(arm));
+        let (mut kept, mut moved) = (0, 0);
+        for _ in 0..20_000 {
+            let pose = arm.chain.flange(&random.joints::<7>(arm.limits));
+            let hint: Joints = random.joints(arm.limits);
+            let choice = geometry.inverse(&pose, &hint, &ranges).expect("reachable");
+            let change = geometry.arm_angle(&choice.joints) - geometry.arm_angle(&hint);
+            let off = (change - choice.moved + 9.0 * PI).rem_euclid(TAU) - PI;
+            assert!(
+                off.abs() < 1e-6,
+                "{}: says {}, moved {change}",
+                arm.id,
+                choice.moved
+            );
+            if choice.moved == 0.0 {
+                kept += 1
+            } else {
+                moved += 1
+            }
+        }
+        assert!(
+            kept > 1000 && moved > 1000,
+            "both happen: kept {kept}, moved {moved}"
+        );
+    }
+}
+
+#[test]
+fn the_arm_angle_is_moved_no_farther_than_needed() {
+    let mut random = Random(6);
+    for arm in ARMS {
+        let (geometry, ranges) = (geometry(arm), ranges(arm));
+        for _ in 0..1_000 {
+            let flange = arm.chain.flange(&random.joints::<7>(arm.limits));
+            let hint: Joints = random.joints(arm.limits);
+            let choice = geometry
+                .inverse(&flange, &hint, &ranges)
+                .expect("reachable");
+            // Half way back there is no solution on this branch.
+            for part in [0.25, 0.5, 0.9] {
+                let angle = choice.arm_angle - choice.moved * part;
+                let all = geometry.branches(&flange, angle).expect("same reach");
+                let there = all[choice.branch.index()];
+                let fits = there
+                    .iter()
+                    .zip(&ranges)
+                    .zip(&hint)
+                    .all(|((joint, range), hint)| {
+                        let turn = rpi_kin::angle::nearest_turn(*joint, *hint);
+                        range.shrunk(1e-8).contains(turn)
+                    });
+                assert!(
+                    choice.moved == 0.0 || !fits,
+                    "{}: {angle} would have done",
+                    arm.id
+                );
+            }
+        }
+    }
+}
+
+#[test]
+fn all_eight_branches_reach_the_pose_and_differ() {
+    let mut random = Random(7);
+    for arm in ARMS {
+        for _ in 0..2_000 {
+            let joints: Joints = random.joints(arm.limits);
+            let flange = arm.chain.flange(&joints);
+            let all = geometry(arm)
+                .branches(&flange, random.between(-PI, PI))
+                .expect("reachable");
+            for (index, one) in all.iter().enumerate() {
+                assert!(distance(&arm.forward(one), &pose_of(&flange)) < EXACT);
+                assert!(all[..index].iter().all(|other| largest(one, other) > 1e-3));
+            }
+        }
+    }
+}
+
+#[test]
+fn outstretched_is_reached_and_a_hair_farther_is_not() {
+    for arm in ARMS {
+        let straight = [0.0, 0.4, 0.0, 0.0, 0.0, -0.7, 0.0];
+        let pose = arm.forward(&reached(arm, &straight, &straight));
+        let lean = pose.translation.vector - nalgebra::Vector3::z() * geometry(arm).base;
+        let mut beyond = pose;
+        beyond.translation.vector += lean.normalize() * 1e-3;
+        assert_eq!(
+            arm.inverse(&beyond, &straight, arm.limits),
+            Err(NoSolution::OutOfReach)
+        );
+        assert!(
+            arm.inverse_or_nan(&beyond, &straight, arm.limits)
+                .iter()
+                .all(|joint| joint.is_nan())
+        );
+    }
+}
+
+#[test]
+fn what_only_a_joint_out_of_range_could_reach_is_refused() {
+    for arm in ARMS {
+        // Folded: the elbow would have to bend by 170 degrees, and may by 120.
+        let folded = [0.3, 0.5, -0.2, 170.0_f64.to_radians(), 0.1, 0.4, 0.0];
+        let pose = arm.forward(&folded);
+        assert_eq!(
+            arm.inverse(&pose, &folded, arm.limits),
+            Err(NoSolution::OutOfLimits)
+        );
+    }
+}
+
+#[test]
+fn bad_numbers_are_refused() {
+    let arm = &LWR_4_PLUS;
+    let good = [0.1; 7];
+    let pose = arm.forward(&good);
+    for bad in [f64::NAN, f64::INFINITY] {
+        let mut hint = good;
+        hint[4] = bad;
+        assert_eq!(
+            arm.inverse(&pose, &hint, arm.limits),
+            Err(NoSolution::NotFinite)
+        );
+        let mut broken = pose;
+        broken.translation.vector.y = bad;
+        assert_eq!(
+            arm.inverse(&broken, &good, arm.limits),
+            Err(NoSolution::NotFinite)
+        );
+        let mut turned = transform_of(&pose);
+        turned.rotation =
+            nalgebra::Rotation3::from_matrix_unchecked(nalgebra::Matrix3::from_element(bad));
+        assert_eq!(
+            geometry(arm)
+                .inverse(&turned, &good, &ranges(arm))
+                .map(|choice| choice.joints),
+            Err(NoSolution::NotFinite)
+        );
+    }
+    assert_eq!(
+        arm.inverse(&pose, &good[..6], arm.limits),
+        Err(NoSolution::NotFinite)
+    );
+    assert_eq!(
+        arm.inverse(&pose, &good, &arm.limits[..3]),
+        Err(NoSolution::NotFinite)
+    );
+}
+
+#[test]
+fn a_wrist_above_the_shoulder_is_no_special_case() {
+    let mut random = Random(8);
+    for arm in ARMS {
+        let sense = geometry(arm).sense;
+        for round in 0..2_000 {
+            // Upper arm out by as much as the forearm comes back: the wrist stands above the shoulder, or nearly so.
+            let bend = random.between(0.2, 1.5);
+            let lift = geometry(arm).fore * bend.sin()
+                / (geometry(arm).upper + geometry(arm).fore * bend.cos());
+            let off = [0.0, 1e-15, 1e-12, 1e-10, 1e-8, 1e-5][round % 6];
+            let mut joints: Joints = [random.between(-2.0, 2.0), 0.0, 0.0, 0.0, 0.3, 0.5, 0.1];
+            joints[1] = sense[1] * (lift.atan() + off);
+            joints[3] = -sense[3] * bend;
+            let found = reached(arm, &joints, &joints);
+            assert!(
+                largest(&found, &joints) < 1e-4,
+                "{}: {joints:?} became {found:?}",
+                arm.id
+            );
+        }
+    }
+}
+
+#[test]
+fn the_senses_of_axis_two_are_the_vendors() {
+    let lean = [0.0, FRAC_PI_2, 0.0, 0.0, 0.0, 0.0, 0.0];
+    let x = |arm: &ArmModel| -> f64 { arm.forward(&lean).translation.x };
+    assert!((x(&IIWA_7) - 0.926).abs() < 1e-12);
+    assert!((x(&IIWA_14) - 0.946).abs() < 1e-12);
+    assert!((x(&LWR_4_PLUS) + 0.868).abs() < 1e-12);
+    let upright = LWR_4_PLUS.forward(&[0.0; 7]);
+    assert!(distance(&upright, &Pose::translation(0.0, 0.0, 1.1785)) < 1e-12);
+}
