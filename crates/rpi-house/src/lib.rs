@@ -13,4 +13,4 @@ mod source;
 pub use fences::{Fence, fences};
 pub use generate::{Generated, generated};
 pub use manifest::{Dependency, Package, packages};
-pub use source::{Function, functions, source_files, tracked_files, without_tests};
+pub use source::{Function, SourceFile, functions, source_files, tracked_files};

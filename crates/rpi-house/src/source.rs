@@ -27,17 +27,39 @@ pub fn tracked_files() -> Vec<PathBuf> {
     files
 }
 
-/// The product's Rust files (`src` of the crates, files of unit tests apart), relative to the root,
-/// with their text.
-pub fn source_files() -> Vec<(PathBuf, String)> {
-    let files = files_below("crates", &[".rs"]).into_iter();
+/// A Rust file of the product.
+#[derive(Clone, Debug)]
+pub struct SourceFile {
+    /// Where it lies, relative to the root of the workspace.
+    pub path: PathBuf,
+    /// The crate that it belongs to.
+    pub owner: String,
+    /// Its text.
+    pub text: String,
+}
+
+impl SourceFile {
+    fn read(path: PathBuf) -> Option<SourceFile> {
+        let text = std::fs::read_to_string(workspace_root().join(&path)).ok()?;
+        let mut parts = path.iter().map(|part| part.to_string_lossy());
+        let owner = parts.nth(1)?.into_owned();
+        let in_src = parts.next()? == "src";
+        let of_tests = parts.any(|part| part == "tests" || part == "tests.rs");
+        (in_src && !of_tests).then_some(SourceFile { path, owner, text })
+    }
+
+    /// The text up to the module of unit tests, which rustfmt and we keep at the end.
+    pub fn without_tests(&self) -> &str {
+        without_tests(&self.text)
+    }
+}
+
+/// The product's Rust files: `src` of the crates, files of unit tests apart. Sorted by path.
+pub fn source_files() -> Vec<SourceFile> {
+    let files = files_below("crates", &[".rs"]);
     files
-        .filter_map(|path| Some((relative(&path)?, std::fs::read_to_string(&path).ok()?)))
-        .filter(|(path, _)| path.iter().nth(2).is_some_and(|folder| folder == "src"))
-        .filter(|(path, _)| {
-            path.iter()
-                .all(|part| part != "tests" && part != "tests.rs")
-        })
+        .iter()
+        .filter_map(|path| SourceFile::read(relative(path)?))
         .collect()
 }
 
@@ -45,8 +67,7 @@ fn relative(path: &Path) -> Option<PathBuf> {
     path.strip_prefix(workspace_root()).ok().map(Into::into)
 }
 
-/// The text up to its module of unit tests, which rustfmt and we keep at the end.
-pub fn without_tests(text: &str) -> &str {
+fn without_tests(text: &str) -> &str {
     text.find("#[cfg(test)]\nmod tests {")
         .map_or(text, |at| &text[..at])
 }

@@ -3,7 +3,7 @@
 use std::collections::{BTreeMap, BTreeSet};
 
 use rpi_diag::Code;
-use rpi_house::{fences, source_files, without_tests};
+use rpi_house::{fences, source_files};
 use rpi_testkit::files_below;
 
 #[test]
@@ -50,24 +50,19 @@ fn a_code_is_raised_in_one_crate() {
     }
 }
 
+/// For each code the crates whose product raises it.
 fn raisers() -> BTreeMap<String, BTreeSet<String>> {
     let mut raisers: BTreeMap<String, BTreeSet<String>> = BTreeMap::new();
-    for (path, text) in source_files() {
-        let owner = path
-            .iter()
-            .nth(1)
-            .unwrap_or_default()
-            .to_string_lossy()
-            .into_owned();
-        if owner == "rpi-diag" {
-            continue;
-        }
-        for (at, _) in without_tests(&text).match_indices("Code::RPI") {
-            let code: String = text[at + 6..]
+    for file in source_files()
+        .iter()
+        .filter(|file| file.owner != "rpi-diag")
+    {
+        for (at, _) in file.without_tests().match_indices("Code::RPI") {
+            let code = file.text[at + 6..]
                 .chars()
                 .take_while(char::is_ascii_alphanumeric)
                 .collect();
-            raisers.entry(code).or_default().insert(owner.clone());
+            raisers.entry(code).or_default().insert(file.owner.clone());
         }
     }
     raisers

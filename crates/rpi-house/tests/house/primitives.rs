@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use rpi_house::{source_files, without_tests};
+use rpi_house::source_files;
 use rpi_image::Role;
 use rpi_prims::{PrimId, registry};
 
@@ -46,16 +46,15 @@ fn declarations_are_complete() {
 /// What other crates say of a primitive is its name, and the name is in the registry.
 #[test]
 fn names_in_other_crates_are_registered() {
-    let files = source_files();
-    let others = files
+    for file in source_files()
         .iter()
-        .filter(|(path, _)| !path.starts_with("crates/rpi-prims"));
-    for (path, text) in others {
-        for name in quoted_names(without_tests(text)) {
+        .filter(|file| file.owner != "rpi-prims")
+    {
+        for name in quoted_names(file.without_tests()) {
             assert!(
                 PrimId::of(name).is_some(),
                 "{}: no primitive {name}",
-                path.display()
+                file.path.display()
             );
         }
     }
