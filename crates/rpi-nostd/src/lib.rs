@@ -11,6 +11,7 @@
 mod proof {
     extern crate rpi_device as _;
     extern crate rpi_image as _;
+    extern crate rpi_kin as _;
     extern crate rpi_prims as _;
 
     /// There is nobody to panic to.

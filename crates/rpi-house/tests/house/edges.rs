@@ -79,7 +79,10 @@ const EDGES: &[(&str, &[&str])] = &[
             "rpi-sim",
         ],
     ),
-    ("rpi-nostd", &["rpi-device", "rpi-image", "rpi-prims"]),
+    (
+        "rpi-nostd",
+        &["rpi-device", "rpi-image", "rpi-kin", "rpi-prims"],
+    ),
     ("rpi-testkit", &[]),
     (
         "rpi-house",
