@@ -10,10 +10,19 @@
 
 extern crate alloc;
 
+mod command;
+mod commands;
+mod lifecycle;
 mod load;
 mod machine;
 mod ports;
 mod program;
+mod succession;
+mod tick;
 
+pub use command::{Cause, Command, Ending};
+pub use commands::{CommandId, Core, Refused};
+pub use lifecycle::{Event, Next, State};
 pub use load::{LoadFault, catalogue};
 pub use machine::{Machine, Moment, Verdict};
+pub use tick::Watch;

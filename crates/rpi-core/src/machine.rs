@@ -199,11 +199,6 @@ impl Machine {
         self.cycle += 1;
     }
 
-    /// Lets every actuator that moves come to a stop.
-    pub fn stop(&mut self, bank: &mut dyn DeviceBank) {
-        self.ports.stop(bank);
-    }
-
     /// Last phase: whether and how it ends with this cycle. `covered` tells for each result whether a successor is
     /// scheduled for it; a `yield` without one is passed over.
     #[must_use]

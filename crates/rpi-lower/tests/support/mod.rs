@@ -172,7 +172,7 @@ pub fn cycle(machine: &mut Machine) {
 
 pub fn finish(machine: &mut Machine) {
     machine.commit();
-    machine.hand_over(&mut NoDevices);
+    assert!(machine.hand_over(&mut NoDevices));
 }
 
 /// The value of `path.port` in this cycle.
