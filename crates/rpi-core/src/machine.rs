@@ -187,16 +187,20 @@ impl Machine {
     }
 
     /// Fourth phase: all set-points to the devices; after a fault none, and what moves is stopped.
-    pub fn hand_over(&mut self, bank: &mut dyn DeviceBank) {
+    /// False if an actuator moved and got no set-point: it was stopped.
+    pub fn hand_over(&mut self, bank: &mut dyn DeviceBank) -> bool {
+        self.cycle += 1;
         if self.fault.is_some() {
             self.ports.stop(bank);
-        } else if !self.ports.hand_over(bank) && self.verdict(&[]).is_none() {
-            self.fault = Some(Fault {
-                code: FaultCode::SetPointMissing,
-                cell: 0,
-            });
+            return true;
         }
-        self.cycle += 1;
+        self.ports.hand_over(bank)
+    }
+
+    /// Makes a missing set-point the fault of this cycle.
+    pub(crate) fn lose_control(&mut self) {
+        let code = FaultCode::SetPointMissing;
+        self.fault.get_or_insert(Fault { code, cell: 0 });
     }
 
     /// Last phase: whether and how it ends with this cycle. `covered` tells for each result whether a successor is
