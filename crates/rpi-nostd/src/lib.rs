@@ -9,6 +9,7 @@
 
 #[cfg(feature = "proof")]
 mod proof {
+    extern crate rpi_core as _;
     extern crate rpi_device as _;
     extern crate rpi_image as _;
     extern crate rpi_kin as _;

@@ -81,7 +81,13 @@ const EDGES: &[(&str, &[&str])] = &[
     ),
     (
         "rpi-nostd",
-        &["rpi-device", "rpi-image", "rpi-kin", "rpi-prims"],
+        &[
+            "rpi-core",
+            "rpi-device",
+            "rpi-image",
+            "rpi-kin",
+            "rpi-prims",
+        ],
     ),
     ("rpi-testkit", &[]),
     (
