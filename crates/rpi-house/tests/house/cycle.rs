@@ -22,3 +22,46 @@ fn the_cycle_is_under_forty_lines() {
         assert!(lines < LONGEST_CYCLE, "{path}: `cycle` has {lines} lines");
     }
 }
+
+/// Crates whose code runs, or may run, on the cycle thread.
+const REAL_TIME: &[&str] = &[
+    "rpi-core",
+    "rpi-device",
+    "rpi-image",
+    "rpi-kin",
+    "rpi-prims",
+];
+
+/// What must not stand in them. That they do not allocate in a cycle is what the allocation trap
+/// shows; that they know no thread, clock or file follows from their being `no_std`.
+const FORBIDDEN: &[&str] = &[
+    ".unwrap()",
+    ".expect(",
+    "panic!(",
+    "unreachable!(",
+    "catch_unwind",
+    "spin_loop",
+    "loop {",
+];
+
+#[test]
+fn nothing_on_the_real_time_side_panics_or_waits() {
+    let mut found = Vec::new();
+    for file in source_files()
+        .iter()
+        .filter(|file| REAL_TIME.contains(&file.owner.as_str()))
+    {
+        for (number, line) in file.without_tests().lines().enumerate() {
+            let code = line.split("//").next().unwrap_or("");
+            if FORBIDDEN.iter().any(|word| code.contains(word)) {
+                found.push(format!(
+                    "{}:{}: {}",
+                    file.path.display(),
+                    number + 1,
+                    line.trim()
+                ));
+            }
+        }
+    }
+    assert!(found.is_empty(), "{}", found.join("\n"));
+}
