@@ -72,7 +72,11 @@ impl fmt::Display for ReplayError {
                 let reasons: Vec<String> = faults.iter().map(ToString::to_string).collect();
                 write!(f, "the net cannot be loaded: {}", reasons.join("; "))
             }
-            ReplayError::Value { cycle, port, message } => {
+            ReplayError::Value {
+                cycle,
+                port,
+                message,
+            } => {
                 write!(f, "cycle {cycle}, {port}: {message}")
             }
         }
@@ -93,7 +97,11 @@ pub fn replay(net: &Net, trace: &Trace, options: &Options) -> Result<Report, Rep
     let machine = machine(net, options, &mut bank)?;
     let plan = Plan::new(net, machine.image(), trace);
     let mut replay = Replay::new(net, plan, machine, bank, trace, options);
-    replay.tally.report.unmatched.clone_from(&replay.plan.unmatched);
+    replay
+        .tally
+        .report
+        .unmatched
+        .clone_from(&replay.plan.unmatched);
     for number in 1..=trace.last_cycle() {
         replay.cycle(number)?;
         if replay.tally.report.fault.is_some() {
@@ -151,7 +159,11 @@ impl<'a> Replay<'a> {
     ) -> Replay<'a> {
         let outs = |of: &super::plan::Watched| of.outs.len();
         Replay {
-            held: plan.nodes.iter().map(|n| vec![Recorded::Absent; outs(n)]).collect(),
+            held: plan
+                .nodes
+                .iter()
+                .map(|n| vec![Recorded::Absent; outs(n)])
+                .collect(),
             since: plan.nodes.iter().map(|n| vec![None; outs(n)]).collect(),
             unsure: vec![false; plan.nodes.len()],
             start_ns: trace.start_ms.unwrap_or(0).saturating_mul(1_000_000),
@@ -179,8 +191,8 @@ impl<'a> Replay<'a> {
             ..Moment::default()
         };
         self.machine.read(&mut self.bank, &moment);
-        for id in self.net.node_ids().filter(|id| self.plan.nodes[id.index()].is_latched) {
-            self.finish(id)?;
+        for k in 0..self.plan.latched.len() {
+            self.finish(self.plan.latched[k])?;
         }
         self.evaluate()?;
         for k in 0..self.plan.aliases.len() {
@@ -212,7 +224,10 @@ impl<'a> Replay<'a> {
         let (ports, is_input) = (watched.outs.len(), watched.is_input);
         self.unsure[id.index()] = self.reads_unsure(id);
         for k in 0..ports {
-            let port = PortRef { node: id, port: k as u8 };
+            let port = PortRef {
+                node: id,
+                port: k as u8,
+            };
             match is_input {
                 true => self.take(port)?,
                 false => self.compare(port)?,
@@ -311,7 +326,12 @@ impl<'a> Replay<'a> {
         computed: Option<&[u64]>,
         recorded: &Recorded,
     ) -> Option<&'static explain::Difference> {
-        explain::explain(&Case { replay: self, port, computed, recorded })
+        explain::explain(&Case {
+            replay: self,
+            port,
+            computed,
+            recorded,
+        })
     }
 
     fn alias(&mut self, k: usize) -> Result<(), ReplayError> {
@@ -332,7 +352,9 @@ impl<'a> Replay<'a> {
     }
 
     fn judge_alias(&mut self, k: usize, recorded: &Recorded) {
-        let Alias { name, ty, source, .. } = &self.plan.aliases[k];
+        let Alias {
+            name, ty, source, ..
+        } = &self.plan.aliases[k];
         let computed = self.input(source);
         let nature = self.alias_nature(source);
         let relation = relate(*ty, nature, computed, recorded, self.tolerance);
@@ -341,7 +363,11 @@ impl<'a> Replay<'a> {
         }
         self.tally.compared(recorded);
         if let Relation::Differs(deviation) = relation {
-            let at = Occasion { cycle: self.view.number, port: name, primitive: "" };
+            let at = Occasion {
+                cycle: self.view.number,
+                port: name,
+                primitive: "",
+            };
             if self.tally.differs(at, deviation) {
                 let (name, source) = (name.clone(), source.clone());
                 self.tally.report.first = Some(super::path::alias_divergence(self, &name, &source));
@@ -377,7 +403,9 @@ impl<'a> Replay<'a> {
 
     /// What the trace says of an out-port in this cycle.
     pub(super) fn recorded(&self, port: PortRef) -> Result<Recorded, ReplayError> {
-        let Out { recorded, signal, .. } = self.plan.out(port);
+        let Out {
+            recorded, signal, ..
+        } = self.plan.out(port);
         let found = self.view.out_port(*recorded, signal.ty);
         found.map_err(|m| self.bad_value(&self.name(port), m))
     }
@@ -410,7 +438,10 @@ impl<'a> Replay<'a> {
             Measure::Plain => Nature::Plain,
             Measure::Angle => Nature::Angle,
             Measure::Euler(middle) => {
-                let middle = PortRef { port: middle as u8, ..port };
+                let middle = PortRef {
+                    port: middle as u8,
+                    ..port
+                };
                 match self.recorded(middle)? {
                     Recorded::Value(cells) => Nature::Euler(f64::from_bits(cells[0])),
                     _ => Nature::Angle,

@@ -29,8 +29,6 @@ pub(super) struct Watched {
     pub(super) outs: Vec<Out>,
     /// True if its out-ports are taken from the trace.
     pub(super) is_input: bool,
-    /// True if they are there before the first step.
-    pub(super) is_latched: bool,
 }
 
 /// A named port that only passes on what an out-port or a constant gives.
@@ -55,6 +53,8 @@ pub(super) struct Plan {
     /// By node index.
     pub(super) nodes: Vec<Watched>,
     pub(super) aliases: Vec<Alias>,
+    /// Nodes whose out-ports are there before the first step.
+    pub(super) latched: Vec<NodeId>,
     /// For each step the nodes that are done after it.
     pub(super) done: Vec<Vec<NodeId>>,
     /// Ports of the trace that the net does not have.
@@ -74,14 +74,20 @@ impl Plan {
                 Some((ty, source)) => aliases.push(Alias {
                     name: name.to_owned(),
                     ty: *ty,
-                    source: source.clone(),
+                    source: (*source).clone(),
                     place: AliasPlace::InPort(id),
                 }),
                 None => unmatched.push(name.to_owned()),
             }
         }
-        let done = done(net, image, &nodes);
-        Plan { nodes, aliases, done, unmatched }
+        let latched = net.node_ids().filter(|id| is_latched(net.node(*id).desc()));
+        Plan {
+            latched: latched.collect(),
+            done: done(net, image, &nodes),
+            nodes,
+            aliases,
+            unmatched,
+        }
     }
 
     /// The out-port.
@@ -113,7 +119,6 @@ fn watched(net: &Net, image: &Image, trace: &Trace) -> Vec<Watched> {
         Watched {
             outs: outs.collect(),
             is_input: is_input(desc),
-            is_latched: is_latched(desc),
             path,
         }
     };
@@ -125,7 +130,10 @@ fn borders(net: &Net, trace: &Trace) -> Vec<Alias> {
     let inner = net.fragments.iter().filter_map(|f| Some((f.parent?, f)));
     let ports = inner.flat_map(|(parent, fragment)| {
         let path = net.path(parent, &fragment.name);
-        fragment.outputs.iter().map(move |port| (format!("{path}.{}", port.name), &port.source))
+        fragment
+            .outputs
+            .iter()
+            .map(move |port| (format!("{path}.{}", port.name), &port.source))
     });
     let alias = |(name, source): (String, &Input)| {
         Some(Alias {
@@ -145,7 +153,9 @@ fn in_ports(net: &Net) -> BTreeMap<String, (Type, &Input)> {
         let ports = node.desc().inputs.iter().zip(&node.inputs);
         ports.map(move |(port, source)| (format!("{path}.{}", port.name), source))
     });
-    ports.filter_map(|(name, source)| Some((name, (type_of(net, source)?, source)))).collect()
+    ports
+        .filter_map(|(name, source)| Some((name, (type_of(net, source)?, source))))
+        .collect()
 }
 
 /// The type of what runs through an input; none if nothing is connected.
@@ -153,7 +163,11 @@ pub(super) fn type_of(net: &Net, input: &Input) -> Option<Type> {
     match input {
         Input::Open => None,
         Input::Const(value) => value.ty(),
-        Input::Port(port) => net.node(port.node).outputs.get(usize::from(port.port)).copied(),
+        Input::Port(port) => net
+            .node(port.node)
+            .outputs
+            .get(usize::from(port.port))
+            .copied(),
     }
 }
 
@@ -168,8 +182,11 @@ fn known<'a>(nodes: &'a [Watched], net: &'a Net, aliases: &'a [Alias]) -> BTreeM
 
 /// A node is done after its last step.
 fn done(net: &Net, image: &Image, nodes: &[Watched]) -> Vec<Vec<NodeId>> {
-    let by_path: BTreeMap<&str, NodeId> =
-        net.node_ids().zip(nodes).map(|(id, w)| (w.path.as_str(), id)).collect();
+    let by_path: BTreeMap<&str, NodeId> = net
+        .node_ids()
+        .zip(nodes)
+        .map(|(id, w)| (w.path.as_str(), id))
+        .collect();
     let mut last: BTreeMap<NodeId, usize> = BTreeMap::new();
     for (pc, &place) in image.trace.iter().enumerate() {
         let place = image.places.get(place as usize);

@@ -9,8 +9,16 @@ const LISTED: usize = 12;
 
 impl fmt::Display for Report {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let verdict = if self.agrees() { "agrees with" } else { "DIFFERS from" };
-        writeln!(f, "{} {verdict} the trace, {} cycles", self.net, self.cycles)?;
+        let verdict = if self.agrees() {
+            "agrees with"
+        } else {
+            "DIFFERS from"
+        };
+        writeln!(
+            f,
+            "{} {verdict} the trace, {} cycles",
+            self.net, self.cycles
+        )?;
         self.counts(f)?;
         self.lists(f)?;
         match &self.first {
@@ -23,16 +31,30 @@ impl fmt::Display for Report {
 impl Report {
     fn counts(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let compared = self.compared;
-        writeln!(f, "  compared   {:>9} values and {} absences", compared.values, compared.absences)?;
+        writeln!(
+            f,
+            "  compared   {:>9} values and {} absences",
+            compared.values, compared.absences
+        )?;
         writeln!(f, "  differing  {:>9}", self.differing)?;
         for row in &self.explained {
             let ports = row.ports.len();
-            writeln!(f, "  explained  {:>9} at {ports} ports by `{}`: {}", row.values, row.entry, row.why)?;
+            writeln!(
+                f,
+                "  explained  {:>9} at {ports} ports by `{}`: {}",
+                row.values, row.entry, row.why
+            )?;
         }
         writeln!(f, "  taken      {:>9} from outside", self.taken)?;
         for (count, what) in [
-            (self.unknown, "depend on what is not in the trace in that cycle"),
-            (self.rewritten, "angles follow the trace's way of writing them"),
+            (
+                self.unknown,
+                "depend on what is not in the trace in that cycle",
+            ),
+            (
+                self.rewritten,
+                "angles follow the trace's way of writing them",
+            ),
         ] {
             if count > 0 {
                 writeln!(f, "  passed by  {count:>9} {what}")?;
@@ -51,13 +73,21 @@ impl Report {
         }
         if let Some(fault) = &self.fault {
             let (code, place, cycle) = (&fault.code, &fault.place, fault.cycle);
-            writeln!(f, "  the net ended with fault {code} of {place} in cycle {cycle}")?;
+            writeln!(
+                f,
+                "  the net ended with fault {code} of {place} in cycle {cycle}"
+            )?;
         }
         for port in self.ports.iter().take(LISTED) {
-            let worst = port.worst.map_or("presence".to_owned(), |w| format!("{w:.2e}"));
+            let worst = port
+                .worst
+                .map_or("presence".to_owned(), |w| format!("{w:.2e}"));
             let (name, kind) = (&port.port, &port.primitive);
             let (values, first) = (port.values, port.first_cycle);
-            writeln!(f, "  {name} ({kind}): {values} differ from cycle {first} on, worst {worst}")?;
+            writeln!(
+                f,
+                "  {name} ({kind}): {values} differ from cycle {first} on, worst {worst}"
+            )?;
         }
         match self.ports.len().saturating_sub(LISTED) {
             0 => Ok(()),

@@ -83,17 +83,34 @@ mod tests {
 
     use super::*;
 
-    const TOLERANCE: Tolerance = Tolerance { usual: 1e-9, near_lock: 1e-6 };
+    const TOLERANCE: Tolerance = Tolerance {
+        usual: 1e-9,
+        near_lock: 1e-6,
+    };
 
     fn reals(nature: Nature, a: f64, b: f64) -> Relation {
         let recorded = Recorded::Value(vec![b.to_bits()]);
-        relate(Scalar::Real.into(), nature, Some(&[a.to_bits()]), &recorded, TOLERANCE)
+        relate(
+            Scalar::Real.into(),
+            nature,
+            Some(&[a.to_bits()]),
+            &recorded,
+            TOLERANCE,
+        )
     }
 
     #[test]
     fn absence_agrees_with_absence_only() {
         let one = [1u64];
-        let of = |computed, recorded| relate(Scalar::Int.into(), Nature::Plain, computed, &recorded, TOLERANCE);
+        let of = |computed, recorded| {
+            relate(
+                Scalar::Int.into(),
+                Nature::Plain,
+                computed,
+                &recorded,
+                TOLERANCE,
+            )
+        };
         assert_eq!(of(None, Recorded::Absent), Relation::Agrees(0.0));
         assert_eq!(of(Some(&one), Recorded::Absent), Relation::Differs(None));
         assert_eq!(of(None, Recorded::Value(vec![1])), Relation::Differs(None));
@@ -105,14 +122,29 @@ mod tests {
     #[test]
     fn full_turns_matter_except_for_angles() {
         assert_eq!(reals(Nature::Angle, -PI, PI), Relation::Rewritten);
-        assert!(matches!(reals(Nature::Plain, -PI, PI), Relation::Differs(Some(_))));
-        assert!(matches!(reals(Nature::Angle, 0.1 - PI, PI), Relation::Differs(Some(_))));
+        assert!(matches!(
+            reals(Nature::Plain, -PI, PI),
+            Relation::Differs(Some(_))
+        ));
+        assert!(matches!(
+            reals(Nature::Angle, 0.1 - PI, PI),
+            Relation::Differs(Some(_))
+        ));
     }
 
     #[test]
     fn euler_angles_are_coarse_near_lock_only() {
-        assert_eq!(reals(Nature::Euler(PI / 2.0), 0.3, 0.3 + 5e-7), Relation::Rewritten);
-        assert!(matches!(reals(Nature::Euler(PI / 2.0), 0.3, 0.3 + 5e-6), Relation::Differs(Some(_))));
-        assert!(matches!(reals(Nature::Euler(1.0), 0.3, 0.3 + 5e-7), Relation::Differs(Some(_))));
+        assert_eq!(
+            reals(Nature::Euler(PI / 2.0), 0.3, 0.3 + 5e-7),
+            Relation::Rewritten
+        );
+        assert!(matches!(
+            reals(Nature::Euler(PI / 2.0), 0.3, 0.3 + 5e-6),
+            Relation::Differs(Some(_))
+        ));
+        assert!(matches!(
+            reals(Nature::Euler(1.0), 0.3, 0.3 + 5e-7),
+            Relation::Differs(Some(_))
+        ));
     }
 }

@@ -79,7 +79,12 @@ impl Tally {
         let explained = &mut self.report.explained;
         let known = explained.iter().position(|e| e.entry == entry);
         let k = known.unwrap_or_else(|| {
-            explained.push(Explained { entry, why, values: 0, ports: Vec::new() });
+            explained.push(Explained {
+                entry,
+                why,
+                values: 0,
+                ports: Vec::new(),
+            });
             explained.len() - 1
         });
         explained[k].values += 1;
