@@ -11,6 +11,9 @@ mod compare;
 mod engine;
 mod explain;
 mod inputs;
+mod judge;
+mod look;
+mod options;
 mod path;
 mod plan;
 mod print;
@@ -20,5 +23,6 @@ mod report;
 mod tally;
 mod text;
 
-pub use engine::{Options, ReplayError, replay};
+pub use engine::replay;
+pub use options::{Options, ReplayError};
 pub use report::{Agreed, Divergence, Explained, Fault, Link, PortTally, Report, Worst};

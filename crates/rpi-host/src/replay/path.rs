@@ -2,6 +2,7 @@
 
 use std::collections::BTreeSet;
 
+use rpi_image::Role;
 use rpi_net::{Input, PortRef};
 
 use super::compare::deviation;
@@ -78,14 +79,22 @@ fn inputs(replay: &Replay<'_>, port: PortRef) -> Vec<(String, String, String)> {
             Input::Port(source) => replay.name(*source),
             _ => "constant".to_owned(),
         };
-        Some((port.name.to_owned(), from, text(replay.input(input), ty)))
+        let value = match (input, node.desc().role) {
+            (Input::Port(source), Role::Delay) => replay.before(*source),
+            _ => text(replay.input(input), ty),
+        };
+        Some((port.name.to_owned(), from, value))
     };
     ports.filter_map(row).collect()
 }
 
-/// The input that is off most, if one is.
+/// The input that is off most, if one is. The way ends at a delay: what it reads is of the cycle before, in which
+/// nothing differed yet.
 fn worst_input(replay: &Replay<'_>, port: PortRef) -> Option<PortRef> {
     let node = replay.net.node(port.node);
+    if node.desc().role == Role::Delay {
+        return None;
+    }
     let sources = node.inputs.iter().filter_map(|input| match input {
         Input::Port(source) => Some(*source),
         _ => None,

@@ -100,14 +100,11 @@ impl fmt::Display for Divergence {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         writeln!(f, "first divergence, in cycle {}:", self.cycle)?;
         for (k, link) in self.path.iter().enumerate() {
-            let arrow = if k == 0 { "  " } else { "  <- " };
-            writeln!(f, "{arrow}{link}")?;
+            let from = if k == 0 { "  " } else { "  from " };
+            write!(f, "{from}{link}")?;
         }
-        let Some(root) = self.path.last() else {
-            return Ok(());
-        };
-        for (port, from, value) in &root.inputs {
-            writeln!(f, "       {port} = {value}  from {from}")?;
+        for (port, from, value) in self.path.last().map_or(&[][..], |root| &root.inputs) {
+            writeln!(f, "    {port} = {value}  from {from}")?;
         }
         Ok(())
     }
@@ -115,19 +112,19 @@ impl fmt::Display for Divergence {
 
 impl fmt::Display for Link {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(f, "{} ", self.port)?;
+        write!(f, "{}", self.port)?;
         if !self.primitive.is_empty() {
-            write!(f, "({}) ", self.primitive)?;
-        }
-        write!(f, "computed {}", self.computed)?;
-        if let Some(recorded) = &self.recorded {
-            write!(f, ", recorded {recorded}")?;
+            write!(f, " ({})", self.primitive)?;
         }
         if let Some(deviation) = self.deviation {
             write!(f, ", off by {deviation:.2e}")?;
         }
-        match self.since {
-            Some(cycle) => write!(f, ", off since cycle {cycle}"),
+        if let Some(cycle) = self.since {
+            write!(f, ", off since cycle {cycle}")?;
+        }
+        writeln!(f, "\n    computed {}", self.computed)?;
+        match &self.recorded {
+            Some(recorded) => writeln!(f, "    recorded {recorded}"),
             None => Ok(()),
         }
     }

@@ -48,6 +48,13 @@ impl<'t> CycleView<'t> {
         }
     }
 
+    /// The text that the trace has for a port in the cycle before.
+    pub(super) fn before(&self, port: PortId) -> Option<&'t str> {
+        let cycle = self.trace.at(self.number.checked_sub(1)?)?;
+        let row = cycle.rows.iter().find(|row| row.port == port)?;
+        Some(self.trace.value(*row))
+    }
+
     /// What the trace says of an out-port of the net; `port` is `None` if it never has a row.
     ///
     /// # Errors
