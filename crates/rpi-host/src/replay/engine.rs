@@ -125,6 +125,9 @@ impl<'a> Replay<'a> {
             self.finish(self.plan.latched[k])?;
         }
         self.evaluate()?;
+        for k in 0..self.plan.stepless.len() {
+            self.finish(self.plan.stepless[k])?;
+        }
         for k in 0..self.plan.aliases.len() {
             self.alias(k)?;
         }

@@ -57,6 +57,8 @@ pub(super) struct Plan {
     pub(super) latched: Vec<NodeId>,
     /// For each step the nodes that are done after it.
     pub(super) done: Vec<Vec<NodeId>>,
+    /// Nodes without a step, constants.
+    pub(super) stepless: Vec<NodeId>,
     /// Ports of the trace that the net does not have.
     pub(super) unmatched: Vec<String>,
 }
@@ -80,10 +82,14 @@ impl Plan {
                 None => unmatched.push(name.to_owned()),
             }
         }
-        let latched = net.node_ids().filter(|id| is_latched(net.node(*id).desc()));
+        let (latched, others): (Vec<NodeId>, Vec<NodeId>) = net
+            .node_ids()
+            .partition(|id| is_latched(net.node(*id).desc()));
+        let (done, stepless) = done(image, &nodes, &others);
         Plan {
-            latched: latched.collect(),
-            done: done(net, image, &nodes),
+            latched,
+            done,
+            stepless,
             nodes,
             aliases,
             unmatched,
@@ -180,23 +186,21 @@ fn known<'a>(nodes: &'a [Watched], net: &'a Net, aliases: &'a [Alias]) -> BTreeM
     outs.chain(borders).map(|name| (name, ())).collect()
 }
 
-/// A node is done after its last step.
-fn done(net: &Net, image: &Image, nodes: &[Watched]) -> Vec<Vec<NodeId>> {
-    let by_path: BTreeMap<&str, NodeId> = net
-        .node_ids()
-        .zip(nodes)
-        .map(|(id, w)| (w.path.as_str(), id))
-        .collect();
-    let mut last: BTreeMap<NodeId, usize> = BTreeMap::new();
+/// For each step the nodes that are done after it, their last one; and the nodes that have none.
+fn done(image: &Image, nodes: &[Watched], ids: &[NodeId]) -> (Vec<Vec<NodeId>>, Vec<NodeId>) {
+    let mut last: BTreeMap<&str, usize> = BTreeMap::new();
     for (pc, &place) in image.trace.iter().enumerate() {
-        let place = image.places.get(place as usize);
-        if let Some(&id) = place.and_then(|p| by_path.get(p.path.as_str())) {
-            last.insert(id, pc);
+        if let Some(place) = image.places.get(place as usize) {
+            last.insert(&place.path, pc);
         }
     }
     let mut done = vec![Vec::new(); image.steps.len()];
-    for (id, pc) in last {
-        done[pc].push(id);
+    let mut stepless = Vec::new();
+    for &id in ids {
+        match last.get(nodes[id.index()].path.as_str()) {
+            Some(&pc) => done[pc].push(id),
+            None => stepless.push(id),
+        }
     }
-    done
+    (done, stepless)
 }
