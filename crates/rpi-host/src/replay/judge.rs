@@ -7,7 +7,6 @@ use rpi_net::{Input, NodeId, PortRef};
 
 use super::engine::Replay;
 use super::explain::{self, Case};
-use super::options::ReplayError;
 use super::path;
 use super::plan::{Alias, AliasPlace};
 use super::recorded::Recorded;
@@ -16,7 +15,7 @@ use super::tally::Occasion;
 use super::text::text;
 
 impl Replay<'_> {
-    pub(super) fn finish(&mut self, id: NodeId) -> Result<(), ReplayError> {
+    pub(super) fn finish(&mut self, id: NodeId) {
         let watched = &self.plan.nodes[id.index()];
         let (ports, is_input) = (watched.outs.len(), watched.is_input);
         self.unsure[id.index()] = self.reads_unsure(id);
@@ -26,11 +25,10 @@ impl Replay<'_> {
                 port: k as u8,
             };
             match is_input {
-                true => self.take(port)?,
-                false => self.compare(port)?,
+                true => self.take(port),
+                false => self.compare(port),
             }
         }
-        Ok(())
     }
 
     /// Whether a node depends on something unknown: once it has, its state may be off for good.
@@ -42,14 +40,13 @@ impl Replay<'_> {
     }
 
     /// Puts what the trace says in place of what came from outside.
-    fn take(&mut self, port: PortRef) -> Result<(), ReplayError> {
-        let out = self.plan.out(port);
-        let (signal, recorded_as) = (out.signal, out.recorded);
-        let recorded = self.recorded(port)?;
+    fn take(&mut self, port: PortRef) {
+        let recorded = self.recorded(port);
         let held = &mut self.held[port.node.index()][usize::from(port.port)];
         match recorded {
             Recorded::Unknown => {
-                let varies = recorded_as.is_some_and(|p| self.varies[p.0 as usize]);
+                let as_recorded = self.plan.out(port).recorded;
+                let varies = as_recorded.is_some_and(|p| self.varies[p.0 as usize]);
                 self.unsure[port.node.index()] |= varies;
             }
             known => {
@@ -57,23 +54,26 @@ impl Replay<'_> {
                 *held = known;
             }
         }
-        force(&mut self.machine, signal, held);
-        Ok(())
+        let signal = self.plan.out(port).signal;
+        let held = &self.held[port.node.index()][usize::from(port.port)];
+        if !force(&mut self.machine, signal, held) {
+            let name = self.name(port);
+            self.tally.differs(self.occasion(port, &name), None);
+        }
     }
 
     /// Compares what a node has computed with what the trace says.
-    fn compare(&mut self, port: PortRef) -> Result<(), ReplayError> {
-        let recorded = self.recorded(port)?;
+    fn compare(&mut self, port: PortRef) {
+        let recorded = self.recorded(port);
         if self.is_unsure(port.node, &recorded) {
-            return Ok(());
+            return;
         }
-        let nature = self.nature(port)?;
+        let nature = self.nature(port);
         let computed = self.computed(port).map(<[u64]>::to_vec);
         let ty = self.plan.out(port).signal.ty;
         let relation = relate(ty, nature, computed.as_deref(), &recorded, self.tolerance);
         self.note_off(port, relation);
         self.judge(port, ty, computed.as_deref(), &recorded, relation);
-        Ok(())
     }
 
     fn judge(
@@ -89,11 +89,7 @@ impl Replay<'_> {
         }
         self.tally.compared(recorded);
         let name = self.name(port);
-        let at = Occasion {
-            cycle: self.view.number,
-            port: &name,
-            primitive: self.net.node(port.node).desc().name,
-        };
+        let at = self.occasion(port, &name);
         match relation {
             Relation::Unknown => {}
             Relation::Agrees(deviation) => {
@@ -117,6 +113,14 @@ impl Replay<'_> {
         }
     }
 
+    fn occasion<'s>(&self, port: PortRef, name: &'s str) -> Occasion<'s> {
+        Occasion {
+            cycle: self.view.number,
+            port: name,
+            primitive: self.net.node(port.node).desc().name,
+        }
+    }
+
     fn explained(
         &self,
         port: PortRef,
@@ -131,21 +135,19 @@ impl Replay<'_> {
         })
     }
 
-    pub(super) fn alias(&mut self, k: usize) -> Result<(), ReplayError> {
+    pub(super) fn alias(&mut self, k: usize) {
         let alias = &self.plan.aliases[k];
         let recorded = match alias.place {
             AliasPlace::Border(port) => self.view.out_port(port, alias.ty),
             AliasPlace::InPort(port) => self.view.in_port(port, alias.ty),
         };
-        let recorded = recorded.map_err(|m| self.bad_value(&alias.name, m))?;
         if let Input::Port(port) = alias.source
             && self.unsure[port.node.index()]
         {
             self.tally.report.unknown += u64::from(recorded != Recorded::Unknown);
-            return Ok(());
+            return;
         }
         self.judge_alias(k, &recorded);
-        Ok(())
     }
 
     fn judge_alias(&mut self, k: usize, recorded: &Recorded) {
@@ -187,11 +189,12 @@ impl Replay<'_> {
     }
 }
 
-/// Puts a recorded value into memory; what was not written down stays as it is.
-fn force(machine: &mut Machine, signal: Signal, recorded: &Recorded) {
+/// Puts a recorded value into memory; what was not written down stays as it is. False if it does not fit.
+fn force(machine: &mut Machine, signal: Signal, recorded: &Recorded) -> bool {
     match recorded {
         Recorded::Value(cells) => machine.force(signal, Some(cells)),
         Recorded::Absent => machine.force(signal, None),
         Recorded::Unknown | Recorded::Opaque => true,
-    };
+        Recorded::Foreign(_) => false,
+    }
 }

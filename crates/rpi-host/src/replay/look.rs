@@ -4,19 +4,17 @@ use rpi_net::{Input, PortRef};
 
 use super::angles::Measure;
 use super::engine::Replay;
-use super::options::ReplayError;
 use super::plan::Out;
 use super::recorded::Recorded;
 use super::relation::Nature;
 
 impl Replay<'_> {
     /// What the trace says of an out-port in this cycle.
-    pub(super) fn recorded(&self, port: PortRef) -> Result<Recorded, ReplayError> {
+    pub(super) fn recorded(&self, port: PortRef) -> Recorded {
         let Out {
             recorded, signal, ..
         } = self.plan.out(port);
-        let found = self.view.out_port(*recorded, signal.ty);
-        found.map_err(|m| self.bad_value(&self.name(port), m))
+        self.view.out_port(*recorded, signal.ty)
     }
 
     /// What an out-port carries in this cycle, seen from its own fragment.
@@ -49,8 +47,8 @@ impl Replay<'_> {
         format!("{path}.{}", outs[usize::from(port.port)].name)
     }
 
-    pub(super) fn nature(&self, port: PortRef) -> Result<Nature, ReplayError> {
-        Ok(match self.plan.out(port).measure {
+    pub(super) fn nature(&self, port: PortRef) -> Nature {
+        match self.plan.out(port).measure {
             Measure::Plain => Nature::Plain,
             Measure::Angle => Nature::Angle,
             Measure::Euler(middle) => {
@@ -58,12 +56,12 @@ impl Replay<'_> {
                     port: middle as u8,
                     ..port
                 };
-                match self.recorded(middle)? {
+                match self.recorded(middle) {
                     Recorded::Value(cells) => Nature::Euler(f64::from_bits(cells[0])),
                     _ => Nature::Angle,
                 }
             }
-        })
+        }
     }
 
     /// An alias of an angle has had its source rewritten already if need be.
@@ -71,14 +69,6 @@ impl Replay<'_> {
         match source {
             Input::Port(port) if self.plan.out(*port).measure != Measure::Plain => Nature::Angle,
             _ => Nature::Plain,
-        }
-    }
-
-    pub(super) fn bad_value(&self, port: &str, message: String) -> ReplayError {
-        ReplayError::Value {
-            cycle: self.view.number,
-            port: port.to_owned(),
-            message,
         }
     }
 }

@@ -28,7 +28,7 @@ impl Default for Options {
 /// Why a replay could not be done at all.
 #[derive(Clone, PartialEq, Debug)]
 pub enum ReplayError {
-    /// The trace holds no cycle.
+    /// The trace holds nothing, not even a start time.
     Empty,
     /// Something in the net depends on itself.
     Cyclic,
@@ -36,33 +36,17 @@ pub enum ReplayError {
     Lowering(String),
     /// The image cannot be loaded.
     Loading(Vec<LoadFault>),
-    /// A text in the trace is no value of the port's type.
-    Value {
-        /// The cycle, from 1.
-        cycle: u64,
-        /// The port's path.
-        port: String,
-        /// What is wrong.
-        message: String,
-    },
 }
 
 impl fmt::Display for ReplayError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
-            ReplayError::Empty => f.write_str("the trace holds no cycle"),
+            ReplayError::Empty => f.write_str("the trace is empty"),
             ReplayError::Cyclic => f.write_str("something in the net depends on itself"),
             ReplayError::Lowering(reason) => write!(f, "the net cannot be lowered: {reason}"),
             ReplayError::Loading(faults) => {
                 let reasons: Vec<String> = faults.iter().map(ToString::to_string).collect();
                 write!(f, "the net cannot be loaded: {}", reasons.join("; "))
-            }
-            ReplayError::Value {
-                cycle,
-                port,
-                message,
-            } => {
-                write!(f, "cycle {cycle}, {port}: {message}")
             }
         }
     }

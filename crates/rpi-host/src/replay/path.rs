@@ -55,10 +55,7 @@ pub(super) fn alias_divergence(replay: &Replay<'_>, name: &str, source: &Input) 
 
 fn link(replay: &Replay<'_>, port: PortRef) -> Link {
     let ty = replay.plan.out(port).signal.ty;
-    let recorded = replay
-        .recorded(port)
-        .ok()
-        .filter(|r| *r != Recorded::Unknown);
+    let recorded = Some(replay.recorded(port)).filter(|r| *r != Recorded::Unknown);
     Link {
         port: replay.name(port),
         primitive: replay.net.node(port.node).desc().name.to_owned(),
@@ -110,7 +107,7 @@ fn since(replay: &Replay<'_>, port: PortRef) -> Option<u64> {
 
 fn off_by(replay: &Replay<'_>, port: PortRef) -> Option<f64> {
     let computed = replay.computed(port)?;
-    match replay.recorded(port).ok()? {
+    match replay.recorded(port) {
         Recorded::Value(cells) => {
             Some(deviation(replay.plan.out(port).signal.ty, computed, &cells))
         }

@@ -14,6 +14,8 @@ pub(super) enum Recorded {
     Absent,
     /// It was present with a value that the recorder could not write.
     Opaque,
+    /// It was present with a value of another type than the port has.
+    Foreign(String),
     /// It carried this value.
     Value(Vec<u64>),
 }
@@ -56,35 +58,28 @@ impl<'t> CycleView<'t> {
     }
 
     /// What the trace says of an out-port of the net; `port` is `None` if it never has a row.
-    ///
-    /// # Errors
-    /// If the text is no value of this type.
-    pub(super) fn out_port(&self, port: Option<PortId>, ty: Type) -> Result<Recorded, String> {
+    pub(super) fn out_port(&self, port: Option<PortId>, ty: Type) -> Recorded {
         let row = port.and_then(|p| self.texts[p.0 as usize]);
         let covered = self.complete || port.is_some_and(|p| self.trace.covers(p, self.number));
         read(row, covered, ty)
     }
 
     /// What the trace says of an in-port; only recordings of chosen ports have them.
-    ///
-    /// # Errors
-    /// If the text is no value of this type.
-    pub(super) fn in_port(&self, port: PortId, ty: Type) -> Result<Recorded, String> {
+    pub(super) fn in_port(&self, port: PortId, ty: Type) -> Recorded {
         let covered = self.trace.covers(port, self.number);
         read(self.texts[port.0 as usize], covered, ty)
     }
 }
 
-fn read(row: Option<&str>, covered: bool, ty: Type) -> Result<Recorded, String> {
+fn read(row: Option<&str>, covered: bool, ty: Type) -> Recorded {
     match row {
-        None if covered => Ok(Recorded::Absent),
-        None => Ok(Recorded::Unknown),
-        Some(text) if is_opaque(text) => Ok(Recorded::Opaque),
-        Some(text) => {
-            let value = literal::read(text, ty);
-            let value = value.map_err(|e| format!("`{text}` is no {ty}: {e}"))?;
-            Ok(value.map_or(Recorded::Absent, |v| Recorded::Value(v.cells().to_vec())))
-        }
+        None if covered => Recorded::Absent,
+        None => Recorded::Unknown,
+        Some(text) if is_opaque(text) => Recorded::Opaque,
+        Some(text) => match literal::read(text, ty) {
+            Ok(value) => value.map_or(Recorded::Absent, |v| Recorded::Value(v.cells().to_vec())),
+            Err(_) => Recorded::Foreign(text.to_owned()),
+        },
     }
 }
 

@@ -49,7 +49,7 @@ pub(super) fn relate(
         (_, Recorded::Unknown) => Relation::Unknown,
         (None, Recorded::Absent) | (Some(_), Recorded::Opaque) => Relation::Agrees(0.0),
         (Some(a), Recorded::Value(b)) => values(ty, nature, (a, b), tolerance),
-        (None, _) | (_, Recorded::Absent) => Relation::Differs(None),
+        (None, _) | (_, Recorded::Absent | Recorded::Foreign(_)) => Relation::Differs(None),
     }
 }
 

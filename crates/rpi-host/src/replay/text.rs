@@ -17,6 +17,7 @@ impl Recorded {
             Recorded::Unknown => "(not recorded)".to_owned(),
             Recorded::Absent => text(None, ty),
             Recorded::Opaque => "(a value that the recorder could not write)".to_owned(),
+            Recorded::Foreign(text) => text.clone(),
             Recorded::Value(cells) => text(Some(cells), ty),
         }
     }
