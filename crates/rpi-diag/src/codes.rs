@@ -66,21 +66,17 @@ codes! {
     RPI0002 Error "unknown character";
     RPI0003 Error "comment without end";
     RPI0004 Error "block without end";
-    RPI0101 Error "unexpected sign in a net";
-    RPI0102 Error "text without end in a net";
-    RPI0103 Error "net nested too deeply";
-    RPI1101 Error "unknown primitive";
-    RPI1102 Warning "unknown in-port";
-    RPI1103 Error "unknown parameter";
-    RPI1104 Error "unknown name in a net";
-    RPI1105 Error "unknown port";
-    RPI1106 Error "two meanings of one name in a net";
-    RPI1107 Error "in-port or parameter given twice";
-    RPI2101 Error "link between ports of different types";
-    RPI2102 Error "text is no value of the parameter's type";
-    RPI2103 Error "in-port not connected";
-    RPI2104 Error "sizes that do not fit";
-    RPI4002 Error "port that stands for itself";
+    RPI0005 Error "text without end";
+    RPI0006 Error "missing `;`";
+    RPI0007 Error "number runs into a word";
+    RPI0008 Error "number out of range";
+    RPI0009 Error "comparisons in a row";
+    RPI0010 Error "outside of any declaration";
+    RPI0011 Error "too large or too deeply nested";
+    RPI0012 Error "word of the language as a name";
+    RPI0013 Warning "foreign comment mark";
+    RPI0014 Note "contract in a comment";
+    RPI0015 Warning "`when` read as in Lustre V6";
 }
 
 impl Code {

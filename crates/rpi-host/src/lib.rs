@@ -4,5 +4,4 @@
 //! program is compiled; it takes nets and images.
 
 pub mod plot;
-pub mod replay;
 pub mod trace;

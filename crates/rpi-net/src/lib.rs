@@ -7,8 +7,6 @@
 pub mod literal;
 pub mod net;
 pub mod passes;
-pub mod rpinet;
-pub mod shape;
 pub mod tree;
 mod violation;
 

@@ -7,8 +7,7 @@
 use std::fmt;
 
 use rpi_image::{Scalar, Type, Value};
-use rpi_prims::flow::Flow;
-use rpi_prims::geometry;
+use rpi_prims::operand::{Flow, Rotation};
 
 mod tree;
 mod write;
@@ -115,7 +114,7 @@ fn cells(tree: &Tree<'_>, scalar: Scalar) -> Result<Vec<u64>, LiteralError> {
         Scalar::Rotation => {
             let angles = reals(tree, &["a", "b", "c"])?;
             let [a, b, c] = [0, 1, 2].map(|k| f64::from_bits(angles[k]));
-            stored(geometry::from_abc(a, b, c))
+            stored(Rotation::from_euler_angles(c, b, a))
         }
         Scalar::Pose => pair(tree, ("pos", Scalar::Vector), ("rot", Scalar::Rotation))?,
         Scalar::Twist => pair(tree, ("vel", Scalar::Vector), ("rot", Scalar::Vector))?,

@@ -9,16 +9,36 @@
 //! lexer crosses its interface.
 
 pub mod ast;
+mod chain;
 mod comments;
+mod context;
+mod declared;
+mod expected;
+mod explain;
+mod grammar;
+mod lexer;
+mod lexical;
+mod make;
+mod make_expr;
+mod mend;
 mod name;
+mod nesting;
 pub mod ops;
+mod outside;
+mod parse;
+mod phrase;
+mod split;
+mod structure;
+mod text;
 mod token;
+mod words;
 
 pub use comments::{Comment, CommentKind, Comments};
 pub use name::Name;
+pub use parse::parse;
 pub use token::{KEYWORDS, Keyword, Place};
 
-use rpi_diag::{FileId, Finding};
+use rpi_diag::Finding;
 
 /// Which words are keywords, and what `%` means. The name of a file decides: see [`Mode::of_path`].
 #[derive(Clone, Copy, PartialEq, Eq, Hash, Debug)]
@@ -48,15 +68,6 @@ pub struct Parse {
     pub comments: Comments,
     /// What is wrong with the text, in text order.
     pub findings: Vec<Finding>,
-}
-
-/// Parses a whole file. Never fails and never panics: every text has a tree.
-pub fn parse(_file: FileId, _text: &str, _mode: Mode) -> Parse {
-    Parse {
-        file: ast::File::default(),
-        comments: Comments::default(),
-        findings: Vec::new(),
-    }
 }
 
 /// Writes a tree that has no text in the style of the language; doc comments in it are kept.

@@ -28,6 +28,8 @@ pub enum Place {
     Clause,
     /// After `|`, `unless` or `until`.
     Alternative,
+    /// Before a name, where an operator could stand or after `|`.
+    Branch,
 }
 
 /// One row of the table of words.
@@ -79,7 +81,7 @@ macro_rules! tokens {
             #[regex(r"([0-9]+\.[0-9]*|\.[0-9]+)([eE][+-]?[0-9]+)?|[0-9]+[eE][+-]?[0-9]+")]
             Real,
             /// `250mm`: a number that runs into a word.
-            #[regex(r"[0-9]+[A-Za-z_][A-Za-z0-9_]*", priority = 1)]
+            #[regex(r"[0-9]+(\.[0-9]*)?[A-Za-z_][A-Za-z0-9_]*", priority = 1)]
             NumberWord,
             #[regex(r#""([^"\\\n]|\\[^\n])*""#)]
             Str,
@@ -94,6 +96,8 @@ macro_rules! tokens {
             BlockComment,
             /// A block comment without end.
             OpenComment,
+            /// A text that names a claim: `assume "sensor range" x < 5.0`.
+            Label,
             /// Stands for a phrase with a fault that has been reported.
             Broken,
         }
@@ -117,7 +121,7 @@ tokens! {
     words {
         And       "and"       Both Reserved     "conjunction";
         Assert    "assert"    Both Reserved     "a condition that holds in every cycle, by the writer's word";
-        Bool      "bool"      Both Reserved     "the type of `true` and `false`";
+        BoolType  "bool"      Both Reserved     "the type of `true` and `false`";
         Const     "const"     Both Reserved     "declares constants";
         Current   "current"   Both Reserved     "the latest value of a sampled flow";
         Div       "div"       Both Reserved     "integer quotient";
@@ -195,7 +199,7 @@ tokens! {
         Continue  "continue"  Rpi  AfterOperand "the next state, resumed where it was left";
         Given     "given"     Rpi  AfterOperand "before the values taken over from the predecessor";
         In        "in"        Rpi  AfterOperand "the frame of the coordinates";
-        On        "on"        Rpi  AfterOperand "what follows a result";
+        On        "on"        Rpi  Branch       "what follows a result";
         Times     "times"     Rpi  AfterOperand "after the count of `repeat`";
 
         End       "end"       Rpi  Clause       "ends an automaton; as a step: the task is done";
@@ -219,6 +223,14 @@ impl Token {
     /// The row of the word table, if the token is a word of it.
     pub(crate) fn keyword(self) -> Option<&'static Keyword> {
         KEYWORDS.get(self as usize)
+    }
+
+    /// The word or sign that is always written like this.
+    pub(crate) fn of_spelling(text: &str) -> Option<Token> {
+        let word = KEYWORDS.iter().find(|word| word.text == text);
+        let sign = || SIGNS.iter().find(|(_, sign)| *sign == text);
+        word.map(|word| word.token)
+            .or_else(|| sign().map(|(token, _)| *token))
     }
 
     /// How the token is always written, if it is.

@@ -79,16 +79,7 @@ const EDGES: &[(&str, &[&str])] = &[
             "rpi-sim",
         ],
     ),
-    (
-        "rpi-nostd",
-        &[
-            "rpi-core",
-            "rpi-device",
-            "rpi-image",
-            "rpi-kin",
-            "rpi-prims",
-        ],
-    ),
+    ("rpi-nostd", &["rpi-device", "rpi-image", "rpi-prims"]),
     ("rpi-testkit", &[]),
     (
         "rpi-house",

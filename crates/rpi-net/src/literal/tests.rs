@@ -1,5 +1,4 @@
 use super::*;
-use rpi_prims::flow::Rotation;
 
 /// Type, and texts of it that are written back as they are.
 const SAME: &[(Scalar, &[&str])] = &[

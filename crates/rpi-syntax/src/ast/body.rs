@@ -22,7 +22,8 @@ pub struct VarDecl {
     pub span: Span,
 }
 
-/// Constants: `a, b: T = e`. The type or the value may be absent, not both.
+/// Constants: `a, b: T = e`. Without a type it is inferred from the value, without a value it comes
+/// from outside. Where both are absent a fault has been reported.
 #[derive(Clone, PartialEq, Debug)]
 pub struct ConstDef {
     /// Doc comment before it.

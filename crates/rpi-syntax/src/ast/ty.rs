@@ -33,6 +33,8 @@ pub enum TypeKind {
     Enum(Vec<EnumValue>),
     /// `struct { x: real; y: real = 0.0 }`; only in a type declaration
     Struct(Vec<VarDecl>),
+    /// A type with a fault; whatever has it must not cause further findings
+    Broken,
 }
 
 /// A type by its name.

@@ -1,0 +1,172 @@
+//! Groups a flat chain of operators and operands by the table of operators.
+//!
+//! The grammar hands over `a + b * c` piece by piece. Operators whose right operand may still grow
+//! wait on a stack; one is applied as soon as an operator arrives that binds less strongly.
+
+use crate::ast::{Binary, Clock, Expr, ExprKind, If, When};
+use crate::context::Context;
+use crate::ops::{BinaryOp, Grouping, LEVEL_IF, LEVEL_WHEN, Level, UnaryOp};
+use rpi_diag::Span;
+
+/// What stands before an operand.
+pub(crate) enum Prefix {
+    Unary(UnaryOp),
+    /// `if c then x else`: whether it is static, the condition, the first branch.
+    If(Box<(bool, Expr, Expr)>),
+}
+
+/// An operand with what stands before it, outermost last.
+pub(crate) struct Term {
+    prefixes: Vec<(Prefix, u32)>,
+    operand: Expr,
+}
+
+impl Term {
+    pub(crate) fn operand(operand: Expr) -> Term {
+        Term {
+            prefixes: Vec::new(),
+            operand,
+        }
+    }
+
+    /// The term after `prefix`, which begins at `start`.
+    pub(crate) fn prefixed(mut self, prefix: Prefix, start: u32) -> Term {
+        self.prefixes.push((prefix, start));
+        self
+    }
+}
+
+/// An expression whose end has not been seen.
+pub(crate) struct Chain {
+    waiting: Vec<Waiting>,
+    last: Expr,
+}
+
+/// An operator whose right operand may still grow.
+enum Waiting {
+    Binary { lhs: Expr, op: BinaryOp, span: Span },
+    Prefix(Prefix, u32),
+}
+
+impl Waiting {
+    fn level(&self) -> Level {
+        match self {
+            Waiting::Binary { op, .. } => op.level(),
+            Waiting::Prefix(Prefix::Unary(op), _) => op.level(),
+            Waiting::Prefix(Prefix::If(_), _) => LEVEL_IF,
+        }
+    }
+}
+
+impl Chain {
+    pub(crate) fn new(term: Term) -> Chain {
+        let chain = Chain {
+            waiting: Vec::new(),
+            last: term.operand,
+        };
+        chain.open(term.prefixes)
+    }
+
+    /// The chain with `op term` after it.
+    pub(crate) fn push(mut self, cx: &Context<'_>, op: BinaryOp, span: Span, term: Term) -> Chain {
+        if let ExprKind::When(_) = self.last.kind {
+            cx.note_sampled_part(self.last.span);
+        }
+        self.apply_stronger_than(cx, op, span);
+        let lhs = std::mem::replace(&mut self.last, term.operand);
+        self.waiting.push(Waiting::Binary { lhs, op, span });
+        self.open(term.prefixes)
+    }
+
+    /// The chain with `when clock` after it.
+    pub(crate) fn when(mut self, cx: &Context<'_>, clock: Clock) -> Chain {
+        self.apply_while(cx, |waiting| waiting.level() > LEVEL_WHEN);
+        let span = self.last.span.merge(clock.span);
+        let value = std::mem::replace(&mut self.last, Expr::bool(false));
+        let kind = ExprKind::When(Box::new(When { value, clock }));
+        self.last = Expr { kind, span };
+        if !self.waiting.is_empty() {
+            cx.note_sampled_part(span);
+        }
+        self
+    }
+
+    /// The expression, now that its end has been seen.
+    pub(crate) fn finish(mut self, cx: &Context<'_>) -> Expr {
+        self.apply_while(cx, |_| true);
+        self.last
+    }
+
+    fn open(mut self, prefixes: Vec<(Prefix, u32)>) -> Chain {
+        let outermost_first = prefixes.into_iter().rev();
+        self.waiting
+            .extend(outermost_first.map(|(prefix, start)| Waiting::Prefix(prefix, start)));
+        self
+    }
+
+    /// Applies what binds more strongly than `op` or, grouping to the left, as strongly.
+    fn apply_stronger_than(&mut self, cx: &Context<'_>, op: BinaryOp, span: Span) {
+        self.apply_while(cx, |waiting| waiting.level() > op.level());
+        if let (
+            Grouping::None,
+            Some(Waiting::Binary {
+                op: other,
+                span: at,
+                ..
+            }),
+        ) = (op.grouping(), self.waiting.last())
+            && other.level() == op.level()
+        {
+            cx.comparisons_in_a_row(*at, span);
+        }
+        if op.grouping() != Grouping::Right {
+            self.apply_while(cx, |waiting| waiting.level() == op.level());
+        }
+    }
+
+    fn apply_while(&mut self, cx: &Context<'_>, holds: impl Fn(&Waiting) -> bool) {
+        while let Some(waiting) = self.waiting.pop_if(|waiting| holds(waiting)) {
+            let rhs = std::mem::replace(&mut self.last, Expr::bool(false));
+            self.last = applied(cx, waiting, rhs);
+        }
+    }
+}
+
+/// The operator with its right operand.
+fn applied(cx: &Context<'_>, waiting: Waiting, rhs: Expr) -> Expr {
+    match waiting {
+        Waiting::Binary { lhs, op, span } => {
+            let whole = lhs.span.merge(rhs.span);
+            let binary = Binary {
+                op,
+                op_span: span,
+                lhs,
+                rhs,
+            };
+            Expr {
+                kind: ExprKind::Binary(Box::new(binary)),
+                span: whole,
+            }
+        }
+        Waiting::Prefix(prefix, start) => {
+            let span = cx.span(start, rhs.span.end);
+            let kind = prefixed(prefix, rhs);
+            Expr { kind, span }
+        }
+    }
+}
+
+fn prefixed(prefix: Prefix, operand: Expr) -> ExprKind {
+    match prefix {
+        Prefix::Unary(op) => ExprKind::Unary(op, Box::new(operand)),
+        Prefix::If(parts) => {
+            let (is_static, condition, yes) = *parts;
+            ExprKind::If(Box::new(If {
+                is_static,
+                condition,
+                yes,
+                no: operand,
+            }))
+        }
+    }
+}

@@ -1,0 +1,108 @@
+//! What the actions of the grammar need to know about the text.
+
+use crate::Mode;
+use crate::ast::{Doc, Ident, Name};
+use crate::comments::Comments;
+use crate::name::Interner;
+use crate::phrase;
+use rpi_diag::{FileId, Finding, Span};
+use std::cell::RefCell;
+use std::collections::BTreeMap;
+
+/// The text being parsed, with what is found on the way.
+pub(crate) struct Context<'t> {
+    pub(crate) file: FileId,
+    pub(crate) text: &'t str,
+    pub(crate) mode: Mode,
+    names: Interner,
+    comments: &'t Comments,
+    has_docs: bool,
+    findings: RefCell<Vec<Finding>>,
+    /// The names that a broken phrase seems to define, by the offset where it starts.
+    broken: RefCell<BTreeMap<u32, Vec<Ident>>>,
+}
+
+impl<'t> Context<'t> {
+    pub(crate) fn new(
+        file: FileId,
+        text: &'t str,
+        mode: Mode,
+        comments: &'t Comments,
+    ) -> Context<'t> {
+        Context {
+            file,
+            text,
+            mode,
+            names: Interner::default(),
+            comments,
+            has_docs: comments.has_docs(),
+            findings: RefCell::default(),
+            broken: RefCell::default(),
+        }
+    }
+
+    pub(crate) fn span(&self, start: u32, end: u32) -> Span {
+        Span::new(self.file, start, end)
+    }
+
+    pub(crate) fn slice(&self, start: u32, end: u32) -> &'t str {
+        &self.text[start as usize..end as usize]
+    }
+
+    pub(crate) fn name(&self, start: u32, end: u32) -> Name {
+        self.names.name(self.slice(start, end))
+    }
+
+    pub(crate) fn ident(&self, start: u32, end: u32) -> Ident {
+        Ident {
+            name: self.name(start, end),
+            span: self.span(start, end),
+        }
+    }
+
+    /// A name for a text that does not stand in the source as it is.
+    pub(crate) fn intern(&self, text: &str) -> Name {
+        self.names.name(text)
+    }
+
+    /// The doc comment that ends right before `start`.
+    pub(crate) fn doc(&self, start: u32) -> Option<Doc> {
+        match self.has_docs {
+            true => self.comments.doc_before(self.text, start),
+            false => None,
+        }
+    }
+
+    pub(crate) fn report(&self, finding: Finding) {
+        self.findings.borrow_mut().push(finding);
+    }
+
+    /// What has been found so far, which is then forgotten.
+    pub(crate) fn take_findings(&self) -> Vec<Finding> {
+        self.findings.take()
+    }
+
+    pub(crate) fn set_broken(&self, start: u32, names: Vec<Ident>) {
+        self.broken.borrow_mut().insert(start, names);
+    }
+
+    /// The names that the broken phrase at `start` seems to define.
+    pub(crate) fn broken_names(&self, start: u32) -> Vec<Ident> {
+        self.broken
+            .borrow()
+            .get(&start)
+            .cloned()
+            .unwrap_or_default()
+    }
+
+    pub(crate) fn comparisons_in_a_row(&self, first: Span, second: Span) {
+        self.report(phrase::comparisons_in_a_row(first, second));
+    }
+
+    /// `x when c` is an operand of something larger: Kind 2 reads that differently.
+    pub(crate) fn note_sampled_part(&self, part: Span) {
+        if self.mode == Mode::Lustre {
+            self.report(phrase::when_binds_tightly(part));
+        }
+    }
+}

@@ -1,0 +1,65 @@
+//! The names that broken text seems to declare, so that one fault does not become many.
+
+use crate::ast::Ident;
+use crate::context::Context;
+use crate::lexer::Lexeme;
+use crate::token::Token;
+
+/// The names that a broken phrase seems to define: targets of an equation, ports, a label, a result.
+pub(crate) fn by_phrase(cx: &Context<'_>, phrase: &[Lexeme]) -> Vec<Ident> {
+    use Token::{Fail, Finish, Fragment, State, Yield};
+    let head = phrase.first().map(|lexeme| lexeme.token);
+    match head {
+        Some(Finish | Yield | Fail | Fragment | State) => first_name(cx, &phrase[1..]),
+        _ => before_definition(cx, phrase),
+    }
+}
+
+/// The names that a broken declaration seems to declare.
+pub(crate) fn by_item(cx: &Context<'_>, lexemes: &[Lexeme]) -> Vec<Ident> {
+    match lexemes.first().map(|lexeme| lexeme.token) {
+        Some(Token::Const | Token::Type) => {
+            let phrases = lexemes[1..].split(|lexeme| lexeme.token == Token::Semi);
+            phrases
+                .flat_map(|phrase| before_definition(cx, phrase))
+                .collect()
+        }
+        Some(Token::Frame) => names_in_row(cx, &lexemes[1..]),
+        _ => first_name(cx, lexemes),
+    }
+}
+
+/// The names before the first `=` or `:`, apart from fields and what stands in brackets.
+fn before_definition(cx: &Context<'_>, phrase: &[Lexeme]) -> Vec<Ident> {
+    let defines = |lexeme: &Lexeme| matches!(lexeme.token, Token::Eq | Token::Colon);
+    match phrase.iter().position(defines) {
+        Some(end) => targets(cx, &phrase[..end]),
+        None => Vec::new(),
+    }
+}
+
+fn targets(cx: &Context<'_>, lexemes: &[Lexeme]) -> Vec<Ident> {
+    let mut names = Vec::new();
+    let mut before = Token::Comma;
+    for lexeme in lexemes {
+        if lexeme.token == Token::Ident && matches!(before, Token::Comma | Token::LParen) {
+            names.push(cx.ident(lexeme.start, lexeme.end));
+        }
+        before = lexeme.token;
+    }
+    names
+}
+
+fn first_name(cx: &Context<'_>, lexemes: &[Lexeme]) -> Vec<Ident> {
+    let is_name = |lexeme: &&Lexeme| matches!(lexeme.token, Token::Ident | Token::Path);
+    let name = lexemes.iter().take(4).find(is_name);
+    name.map(|lexeme| cx.ident(lexeme.start, lexeme.end))
+        .into_iter()
+        .collect()
+}
+
+fn names_in_row(cx: &Context<'_>, lexemes: &[Lexeme]) -> Vec<Ident> {
+    let in_row = |lexeme: &&Lexeme| matches!(lexeme.token, Token::Ident | Token::Comma);
+    let row: Vec<Lexeme> = lexemes.iter().take_while(in_row).copied().collect();
+    targets(cx, &row)
+}

@@ -1,0 +1,205 @@
+//! The tokens that would have been accepted, in words.
+//!
+//! The grammar names dozens of tokens where people think "an expression". The tables here turn sets
+//! of tokens into such words, and say what a name would be for.
+
+use crate::token::Token;
+
+/// The names that the grammar gives to tokens without a fixed spelling.
+const CLASSES: &[(&str, Token, &str)] = &[
+    ("NAME", Token::Ident, "a name"),
+    ("PATH", Token::Path, "a qualified name"),
+    ("INT", Token::Int, "an integer"),
+    ("REAL", Token::Real, "a real number"),
+    ("STRING", Token::Str, "a text in quotes"),
+    ("LABEL", Token::Label, "a text in quotes"),
+    ("BROKEN", Token::Broken, ""),
+];
+
+/// The token that the grammar means by a name, `"let"` or `NAME`.
+pub(crate) fn token(name: &str) -> Option<Token> {
+    let class = CLASSES.iter().find(|(class, ..)| *class == name);
+    match class {
+        Some((_, token, _)) => Some(*token),
+        None => Token::of_spelling(name.trim_matches('"')),
+    }
+}
+
+/// A set of tokens that people have one word for.
+struct Group {
+    words: &'static str,
+    /// The group is meant if all of these would be accepted.
+    needs: &'static [Token],
+    /// These are then covered by the words.
+    covers: &'static [Token],
+}
+
+use Token::*;
+
+/// Larger sets first: an expression begins with a name, too.
+const GROUPS: &[Group] = &[
+    Group {
+        words: "an expression",
+        needs: &[Int, Not, LParen],
+        covers: &[
+            Int, Real, Str, True, False, Ident, Path, LParen, LBracket, Hash, Nor, Merge, Not,
+            Minus, Pre, Current, Last, If, With, IntType, RealType,
+        ],
+    },
+    Group {
+        words: "an equation",
+        needs: &[Assert, Automaton],
+        covers: &[
+            Assert, Automaton, Check, Export, Fail, Finish, Fragment, Ident, Path, LParen, Yield,
+        ],
+    },
+    Group {
+        words: "a step",
+        needs: &[Repeat, Start],
+        covers: &[Repeat, Start, Ident, Path],
+    },
+    Group {
+        words: "a type",
+        needs: &[BoolType, IntType],
+        covers: &[
+            BoolType, IntType, RealType, Ident, Path, Enum, Struct, LBrace,
+        ],
+    },
+    Group {
+        words: "a claim",
+        needs: &[Assume, Guarantee],
+        covers: &[Assume, Guarantee, Var, Const, ModeWord],
+    },
+    Group {
+        words: "an operator",
+        needs: &[Arrow, Plus],
+        covers: &[
+            Arrow, Plus, Minus, Star, Slash, Div, Mod, Pow, Hat, Bar, Coalesce, Implies, Or, Xor,
+            And, Eq, Ne, Lt, Le, Gt, Ge, Fby, When, Dot, LBracket, LBrace, LParen, LStatic,
+            Percent,
+        ],
+    },
+    Group {
+        words: "the body",
+        needs: &[Let, Var],
+        covers: &[Let, Var, Const, Con, Semi],
+    },
+    Group {
+        words: "a transition",
+        needs: &[Unless, Let],
+        covers: &[Unless, Until, Let, Var, Const, Initial, State, End],
+    },
+];
+
+/// Tokens that are rarely what is missing, left out while anything else is expected.
+const RARELY_MEANT: &[Token] = &[
+    Hat, Question, LStatic, Label, Percent, Slash, Star, Plus, Minus, Div, Mod, Dot, Comma,
+    LBracket, When, Budget, Con, Initial,
+];
+
+/// What a name would be for, by the token before it.
+const NAMES: &[(Token, &str)] = &[
+    (Finish, "a result name"),
+    (Yield, "a result name"),
+    (Fail, "a result name"),
+    (Node, "the name of the node"),
+    (Function, "the name of the function"),
+    (Fragment, "the name of the fragment"),
+    (Primitive, "the name of the primitive"),
+    (Device, "the name of the device type"),
+    (Frame, "the name of a frame"),
+    (Command, "the name of the command"),
+    (Task, "the name of the task"),
+    (Use, "the name of a module"),
+    (State, "the name of the state"),
+    (Start, "the label of a step"),
+    (On, "a result name, `fail` or `any`"),
+    (Then, "the name of what follows"),
+    (Continue, "the name of a state"),
+    (Const, "the name of a constant"),
+    (Type, "the name of a type"),
+    (Var, "the name of a flow"),
+    (Export, "the name of a flow"),
+    (In, "the name of a frame"),
+    (Dot, "the name of a field, port or result"),
+    (When, "the name of a flow"),
+    (Merge, "the name of a flow"),
+    (Actuator, "the name of a port"),
+    (Sensor, "the name of a port"),
+    (Status, "the name of a port"),
+];
+
+/// How many alternatives a message lists.
+const LISTED: usize = 4;
+
+/// The set in words: "`;` or an operator".
+pub(crate) fn in_words(expected: &[Token], before: Option<Token>) -> String {
+    let mut left: Vec<Token> = expected.iter().copied().filter(|t| *t != Broken).collect();
+    let mut words = Vec::new();
+    for group in GROUPS {
+        if group.needs.iter().all(|token| left.contains(token)) {
+            left.retain(|token| !group.covers.contains(token));
+            words.push(group.words.to_owned());
+        }
+    }
+    let meant = |token: &Token| !RARELY_MEANT.contains(token);
+    if !words.is_empty() || left.iter().any(meant) {
+        left.retain(meant);
+    }
+    let single = left
+        .iter()
+        .map(|token| one(*token, before))
+        .collect::<Vec<_>>();
+    listed(single.into_iter().chain(words))
+}
+
+fn one(token: Token, before: Option<Token>) -> String {
+    let class = CLASSES.iter().find(|(_, class, _)| *class == token);
+    let purpose = NAMES.iter().find(|(word, _)| Some(*word) == before);
+    match (token, class, purpose) {
+        (Ident | Path, _, Some((_, purpose))) => (*purpose).to_owned(),
+        (_, Some((_, _, words)), _) => (*words).to_owned(),
+        _ => format!("`{}`", token.spelling().unwrap_or_default()),
+    }
+}
+
+fn listed(words: impl Iterator<Item = String>) -> String {
+    let mut words: Vec<String> = words.collect();
+    words.dedup();
+    if words.len() > LISTED {
+        words.truncate(LISTED - 1);
+        words.push("something else".to_owned());
+    }
+    match words.pop() {
+        None => "nothing more".to_owned(),
+        Some(last) if words.is_empty() => last,
+        Some(last) => format!("{} or {last}", words.join(", ")),
+    }
+}
+
+/// Habits from other languages, by the token not accepted and the one before it.
+const HINTS: &[(Option<Token>, Option<Token>, &str)] = &[
+    (Some(Eq), Some(Eq), "equality is written `=`"),
+    (Some(Bar), Some(Bar), "disjunction is written `or`"),
+    (Some(And), Some(And), "conjunction is written `and`"),
+    (
+        None,
+        Some(Percent),
+        "the remainder is written `mod`; `60%` is 0.6",
+    ),
+    (None, Some(LBrace), "a body stands between `let` and `tel`"),
+    (
+        None,
+        Some(Colon),
+        "an equation is written `x = e`; a type goes into the `var` section",
+    ),
+];
+
+/// What may have been meant.
+pub(crate) fn hint(before: Option<Token>, here: Option<Token>) -> Option<&'static str> {
+    let fits = |pattern: &Option<Token>, token| pattern.is_none() || *pattern == token;
+    let found = HINTS
+        .iter()
+        .find(|(a, b, _)| fits(a, before) && fits(b, here));
+    found.map(|(_, _, hint)| *hint)
+}

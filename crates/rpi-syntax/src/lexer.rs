@@ -1,0 +1,187 @@
+//! Text to tokens: comments set aside, numbers and texts checked, words settled.
+
+use crate::comments::{Comment, CommentKind, Comments};
+use crate::token::Token;
+use crate::{Mode, lexical, words};
+use logos::Logos;
+use rpi_diag::{FileId, Finding, Span};
+
+/// A token at its place, as byte offsets.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub(crate) struct Lexeme {
+    pub(crate) token: Token,
+    pub(crate) start: u32,
+    pub(crate) end: u32,
+}
+
+/// What the lexer makes of a text.
+pub(crate) struct Lexed {
+    pub(crate) lexemes: Vec<Lexeme>,
+    pub(crate) comments: Comments,
+    pub(crate) findings: Vec<Finding>,
+}
+
+/// The longest text that is read; places are 32-bit.
+const MAX_LEN: usize = u32::MAX as usize / 2;
+
+pub(crate) fn lex(file: FileId, text: &str, mode: Mode) -> Lexed {
+    let mut lexer = Lexer::new(file, text, mode);
+    if text.len() > MAX_LEN {
+        lexer.out.findings.push(lexical::file_too_long(file));
+        return lexer.out;
+    }
+    for (result, range) in Token::lexer(text).spanned() {
+        let (start, end) = (range.start as u32, range.end as u32);
+        match result {
+            Ok(token) => lexer.token(Lexeme { token, start, end }),
+            Err(()) => lexer.unknown(start, end),
+        }
+    }
+    lexer.report_unknown();
+    words::settle(&mut lexer.out.lexemes);
+    lexer.out
+}
+
+struct Lexer<'t> {
+    file: FileId,
+    text: &'t str,
+    mode: Mode,
+    out: Lexed,
+    /// Unknown characters in a row, reported together.
+    unknown: Option<Span>,
+}
+
+impl<'t> Lexer<'t> {
+    fn new(file: FileId, text: &'t str, mode: Mode) -> Lexer<'t> {
+        let out = Lexed {
+            lexemes: Vec::with_capacity(text.len() / 4),
+            comments: Comments::default(),
+            findings: Vec::new(),
+        };
+        Lexer {
+            file,
+            text,
+            mode,
+            out,
+            unknown: None,
+        }
+    }
+
+    fn token(&mut self, lexeme: Lexeme) {
+        use Token::*;
+        self.report_unknown();
+        match lexeme.token {
+            LineComment | SlashComment | BlockComment | OpenComment => self.comment(lexeme),
+            Int | Real => self.number(lexeme),
+            IntDotDot => self.int_dot_dot(lexeme),
+            NumberWord => self.number_word(lexeme),
+            OpenStr => self.open_str(lexeme),
+            Percent if self.mode == Mode::Lustre => self.push(Mod, lexeme),
+            Ampersand => self.push(And, lexeme),
+            token => self.word_or_sign(token, lexeme),
+        }
+    }
+
+    fn word_or_sign(&mut self, token: Token, lexeme: Lexeme) {
+        let foreign = token.keyword().is_some_and(|word| !word.is_in(self.mode));
+        self.push(if foreign { Token::Ident } else { token }, lexeme);
+    }
+
+    fn push(&mut self, token: Token, lexeme: Lexeme) {
+        self.out.lexemes.push(Lexeme { token, ..lexeme });
+    }
+
+    fn number(&mut self, lexeme: Lexeme) {
+        if let Some(finding) = lexical::check_number(self.span(lexeme), self.slice(lexeme)) {
+            self.out.findings.push(finding);
+        }
+        self.push(lexeme.token, lexeme);
+    }
+
+    /// `0..` is an integer and the sign `..`.
+    fn int_dot_dot(&mut self, lexeme: Lexeme) {
+        let middle = lexeme.end - 2;
+        self.number(Lexeme {
+            token: Token::Int,
+            end: middle,
+            ..lexeme
+        });
+        let dots = Lexeme {
+            start: middle,
+            ..lexeme
+        };
+        self.push(Token::DotDot, dots);
+    }
+
+    /// `250mm`: reported, and read as the number alone.
+    fn number_word(&mut self, lexeme: Lexeme) {
+        let text = self.slice(lexeme);
+        let digits = text.len()
+            - text
+                .trim_start_matches(|c: char| c.is_ascii_digit() || c == '.')
+                .len();
+        let finding = lexical::number_runs_into_word(self.span(lexeme), text, digits);
+        self.out.findings.push(finding);
+        let end = lexeme.start + digits as u32;
+        let token = match text[..digits].contains('.') {
+            true => Token::Real,
+            false => Token::Int,
+        };
+        self.push(token, Lexeme { end, ..lexeme });
+    }
+
+    fn open_str(&mut self, lexeme: Lexeme) {
+        self.out.findings.push(lexical::open_str(self.span(lexeme)));
+        self.push(Token::Str, lexeme);
+    }
+
+    fn comment(&mut self, lexeme: Lexeme) {
+        let span = self.span(lexeme);
+        let kind = comment_kind(self.slice(lexeme));
+        let finding = match lexeme.token {
+            Token::OpenComment => Some(lexical::open_comment(span)),
+            Token::SlashComment if self.mode == Mode::Rpi => Some(lexical::slash_comment(span)),
+            _ if kind == CommentKind::Contract => Some(lexical::contract_comment(span)),
+            _ => None,
+        };
+        self.out.findings.extend(finding);
+        self.out.comments.all.push(Comment { kind, span });
+    }
+
+    fn unknown(&mut self, start: u32, end: u32) {
+        let span = Span::new(self.file, start, end);
+        let adjacent = self.unknown.is_some_and(|before| before.end == start);
+        if !adjacent {
+            self.report_unknown();
+        }
+        self.unknown = Some(self.unknown.map_or(span, |before| before.merge(span)));
+    }
+
+    fn report_unknown(&mut self) {
+        if let Some(span) = self.unknown.take() {
+            let text = &self.text[span.start as usize..span.end as usize];
+            self.out.findings.push(lexical::unknown(span, text));
+        }
+    }
+
+    fn span(&self, lexeme: Lexeme) -> Span {
+        Span::new(self.file, lexeme.start, lexeme.end)
+    }
+
+    fn slice(&self, lexeme: Lexeme) -> &'t str {
+        &self.text[lexeme.start as usize..lexeme.end as usize]
+    }
+}
+
+fn comment_kind(text: &str) -> CommentKind {
+    match text.get(2..) {
+        Some(rest) if text.starts_with("--") => match rest.bytes().next() {
+            Some(b'|') => CommentKind::Doc,
+            Some(b'%') => CommentKind::Pragma,
+            _ => CommentKind::Line,
+        },
+        Some(rest) if rest.trim_start().starts_with("@contract") => CommentKind::Contract,
+        _ if text.starts_with("//") => CommentKind::Line,
+        _ => CommentKind::Block,
+    }
+}

@@ -1,0 +1,114 @@
+//! Findings about single tokens and comments.
+
+use crate::ast::Number;
+use rpi_diag::{Code, FileId, Finding, Fix, Span};
+
+/// Characters that come with copied text, and what was meant.
+const LOOKALIKES: &[(char, &str)] = &[
+    ('\u{201c}', "\""),
+    ('\u{201d}', "\""),
+    ('\u{2018}', "'"),
+    ('\u{2019}', "'"),
+    ('\u{2013}', "-"),
+    ('\u{2014}', "--"),
+    ('\u{2212}', "-"),
+    ('\u{00d7}', "*"),
+    ('\u{00b7}', "*"),
+    ('\u{2264}', "<="),
+    ('\u{2265}', ">="),
+    ('\u{2260}', "<>"),
+    ('\u{2192}', "->"),
+    ('\u{00b0}', "[deg]"),
+    ('\u{00a0}', " "),
+];
+
+pub(crate) fn unknown(span: Span, text: &str) -> Finding {
+    let what = match text.chars().count() {
+        1 => "unknown character",
+        _ => "unknown characters",
+    };
+    let finding = Finding::new(Code::RPI0002, format!("{what} `{}`", text.escape_debug()))
+        .at(span, "no part of the language");
+    match meant(text) {
+        Some(meant) => {
+            let title = format!("write `{meant}`");
+            finding.fix(Fix::maybe(title).replace(span, meant))
+        }
+        None => finding,
+    }
+}
+
+/// The text with every lookalike replaced; [`None`] if other characters are in it.
+fn meant(text: &str) -> Option<String> {
+    let one = |c: char| {
+        LOOKALIKES
+            .iter()
+            .find(|(from, _)| *from == c)
+            .map(|(_, to)| *to)
+    };
+    text.chars().map(one).collect()
+}
+
+pub(crate) fn open_comment(span: Span) -> Finding {
+    let start = Span {
+        end: span.start + 2,
+        ..span
+    };
+    Finding::new(Code::RPI0003, "this comment has no end")
+        .at(start, "begins here and runs to the end of the file")
+        .help("close it with `*)`, or write `--` for a comment that ends with its line")
+}
+
+pub(crate) fn open_str(span: Span) -> Finding {
+    Finding::new(Code::RPI0005, "this text has no end")
+        .at(span, "no `\"` before the end of the line")
+        .fix(Fix::maybe("insert `\"`").insert_after(span, "\""))
+}
+
+pub(crate) fn number_runs_into_word(span: Span, text: &str, digits: usize) -> Finding {
+    let (number, word) = text.split_at(digits);
+    let meant = format!("{number}[{word}]");
+    Finding::new(
+        Code::RPI0007,
+        format!("the number `{number}` runs into the word `{word}`"),
+    )
+    .at(span, "neither a number nor a name")
+    .help(format!("a unit is written in brackets: `{meant}`"))
+    .fix(Fix::maybe(format!("write `{meant}`")).replace(span, meant))
+}
+
+/// A number that no 64-bit value holds.
+pub(crate) fn check_number(span: Span, text: &str) -> Option<Finding> {
+    // So short a number without an exponent always fits.
+    if text.len() < 16 && text.bytes().all(|b| b.is_ascii_digit() || b == b'.') {
+        return None;
+    }
+    let number = Number { text: text.into() };
+    let (holds, kind) = match number.is_int() {
+        true => (number.int().is_some(), "a 64-bit integer"),
+        false => (number.real().is_finite(), "a 64-bit real"),
+    };
+    let message = || format!("`{text}` is too large for {kind}");
+    (!holds).then(|| Finding::new(Code::RPI0008, message()).at(span, "out of range"))
+}
+
+pub(crate) fn slash_comment(span: Span) -> Finding {
+    let mark = Span {
+        end: span.start + 2,
+        ..span
+    };
+    Finding::new(Code::RPI0013, "comments begin with `--`")
+        .at(mark, "taken as the begin of a comment")
+        .fix(Fix::sure("write `--`").replace(mark, "--"))
+}
+
+pub(crate) fn contract_comment(span: Span) -> Finding {
+    Finding::new(Code::RPI0014, "a contract in a comment is not read")
+        .at(span, "skipped")
+        .help("write it as `con assume ...; guarantee ...; noc`")
+}
+
+pub(crate) fn file_too_long(file: FileId) -> Finding {
+    Finding::new(Code::RPI0011, "the file is too long to be read")
+        .at(Span::new(file, 0, 0), "more than 2 GB")
+}

@@ -1,0 +1,321 @@
+//! Makes nodes of the tree from what the grammar hands over.
+
+use crate::ast::*;
+use crate::context::Context;
+use rpi_diag::Span;
+
+/// The list with one more element.
+pub(crate) fn pushed<T>(mut list: Vec<T>, element: T) -> Vec<T> {
+    list.push(element);
+    list
+}
+
+/// The list with more elements.
+pub(crate) fn extended<T>(mut list: Vec<T>, more: impl IntoIterator<Item = T>) -> Vec<T> {
+    list.extend(more);
+    list
+}
+
+pub(crate) fn signature(
+    name: Ident,
+    statics: Vec<StaticParam>,
+    inputs: Option<Vec<VarDecl>>,
+    outputs: Option<Vec<VarDecl>>,
+) -> Signature {
+    Signature {
+        name,
+        statics,
+        inputs,
+        outputs,
+    }
+}
+
+pub(crate) fn node(
+    is_unsafe: bool,
+    kind: NodeKind,
+    signature: Signature,
+    contract: Option<Box<Contract>>,
+    definition: NodeDef,
+) -> Box<NodeDecl> {
+    Box::new(NodeDecl {
+        kind,
+        is_unsafe,
+        signature,
+        contract: contract.map(|c| *c),
+        definition,
+    })
+}
+
+/// `(x: int; y: int) when c` gives the clock to each of the variables.
+pub(crate) fn clocked(mut vars: Vec<VarDecl>, clock: Clock) -> Vec<VarDecl> {
+    for var in &mut vars {
+        var.clock.get_or_insert_with(|| clock.clone());
+    }
+    vars
+}
+
+/// The factor on the other side of a `/`.
+pub(crate) fn inverse(factor: UnitFactor) -> UnitFactor {
+    UnitFactor {
+        power: -factor.power,
+        ..factor
+    }
+}
+
+pub(crate) fn dotted(dotted: Dotted, name: Ident) -> Dotted {
+    Dotted {
+        span: dotted.span.merge(name.span),
+        parts: pushed(dotted.parts, name),
+    }
+}
+
+pub(crate) fn equation(targets: Vec<Target>, value: Expr) -> StatementKind {
+    StatementKind::Equation(Box::new(Equation { targets, value }))
+}
+
+pub(crate) fn call(callee: Callee, activation: Activation, args: Vec<Arg>) -> Box<Call> {
+    Box::new(Call {
+        callee,
+        activation,
+        args,
+    })
+}
+
+pub(crate) fn run(
+    label: Option<Ident>,
+    callee: Callee,
+    args: Vec<Arg>,
+    branches: Vec<Branch>,
+) -> Box<StepKind> {
+    Box::new(StepKind::Run(Box::new(Run {
+        label,
+        callee,
+        args,
+        branches,
+    })))
+}
+
+/// One part of a contract, before the parts are sorted by kind.
+pub(crate) enum ContractPart {
+    Locals(Locals),
+    Claim(Box<Claim>),
+    Mode(ContractMode),
+    Broken,
+}
+
+pub(crate) fn mode(name: Ident, parts: Vec<Claim>) -> ContractMode {
+    let (requires, ensures) = parts
+        .into_iter()
+        .partition(|claim| claim.kind == ClaimKind::Assume);
+    ContractMode {
+        name,
+        requires,
+        ensures,
+    }
+}
+
+impl Context<'_> {
+    pub(crate) fn item(&self, l: u32, kind: ItemKind, r: u32) -> Item {
+        Item {
+            doc: self.doc(l),
+            kind,
+            span: self.span(l, r),
+        }
+    }
+
+    pub(crate) fn const_def(
+        &self,
+        l: u32,
+        names: Vec<Ident>,
+        ty: Option<Type>,
+        value: Option<Expr>,
+        r: u32,
+    ) -> Box<ConstDef> {
+        Box::new(ConstDef {
+            doc: self.doc(l),
+            names,
+            ty,
+            value,
+            span: self.span(l, r),
+        })
+    }
+
+    pub(crate) fn type_def(&self, l: u32, name: Ident, ty: Option<Type>, r: u32) -> Box<TypeDef> {
+        Box::new(TypeDef {
+            doc: self.doc(l),
+            name,
+            ty,
+            span: self.span(l, r),
+        })
+    }
+
+    pub(crate) fn broken_type_def(&self, l: u32, r: u32) -> Box<TypeDef> {
+        let span = self.span(l, r);
+        let name = self.broken_names(l).into_iter().next();
+        let name = name.unwrap_or_else(|| self.nameless(span));
+        self.type_def(l, name, Some(broken_type(span)), r)
+    }
+
+    pub(crate) fn static_param(&self, l: u32, kind: StaticParamKind, r: u32) -> Box<StaticParam> {
+        Box::new(StaticParam {
+            doc: self.doc(l),
+            kind,
+            span: self.span(l, r),
+        })
+    }
+
+    pub(crate) fn var_decl(
+        &self,
+        l: u32,
+        names: Vec<Ident>,
+        ty: Type,
+        clock: Option<Box<Clock>>,
+        default: Option<Expr>,
+        r: u32,
+    ) -> Box<VarDecl> {
+        Box::new(VarDecl {
+            doc: self.doc(l),
+            is_const: false,
+            names,
+            ty,
+            clock: clock.map(|clock| *clock),
+            default,
+            span: self.span(l, r),
+        })
+    }
+
+    pub(crate) fn const_port(&self, l: u32, names: Vec<Ident>, ty: Type, r: u32) -> Box<VarDecl> {
+        let mut port = self.var_decl(l, names, ty, None, None, r);
+        port.is_const = true;
+        port
+    }
+
+    pub(crate) fn broken_var_decl(&self, l: u32, r: u32) -> Box<VarDecl> {
+        let ty = broken_type(self.span(l, r));
+        self.var_decl(l, self.broken_names(l), ty, None, None, r)
+    }
+
+    pub(crate) fn clock(&self, l: u32, tick: Tick, flow: Ident, r: u32) -> Box<Clock> {
+        let span = self.span(l, r);
+        Box::new(Clock { tick, flow, span })
+    }
+
+    pub(crate) fn contract(&self, l: u32, parts: Vec<ContractPart>, r: u32) -> Box<Contract> {
+        let mut contract = Contract {
+            locals: Vec::new(),
+            claims: Vec::new(),
+            modes: Vec::new(),
+            span: self.span(l, r),
+        };
+        for part in parts {
+            match part {
+                ContractPart::Locals(locals) => contract.locals.push(locals),
+                ContractPart::Claim(claim) => contract.claims.push(*claim),
+                ContractPart::Mode(mode) => contract.modes.push(mode),
+                ContractPart::Broken => {}
+            }
+        }
+        Box::new(contract)
+    }
+
+    pub(crate) fn statement(&self, l: u32, kind: StatementKind, r: u32) -> Statement {
+        Statement {
+            doc: self.doc(l),
+            kind,
+            span: self.span(l, r),
+        }
+    }
+
+    pub(crate) fn extend_target(&self, mut target: Target, access: Access, r: u32) -> Target {
+        target.path.push(access);
+        target.span.end = r;
+        target
+    }
+
+    #[allow(
+        clippy::too_many_arguments,
+        reason = "one argument per part of the production"
+    )]
+    pub(crate) fn state(
+        &self,
+        l: u32,
+        initial: bool,
+        name: Ident,
+        unless: Vec<Transition>,
+        body: Option<Box<Body>>,
+        until: Vec<Transition>,
+        r: u32,
+    ) -> Box<State> {
+        Box::new(State {
+            doc: self.doc(l),
+            initial,
+            name,
+            unless,
+            body: body.map_or_else(Body::default, |body| *body),
+            until,
+            span: self.span(l, r),
+        })
+    }
+
+    pub(crate) fn transition(
+        &self,
+        l: u32,
+        condition: Option<Expr>,
+        resumes: bool,
+        target: Ident,
+        r: u32,
+    ) -> Box<Transition> {
+        Box::new(Transition {
+            condition,
+            resumes,
+            target,
+            span: self.span(l, r),
+        })
+    }
+
+    pub(crate) fn step(&self, l: u32, kind: StepKind, r: u32) -> Box<Step> {
+        Box::new(Step {
+            doc: self.doc(l),
+            kind,
+            span: self.span(l, r),
+        })
+    }
+
+    pub(crate) fn branch(&self, l: u32, on: Vec<Ident>, then: Ident, r: u32) -> Box<Branch> {
+        Box::new(Branch {
+            on: on.into_iter().map(on_result).collect(),
+            then: next(then),
+            span: self.span(l, r),
+        })
+    }
+
+    /// The name of what has none, because of a fault that has been reported.
+    fn nameless(&self, span: Span) -> Ident {
+        Ident {
+            name: self.intern("_"),
+            span,
+        }
+    }
+}
+
+fn broken_type(span: Span) -> Type {
+    Type {
+        kind: TypeKind::Broken,
+        span,
+    }
+}
+
+fn on_result(word: Ident) -> OnResult {
+    match word.name.as_str() {
+        "fail" => OnResult::Fail(word.span),
+        "any" => OnResult::Any(word.span),
+        _ => OnResult::Named(word),
+    }
+}
+
+fn next(word: Ident) -> Next {
+    match word.name.as_str() {
+        "end" => Next::End(word.span),
+        _ => Next::Step(word),
+    }
+}

@@ -1,0 +1,179 @@
+//! Makes expressions, types and literals from what the grammar hands over.
+
+use crate::ast::*;
+use crate::context::Context;
+use crate::{phrase, text};
+
+impl Context<'_> {
+    pub(crate) fn expr(&self, l: u32, kind: ExprKind, r: u32) -> Expr {
+        Expr {
+            kind,
+            span: self.span(l, r),
+        }
+    }
+
+    pub(crate) fn number(&self, l: u32, r: u32) -> Number {
+        Number {
+            text: self.name(l, r),
+        }
+    }
+
+    /// The content of a text literal.
+    pub(crate) fn string(&self, l: u32, r: u32) -> Ident {
+        Ident {
+            name: self.intern(&text::unquote(self.slice(l, r))),
+            span: self.span(l, r),
+        }
+    }
+
+    pub(crate) fn quantity(&self, l: u32, number: Number, unit: Unit, r: u32) -> Expr {
+        let quantity = Box::new(Quantity { number, unit });
+        self.expr(l, ExprKind::Quantity(quantity), r)
+    }
+
+    /// `60%`; the sign begins at `sign`.
+    pub(crate) fn percent(&self, l: u32, number: Number, sign: u32, r: u32) -> Expr {
+        let unit = self.ident(sign, r);
+        let span = unit.span;
+        let factors = vec![UnitFactor { unit, power: 1 }];
+        self.quantity(l, number, Unit { factors, span }, r)
+    }
+
+    /// The number at the head of a unit, `1` in `1/s`.
+    pub(crate) fn unit_one(&self, l: u32, r: u32) -> Vec<UnitFactor> {
+        if self.slice(l, r) != "1" {
+            self.report(phrase::unit_head(self.span(l, r)));
+        }
+        Vec::new()
+    }
+
+    /// The power of a unit.
+    pub(crate) fn power(&self, l: u32, r: u32) -> i32 {
+        let power = self.slice(l, r).parse().ok().filter(|p| *p <= 99);
+        power.unwrap_or_else(|| {
+            self.report(phrase::unit_power(self.span(l, r)));
+            1
+        })
+    }
+
+    pub(crate) fn ty(&self, l: u32, kind: TypeKind, r: u32) -> Type {
+        Type {
+            kind,
+            span: self.span(l, r),
+        }
+    }
+
+    pub(crate) fn array_type(&self, l: u32, element: Type, size: Expr, r: u32) -> Type {
+        self.ty(l, TypeKind::Array(Box::new(ArrayType { element, size })), r)
+    }
+
+    pub(crate) fn named_type(
+        &self,
+        l: u32,
+        name: Ident,
+        statics: Vec<StaticArg>,
+        frames: Option<Box<Frames>>,
+        r: u32,
+    ) -> Type {
+        let named = NamedType {
+            name,
+            statics,
+            frames: frames.map(|frames| *frames),
+        };
+        self.ty(l, TypeKind::Named(Box::new(named)), r)
+    }
+
+    pub(crate) fn subrange(
+        &self,
+        l: u32,
+        word: Ident,
+        from: Option<Expr>,
+        to: Option<Expr>,
+        r: u32,
+    ) -> Type {
+        if word.name != "subrange" {
+            self.report(phrase::no_subrange(&word));
+        }
+        self.ty(l, TypeKind::Subrange(Box::new(Subrange { from, to })), r)
+    }
+
+    pub(crate) fn field(&self, l: u32, base: Expr, field: Ident, r: u32) -> Expr {
+        self.expr(l, ExprKind::Field(Box::new(Field { base, field })), r)
+    }
+
+    pub(crate) fn index(&self, l: u32, base: Expr, index: Expr, r: u32) -> Expr {
+        self.expr(l, ExprKind::Index(Box::new(Index { base, index })), r)
+    }
+
+    pub(crate) fn slice_of(&self, l: u32, base: Expr, slice: Slice, r: u32) -> Expr {
+        self.expr(l, ExprKind::Slice(Box::new(SliceOf { base, slice })), r)
+    }
+
+    pub(crate) fn tuple(&self, l: u32, first: Expr, rest: Vec<Expr>, r: u32) -> Expr {
+        let elements = std::iter::once(first).chain(rest).collect();
+        self.expr(l, ExprKind::Tuple(elements), r)
+    }
+
+    pub(crate) fn update(&self, l: u32, base: Expr, changes: Vec<Change>, r: u32) -> Expr {
+        self.expr(l, ExprKind::Update(Box::new(Update { base, changes })), r)
+    }
+
+    pub(crate) fn merge(&self, l: u32, on: Expr, cases: Vec<MergeCase>, r: u32) -> Expr {
+        self.expr(l, ExprKind::Merge(Box::new(Merge { on, cases })), r)
+    }
+
+    /// `merge(c; x; y)`
+    pub(crate) fn merge_bool(&self, l: u32, on: Expr, yes: Expr, no: Expr, r: u32) -> Expr {
+        let case = |value: &str, then: Expr| MergeCase {
+            value: Ident {
+                name: self.intern(value),
+                span: then.span,
+            },
+            then,
+        };
+        let cases = vec![case("true", yes), case("false", no)];
+        self.merge(l, on, cases, r)
+    }
+
+    pub(crate) fn struct_expr(
+        &self,
+        l: u32,
+        ty: Ident,
+        base: Option<Expr>,
+        fields: Vec<FieldValue>,
+        r: u32,
+    ) -> Expr {
+        let value = StructExpr { ty, base, fields };
+        self.expr(l, ExprKind::Struct(Box::new(value)), r)
+    }
+
+    pub(crate) fn call(&self, l: u32, call: Box<Call>, r: u32) -> Expr {
+        self.expr(l, ExprKind::Call(call), r)
+    }
+
+    pub(crate) fn callee(
+        &self,
+        l: u32,
+        name: Ident,
+        statics: Vec<StaticArg>,
+        r: u32,
+    ) -> Box<Callee> {
+        let span = self.span(l, r);
+        Box::new(Callee {
+            name,
+            statics,
+            span,
+        })
+    }
+
+    pub(crate) fn static_arg(
+        &self,
+        l: u32,
+        name: Option<Ident>,
+        value: StaticValue,
+        r: u32,
+    ) -> Box<StaticArg> {
+        let span = self.span(l, r);
+        Box::new(StaticArg { name, value, span })
+    }
+}

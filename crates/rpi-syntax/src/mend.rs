@@ -1,0 +1,258 @@
+//! Parses one declaration; where it has a fault, reports it, mends the tokens and tries again.
+//!
+//! Three ways to mend: a `;` or `tel` that is missing is put in; a phrase with a fault gives way to a
+//! [`Token::Broken`]; and if the head of a declaration has a fault, its body is still read for the
+//! sake of the findings. So every independent fault is found, each once.
+
+use crate::ast::{Declared, DeclaredKind, Ident, Item, ItemKind};
+use crate::context::Context;
+use crate::explain::Fault;
+use crate::grammar::ItemParser;
+use crate::lexer::Lexeme;
+use crate::structure::Structure;
+use crate::token::Token;
+use crate::{declared, explain};
+use lalrpop_util::ParseError;
+use rpi_diag::Finding;
+
+/// The tree of one declaration, and what is wrong with it.
+pub(crate) fn item(cx: &Context<'_>, lexemes: &[Lexeme], findings: &mut Vec<Finding>) -> Item {
+    match attempt(cx, lexemes) {
+        Ok(item) => {
+            findings.extend(cx.take_findings());
+            item
+        }
+        Err(fault) => Mender::new(cx, lexemes, findings).item(fault),
+    }
+}
+
+/// A declaration of which only the names are known.
+pub(crate) fn broken_item(cx: &Context<'_>, lexemes: &[Lexeme]) -> Item {
+    let kind = declared_kind(lexemes);
+    let names = declared::by_item(cx, lexemes);
+    let declared = |name: Ident| kind.map(|kind| Declared { kind, name });
+    let start = lexemes.first().map_or(0, |lexeme| lexeme.start);
+    let end = lexemes.last().map_or(0, |lexeme| lexeme.end);
+    let kind = ItemKind::Broken(names.into_iter().filter_map(declared).collect());
+    cx.item(start, kind, end)
+}
+
+fn declared_kind(lexemes: &[Lexeme]) -> Option<DeclaredKind> {
+    use Token::*;
+    Some(match lexemes.first()?.token {
+        Const => DeclaredKind::Const,
+        Type => DeclaredKind::Type,
+        Node | Function | Unsafe | Extern | Fragment | Primitive => DeclaredKind::Callable,
+        Device => DeclaredKind::Device,
+        Frame => DeclaredKind::Frame,
+        Command => DeclaredKind::Command,
+        Task => DeclaredKind::Task,
+        _ => return None,
+    })
+}
+
+/// Asks the grammar.
+fn attempt(cx: &Context<'_>, lexemes: &[Lexeme]) -> Result<Item, Fault> {
+    let tokens = lexemes
+        .iter()
+        .map(|lexeme| (lexeme.start, lexeme.token, lexeme.end));
+    let parsed = ItemParser::new().parse(cx, tokens);
+    parsed.map_err(|error| {
+        cx.take_findings();
+        fault(lexemes, error)
+    })
+}
+
+fn fault(lexemes: &[Lexeme], error: ParseError<u32, Token, ()>) -> Fault {
+    let index = |start: u32, token: Token| {
+        let from = lexemes.partition_point(|lexeme| lexeme.start < start);
+        let same = lexemes[from..]
+            .iter()
+            .position(|lexeme| lexeme.token == token);
+        same.map_or(lexemes.len(), |offset| from + offset)
+    };
+    match error {
+        ParseError::UnrecognizedToken {
+            token: (start, token, _),
+            expected,
+        } => Fault::new(index(start, token), expected),
+        ParseError::ExtraToken {
+            token: (start, token, _),
+        } => Fault::new(index(start, token), Vec::new()),
+        ParseError::UnrecognizedEof { expected, .. } => Fault::new(lexemes.len(), expected),
+        ParseError::InvalidToken { .. } | ParseError::User { .. } => {
+            Fault::new(lexemes.len(), Vec::new())
+        }
+    }
+}
+
+/// How many tokens may be read again for the sake of further findings.
+const PATIENCE: usize = 2_000_000;
+
+struct Mender<'c, 't, 'f> {
+    cx: &'c Context<'t>,
+    original: &'c [Lexeme],
+    lexemes: Vec<Lexeme>,
+    findings: &'f mut Vec<Finding>,
+    patience: usize,
+    /// Where the last phrase was taken out.
+    broken_at: Option<usize>,
+}
+
+impl<'c, 't, 'f> Mender<'c, 't, 'f> {
+    fn new(
+        cx: &'c Context<'t>,
+        lexemes: &'c [Lexeme],
+        findings: &'f mut Vec<Finding>,
+    ) -> Mender<'c, 't, 'f> {
+        Mender {
+            cx,
+            original: lexemes,
+            lexemes: lexemes.to_vec(),
+            findings,
+            patience: PATIENCE,
+            broken_at: None,
+        }
+    }
+
+    fn item(mut self, fault: Fault) -> Item {
+        match self.mend_all(fault) {
+            Some(item) => item,
+            None => {
+                self.read_body();
+                broken_item(self.cx, self.original)
+            }
+        }
+    }
+
+    /// Mends one fault after the other, until the declaration parses. [`None`] if its head does not.
+    fn mend_all(&mut self, mut fault: Fault) -> Option<Item> {
+        loop {
+            if !self.mend(&fault) {
+                return None;
+            }
+            self.patience = self.patience.checked_sub(self.lexemes.len())?;
+            match attempt(self.cx, &self.lexemes) {
+                Ok(item) => {
+                    self.findings.extend(self.cx.take_findings());
+                    return Some(item);
+                }
+                Err(next) => fault = next,
+            }
+        }
+    }
+
+    /// Reports the fault and mends it. False if there is no way.
+    fn mend(&mut self, fault: &Fault) -> bool {
+        if self.broken_at.is_some_and(|at| fault.at <= at) {
+            return false;
+        }
+        let structure = Structure::new(&self.lexemes);
+        if fault.at == self.lexemes.len() && structure.open_let().is_some() {
+            self.findings
+                .push(explain::open_body(self.cx, &self.lexemes, &structure));
+            let missing = structure.open_lets();
+            return self.close_bodies(missing);
+        }
+        if fault.lacks_semi(self.cx, &self.lexemes) {
+            self.findings
+                .push(explain::missing_semi(self.cx, &self.lexemes, fault));
+            self.insert(fault.at, Token::Semi);
+            return true;
+        }
+        self.findings.push(explain::unexpected(
+            self.cx,
+            &self.lexemes,
+            &structure,
+            fault,
+        ));
+        let phrase = structure.phrase(fault.at);
+        self.take_out(phrase)
+    }
+
+    /// Puts in what closes the bodies that are open at the end.
+    fn close_bodies(&mut self, missing: usize) -> bool {
+        let ends_phrase =
+            |token| matches!(token, Token::Semi | Token::Let | Token::Tel | Token::End);
+        let last = self.lexemes.last().map(|lexeme| lexeme.token);
+        // An equation that breaks off: what is missing in it goes with it.
+        if last.is_some_and(|token| !ends_phrase(token)) {
+            let phrase = Structure::new(&self.lexemes).phrase(self.lexemes.len());
+            if !self.take_out(phrase) {
+                return false;
+            }
+            self.broken_at = None;
+        }
+        for _ in 0..missing {
+            self.insert(self.lexemes.len(), Token::Tel);
+        }
+        true
+    }
+
+    /// Replaces a phrase by a broken one. False if there is nothing to replace.
+    fn take_out(&mut self, phrase: std::ops::Range<usize>) -> bool {
+        let Some(first) = self.lexemes.get(phrase.start).copied() else {
+            return false;
+        };
+        let taken = &self.lexemes[phrase.clone()];
+        let end = taken.last().map_or(first.start, |lexeme| lexeme.end);
+        self.cx
+            .set_broken(first.start, declared::by_phrase(self.cx, taken));
+        let broken = Lexeme {
+            token: Token::Broken,
+            start: first.start,
+            end,
+        };
+        self.broken_at = Some(phrase.start);
+        self.lexemes.splice(phrase.clone(), [broken]);
+        if self.needs_semi(phrase.start + 1) {
+            self.insert(phrase.start + 1, Token::Semi);
+        }
+        true
+    }
+
+    /// Whether a broken phrase lacks its `;`.
+    fn needs_semi(&self, after: usize) -> bool {
+        match self.lexemes.get(after).map(|lexeme| lexeme.token) {
+            Some(Token::Semi) => false,
+            Some(Token::Let | Token::Var | Token::Const) => true,
+            _ => Structure::new(&self.lexemes).is_in_block(after - 1),
+        }
+    }
+
+    fn insert(&mut self, at: usize, token: Token) {
+        let place = at.checked_sub(1).map_or(0, |i| self.lexemes[i].end);
+        let lexeme = Lexeme {
+            token,
+            start: place,
+            end: place,
+        };
+        self.lexemes.insert(at, lexeme);
+    }
+
+    /// Reads the body of a declaration whose head has a fault, for the sake of the findings.
+    fn read_body(&mut self) {
+        let Some(body) = self
+            .original
+            .iter()
+            .position(|lexeme| lexeme.token == Token::Let)
+        else {
+            return;
+        };
+        let head = match self.original[0].token {
+            Token::Task => Token::Task,
+            _ => Token::Command,
+        };
+        let place = self.original[body].start;
+        let virtual_token = |token| Lexeme {
+            token,
+            start: place,
+            end: place,
+        };
+        let mut lexemes = vec![virtual_token(head), virtual_token(Token::Ident)];
+        lexemes.extend_from_slice(&self.original[body..]);
+        let mut findings = Vec::new();
+        item(self.cx, &lexemes, &mut findings);
+        self.findings.append(&mut findings);
+    }
+}

@@ -1,0 +1,134 @@
+//! Refuses expressions that nest so deeply that a recursive walk over their tree could exhaust the stack.
+//!
+//! Works on tokens, before any tree is made: the depth of a bracket's content is at most the number
+//! of operators in one element of it, plus the depth of the deepest bracket among them.
+
+use crate::context::Context;
+use crate::lexer::Lexeme;
+use crate::token::Token;
+use rpi_diag::{Code, Finding};
+
+/// The deepest nesting that is accepted; every walk over the tree may recurse so far.
+pub(crate) const MAX_DEPTH: u32 = 500;
+
+/// One open bracket or body.
+#[derive(Clone, Copy, Default)]
+struct Level {
+    /// Operators in the current element.
+    operators: u32,
+    /// Depth of the deepest bracket in the current element.
+    inner: u32,
+    /// Depth of the deepest element before the current one.
+    deepest: u32,
+}
+
+impl Level {
+    fn depth(self) -> u32 {
+        self.deepest.max(self.operators + self.inner)
+    }
+
+    fn next_element(&mut self) {
+        *self = Level {
+            deepest: self.depth(),
+            ..Level::default()
+        };
+    }
+}
+
+/// The finding, if the declaration nests too deeply.
+pub(crate) fn too_deep(cx: &Context<'_>, lexemes: &[Lexeme]) -> Option<Finding> {
+    // Depth needs tokens: most declarations are too short for it.
+    if lexemes.len() <= MAX_DEPTH as usize {
+        return None;
+    }
+    let mut levels = vec![Level::default()];
+    for lexeme in lexemes {
+        step(&mut levels, lexeme.token);
+        let here = levels
+            .last()
+            .map_or(0, |level| level.operators + level.inner);
+        if here + levels.len() as u32 > MAX_DEPTH {
+            let span = cx.span(lexeme.start, lexeme.end);
+            return Some(finding().at(span, "more than 500 levels deep here"));
+        }
+    }
+    None
+}
+
+fn step(levels: &mut Vec<Level>, token: Token) {
+    use Token::{
+        Automaton, Comma, End, LBrace, LBracket, LParen, LStatic, Let, RBrace, RBracket, RParen,
+        RStatic, Semi, Tel,
+    };
+    match token {
+        LParen | LBracket | LBrace | LStatic | Let | Automaton => levels.push(Level::default()),
+        RBracket => {
+            close(levels);
+            // `a[i][j]` nests, though one bracket stands after the other.
+            top(levels).operators += 1;
+        }
+        RParen | RBrace | RStatic | Tel | End => close(levels),
+        Comma | Semi => top(levels).next_element(),
+        token => top(levels).operators += u32::from(is_operator(token)),
+    }
+}
+
+fn top(levels: &mut Vec<Level>) -> &mut Level {
+    if levels.is_empty() {
+        levels.push(Level::default());
+    }
+    let last = levels.len() - 1;
+    &mut levels[last]
+}
+
+/// Ends a bracket: its depth counts in the element that it stands in.
+fn close(levels: &mut Vec<Level>) {
+    let closed = levels.pop().unwrap_or_default();
+    let outer = top(levels);
+    outer.inner = outer.inner.max(closed.depth() + 1);
+}
+
+fn is_operator(token: Token) -> bool {
+    use Token::*;
+    matches!(
+        token,
+        Arrow
+            | Implies
+            | Coalesce
+            | Question
+            | Le
+            | Ge
+            | Ne
+            | Lt
+            | Gt
+            | Eq
+            | Plus
+            | Minus
+            | Star
+            | Slash
+            | Pow
+            | Hat
+            | Bar
+            | And
+            | Or
+            | Xor
+            | Not
+            | Div
+            | Mod
+            | Pre
+            | Fby
+            | Current
+            | Last
+            | IntType
+            | RealType
+            | When
+            | If
+            | With
+            | Dot
+    )
+}
+
+fn finding() -> Finding {
+    Finding::new(Code::RPI0011, "this is nested too deeply")
+        .help("give parts of it names of their own: `part = ...;`")
+}

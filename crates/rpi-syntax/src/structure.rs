@@ -1,0 +1,194 @@
+//! Which brackets and bodies belong together, and where the phrase around a token begins and ends.
+//!
+//! A phrase is what stands between two `;`: an equation, a step, a transition, a port. This works on
+//! tokens that may be in any disorder.
+
+use crate::lexer::Lexeme;
+use crate::token::Token;
+use std::ops::Range;
+
+/// The nesting of a declaration's tokens.
+pub(crate) struct Structure<'t> {
+    lexemes: &'t [Lexeme],
+    /// For each token that opens or closes something, its partner.
+    partners: Vec<Option<usize>>,
+    /// For each token, the innermost opening token around it that has a partner, or is a `let`.
+    parents: Vec<Option<usize>>,
+}
+
+impl<'t> Structure<'t> {
+    pub(crate) fn new(lexemes: &'t [Lexeme]) -> Structure<'t> {
+        let partners = partners(lexemes);
+        let parents = parents(lexemes, &partners);
+        Structure {
+            lexemes,
+            partners,
+            parents,
+        }
+    }
+
+    /// The innermost `let` around the token that has no `tel`.
+    pub(crate) fn open_let(&self) -> Option<usize> {
+        let open = |i: &usize| self.lexemes[*i].token == Token::Let && self.partners[*i].is_none();
+        (0..self.lexemes.len()).rev().find(open)
+    }
+
+    /// How many `let` have no `tel`.
+    pub(crate) fn open_lets(&self) -> usize {
+        let open = |i: &usize| self.lexemes[*i].token == Token::Let && self.partners[*i].is_none();
+        (0..self.lexemes.len()).filter(open).count()
+    }
+
+    /// The nearest bracket before the token that is open there and never closed.
+    pub(crate) fn open_bracket(&self, at: usize) -> Option<usize> {
+        let phrase = self.phrase(at);
+        let unclosed =
+            |i: &usize| is_bracket(self.lexemes[*i].token) && self.partners[*i].is_none();
+        (phrase.start..at.min(self.lexemes.len()))
+            .rev()
+            .find(unclosed)
+    }
+
+    /// The phrase that the token is part of, without its `;`.
+    pub(crate) fn phrase(&self, at: usize) -> Range<usize> {
+        let (at, parent) = self.phrase_level(at.min(self.lexemes.len().saturating_sub(1)));
+        self.start(at, parent)..self.end(at, parent)
+    }
+
+    /// The token, or the bracket around it, that stands directly in a list of phrases, and the
+    /// opening token of that list.
+    fn phrase_level(&self, mut at: usize) -> (usize, Option<usize>) {
+        loop {
+            let Some(parent) = self.parents.get(at).copied().flatten() else {
+                return (at, None);
+            };
+            if !is_bracket(self.lexemes[parent].token) || self.is_header_list(parent) {
+                return (at, Some(parent));
+            }
+            at = parent;
+        }
+    }
+
+    /// Whether the bracket holds parameters, ports or fields: phrases of their own.
+    fn is_header_list(&self, open: usize) -> bool {
+        let outside = self.parents[open].is_none();
+        outside && !matches!(self.lexemes[open].token, Token::LBracket)
+    }
+
+    /// Whether the token stands directly in a body, contract or automaton.
+    pub(crate) fn is_in_block(&self, at: usize) -> bool {
+        let parent = self.parents.get(at).copied().flatten();
+        parent.is_some_and(|open| is_block(self.lexemes[open].token))
+    }
+
+    fn start(&self, at: usize, parent: Option<usize>) -> usize {
+        let first = parent.map_or(0, |open| open + 1);
+        let mut start = at;
+        while start > first {
+            let before = start - 1;
+            match self.lexemes[before].token {
+                Token::Unless | Token::Until => return before,
+                token if ends_phrase(token) => break,
+                _ => {
+                    start = self.partners[before]
+                        .filter(|p| *p < before)
+                        .unwrap_or(before)
+                }
+            }
+        }
+        start.max(first)
+    }
+
+    fn end(&self, at: usize, parent: Option<usize>) -> usize {
+        let last = parent
+            .and_then(|open| self.partners[open])
+            .unwrap_or(self.lexemes.len());
+        let mut end = at;
+        while end < last {
+            match self.lexemes[end].token {
+                Token::Semi | Token::Tel | Token::Noc => break,
+                // The body of the declaration itself is not part of a phrase of its head.
+                Token::Let if parent.is_none() => break,
+                Token::Let => return self.partners[end].map_or(last, |tel| tel + 1).min(last),
+                _ => end = self.partners[end].filter(|p| *p > end).unwrap_or(end) + 1,
+            }
+        }
+        end.min(last)
+    }
+}
+
+fn ends_phrase(token: Token) -> bool {
+    use Token::{Con, Const, End, Let, Noc, Semi, Tel, Var};
+    matches!(token, Semi | Let | Tel | Con | Noc | End | Var | Const)
+}
+
+fn is_bracket(token: Token) -> bool {
+    closing(token).is_some() && !is_block(token)
+}
+
+fn is_block(token: Token) -> bool {
+    matches!(token, Token::Let | Token::Automaton | Token::Con)
+}
+
+/// What closes the token, if it opens anything.
+pub(crate) fn closing(open: Token) -> Option<Token> {
+    use Token::*;
+    Some(match open {
+        LParen => RParen,
+        LBracket => RBracket,
+        LBrace => RBrace,
+        LStatic => RStatic,
+        Let => Tel,
+        Automaton => End,
+        Con => Noc,
+        _ => return None,
+    })
+}
+
+/// Pairs what opens with what closes it. A bracket never reaches out of the block that it stands in.
+fn partners(lexemes: &[Lexeme]) -> Vec<Option<usize>> {
+    let mut partners = vec![None; lexemes.len()];
+    let mut open: Vec<usize> = Vec::new();
+    for (at, lexeme) in lexemes.iter().enumerate() {
+        if closing(lexeme.token).is_some() {
+            open.push(at);
+        } else if let Some(depth) = opened_by(lexemes, &open, lexeme.token) {
+            let partner = open[depth];
+            open.truncate(depth);
+            (partners[at], partners[partner]) = (Some(partner), Some(at));
+        }
+    }
+    partners
+}
+
+/// Where among the open ones the partner of a closing token is.
+fn opened_by(lexemes: &[Lexeme], open: &[usize], close: Token) -> Option<usize> {
+    use Token::{End, Noc, RBrace, RBracket, RParen, RStatic, Tel};
+    let is_bracket_end = matches!(close, RParen | RBracket | RBrace | RStatic);
+    if !is_bracket_end && !matches!(close, Tel | End | Noc) {
+        return None;
+    }
+    let token = |depth: usize| lexemes[open[depth]].token;
+    let in_reach = |depth: &usize| !is_bracket_end || !is_block(token(*depth));
+    let mut inward = (0..open.len()).rev().take_while(in_reach);
+    inward.find(|depth| closing(token(*depth)) == Some(close))
+}
+
+fn parents(lexemes: &[Lexeme], partners: &[Option<usize>]) -> Vec<Option<usize>> {
+    let mut parents = Vec::with_capacity(lexemes.len());
+    let mut open: Vec<usize> = Vec::new();
+    for (at, lexeme) in lexemes.iter().enumerate() {
+        let closes = partners[at].filter(|p| *p < at);
+        if let Some(partner) = closes {
+            while open.last().is_some_and(|last| *last >= partner) {
+                open.pop();
+            }
+        }
+        parents.push(open.last().copied());
+        let opens = partners[at].is_some_and(|p| p > at) || lexeme.token == Token::Let;
+        if opens && closing(lexeme.token).is_some() {
+            open.push(at);
+        }
+    }
+    parents
+}

@@ -1,0 +1,141 @@
+//! Decides where a contextual word is a keyword and where it is a name.
+//!
+//! One pass over the tokens, left to right, by the row of the word table and the tokens on both
+//! sides. So few words need to be reserved, and the grammar never sees the question.
+
+use crate::lexer::Lexeme;
+use crate::token::{Keyword, Place, Token};
+
+/// Turns every contextual word that stands where it is a name into a name, and every text that
+/// names a claim into a label.
+pub(crate) fn settle(lexemes: &mut [Lexeme]) {
+    for at in 0..lexemes.len() {
+        let token = lexemes[at].token;
+        if token == Token::Str {
+            settle_text(lexemes, at);
+        } else if let Some(word) = token.keyword()
+            && word.place != Place::Reserved
+            && !Around::new(lexemes, at).makes_keyword(word)
+        {
+            lexemes[at].token = Token::Ident;
+        }
+    }
+}
+
+fn settle_text(lexemes: &mut [Lexeme], at: usize) {
+    use Token::{Assert, Assume, Check, Ensure, Guarantee, Require};
+    let before = at.checked_sub(1).map(|i| lexemes[i].token);
+    if let Some(Assert | Assume | Check | Ensure | Guarantee | Require) = before {
+        lexemes[at].token = Token::Label;
+    }
+}
+
+/// The tokens around a word: those before it are settled, the next one is not.
+struct Around {
+    second_before: Option<Token>,
+    before: Option<Token>,
+    after: Option<Token>,
+}
+
+impl Around {
+    fn new(lexemes: &[Lexeme], at: usize) -> Around {
+        let token = |i: usize| lexemes.get(i).map(|lexeme| lexeme.token);
+        Around {
+            second_before: at.checked_sub(2).and_then(token),
+            before: at.checked_sub(1).and_then(token),
+            after: token(at + 1),
+        }
+    }
+
+    fn makes_keyword(&self, word: &Keyword) -> bool {
+        if self.is_field() || self.is_defined_or_named() {
+            return false;
+        }
+        match word.place {
+            Place::Reserved => true,
+            Place::Declaration => self.begins_declaration() && !self.is_called(),
+            Place::Statement => self.begins_statement() && !self.is_called(),
+            Place::BeforeName => self.is_before_name(),
+            Place::AfterOperand => self.is_after_operand(),
+            Place::Either => self.is_before_name() || self.is_after_operand(),
+            Place::Clause => self.is_after_operand() || self.begins_statement(),
+            Place::Alternative => self.is_alternative(),
+            Place::Branch => self.is_before_name() && self.is_after_operand_or_bar(),
+        }
+    }
+
+    /// `arm.end`; but a `.` after `tel` ends a declaration.
+    fn is_field(&self) -> bool {
+        self.before == Some(Token::Dot) && self.second_before != Some(Token::Tel)
+    }
+
+    /// `end = 3`, `start: real`, `(end, x)`, `f(start)`
+    fn is_defined_or_named(&self) -> bool {
+        use Token::{Colon, Comma, Dot, Eq, RParen};
+        matches!(self.after, Some(Eq | Colon | Comma | Dot | RParen))
+    }
+
+    /// `test(x)`, `frame[2]`
+    fn is_called(&self) -> bool {
+        use Token::{LBracket, LParen};
+        matches!(self.after, Some(LParen | LBracket))
+    }
+
+    fn begins_declaration(&self) -> bool {
+        self.begins_statement() || matches!(self.before, Some(Token::Dot | Token::Str))
+    }
+
+    fn begins_statement(&self) -> bool {
+        use Token::{Con, End, Let, Noc, Semi, Tel};
+        match self.before {
+            None | Some(Let | Tel | Semi | End | Con | Noc) => true,
+            // `mode m (require x; ...)`
+            Some(Token::LParen) => self.second_before == Some(Token::Ident),
+            _ => false,
+        }
+    }
+
+    fn is_before_name(&self) -> bool {
+        use Token::{Ident, Int, Path, Real, Str};
+        let Some(after) = self.after else {
+            return false;
+        };
+        match after.keyword() {
+            None => matches!(after, Ident | Path | Int | Real | Str),
+            Some(word) => word.place != Place::Reserved && !self.is_element(),
+        }
+    }
+
+    /// First or next in a list, where a connective word may follow: `Pose(state in base)`.
+    fn is_element(&self) -> bool {
+        matches!(self.before, Some(Token::LParen | Token::Comma))
+    }
+
+    fn is_after_operand(&self) -> bool {
+        self.before.is_some_and(ends_operand)
+    }
+
+    fn is_after_operand_or_bar(&self) -> bool {
+        self.is_after_operand() || self.before == Some(Token::Bar)
+    }
+
+    fn is_alternative(&self) -> bool {
+        use Token::{Bar, Unless, Until};
+        matches!(self.before, Some(Bar | Unless | Until))
+    }
+}
+
+/// Whether an operator could stand after the token.
+fn ends_operand(token: Token) -> bool {
+    use Token::{
+        BoolType, End, False, Ident, Initial, Int, IntType, Otherwise, Path, Percent, Question,
+        RBrace, RBracket, RParen, RStatic, Real, RealType, Str, Tel, True,
+    };
+    match token {
+        Ident | Path | Int | Real | Str | True | False => true,
+        RParen | RBracket | RBrace | RStatic | Percent => true,
+        // Ends of types, bodies and clauses, after which a clause may follow.
+        BoolType | IntType | RealType | Question | Tel | End | Initial | Otherwise => true,
+        _ => false,
+    }
+}
