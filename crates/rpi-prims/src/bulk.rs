@@ -107,6 +107,25 @@ impl Matrix {
         self.place(row, col).map(|at| f64::load(cells, at))
     }
 
+    /// The element; 0 outside.
+    #[must_use]
+    pub fn at_or_zero(self, cells: &[u64], row: usize, col: usize) -> f64 {
+        self.get(cells, row, col).unwrap_or(0.0)
+    }
+
+    /// All rows and columns, row by row.
+    pub fn places(self) -> impl Iterator<Item = (usize, usize)> {
+        (0..self.rows).flat_map(move |row| (0..self.cols).map(move |col| (row, col)))
+    }
+
+    /// Computes every element from its row and column.
+    pub fn fill_with(self, cells: &mut [u64], element: impl Fn(&[u64], usize, usize) -> f64) {
+        for (row, col) in self.places() {
+            let value = element(cells, row, col);
+            self.set(cells, row, col, value);
+        }
+    }
+
     /// Overwrites an element; false outside.
     pub fn set(self, cells: &mut [u64], row: usize, col: usize, value: f64) -> bool {
         let place = self.place(row, col);

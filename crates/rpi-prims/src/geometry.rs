@@ -40,17 +40,13 @@ pub fn matrix(rotation: Rotation) -> [[f64; 3]; 3] {
     [0, 1, 2].map(|r| [0, 1, 2].map(|c| m[(r, c)]))
 }
 
-/// Rotation by `angle` (rad) about an axis of any length; about x if it has none.
+/// The rotation that a constant angular velocity makes in unit time: `vector` is axis times angle (rad).
 #[must_use]
-pub fn from_axis_angle(axis: Vector, angle: f64) -> Rotation {
-    let length = norm(axis);
-    let unit = if length > 0.0 {
-        axis / length
-    } else {
-        Vector::x()
-    };
+pub fn exp(vector: Vector) -> Rotation {
+    let angle = norm(vector);
+    let axis = if angle > 0.0 { vector / angle } else { vector };
     let (s, c) = (libm::sin(angle / 2.0), libm::cos(angle / 2.0));
-    UnitQuaternion::new_unchecked(Quaternion::from_parts(c, unit * s))
+    UnitQuaternion::new_unchecked(Quaternion::from_parts(c, axis * s))
 }
 
 /// Unit axis and angle from 0 to π of a rotation; the axis is x where there is no rotation.
@@ -63,12 +59,6 @@ pub fn to_axis_angle(rotation: Rotation) -> (Vector, f64) {
         return (Vector::x(), 0.0);
     }
     (v / s, 2.0 * libm::atan2(s, rotation.w * sign))
-}
-
-/// The rotation that a constant angular velocity makes in unit time: `vector` is axis times angle (rad).
-#[must_use]
-pub fn exp(vector: Vector) -> Rotation {
-    from_axis_angle(vector, norm(vector))
 }
 
 /// Axis times angle (rad, 0 to π) of a rotation: the inverse of [`exp`].

@@ -24,6 +24,7 @@
 //!   (`cx.fault(code, place)`); the state is a tuple, or the `Region` of a `ring`.
 //! - `bulk |cx, place, params, inputs, outputs| ()`: outputs are arrays or matrices, which the code writes itself;
 //!   where the presence is `maybe` it returns whether they are present.
+//! - `mixed |cx, place, params, inputs, outputs| outputs`: the same, with single values among the outputs.
 //!
 //! `interface!` declares what has no code here because the core does it: devices, keys, delays, constants. A `role`
 //! stands in place of the code, and an out-port's own presence may follow its type (`outValue: f64 maybe`).
@@ -222,6 +223,9 @@ macro_rules! total {
     };
     (strict bulk, $i:ty, $p:ty, $o:ty, $s:ty, $code:expr) => {
         Some(|cx, words| $crate::run::bulk::<$i, $p, $o>(cx, words, $code))
+    };
+    (strict mixed, $i:ty, $p:ty, $o:ty, $s:ty, $code:expr) => {
+        Some(|cx, words| $crate::run::mixed::<$i, $p, $o>(cx, words, $code))
     };
     ($presence:ident pure, $i:ty, $p:ty, $o:ty, $s:ty, $code:expr) => {
         Some(|cx, words| $crate::run::pure_present::<$i, $o>(cx, words, $code))

@@ -68,6 +68,21 @@ pub(crate) fn bulk<I: Operand, P: Operand, O: Operand>(
     }
 }
 
+/// Code that writes its array outputs itself and returns the single values among the outputs.
+#[inline(always)]
+pub(crate) fn mixed<I: Operand, P: Operand, O: Operand>(
+    cx: &mut Cx<'_>,
+    words: &[u32],
+    code: impl Fn(&mut Cx<'_>, u32, P, I, O) -> O,
+) {
+    let (params, outputs) = (I::WORDS, I::WORDS + P::WORDS);
+    for w in words.chunks_exact(outputs + O::WORDS) {
+        let (input, param) = (I::get(cx.cells, w), P::get(cx.cells, &w[params..]));
+        let output = O::get(cx.cells, &w[outputs..]);
+        code(cx, w[outputs], param, input, output).put(cx.cells, &w[outputs..]);
+    }
+}
+
 /// [`bulk`] with one output that may be absent: the code tells whether it is present.
 #[inline(always)]
 pub(crate) fn bulk_maybe<I: Operand, P: Operand, O: Operand>(

@@ -7,6 +7,46 @@ use crate::bulk::Region;
 use crate::flow::{Flow, Vector};
 use core::marker::PhantomData;
 use core::ops::{Add, Sub};
+use nalgebra::Quaternion;
+
+/// What can be summed up. All cells zero is its zero.
+pub(crate) trait Summand: Copy + Add<Output = Self> + Sub<Output = Self> {
+    /// Number of cells.
+    const CELLS: u32;
+    /// Reads it from `cells[at..]`.
+    fn load(cells: &[u64], at: usize) -> Self;
+    /// Writes it to `cells[at..]`.
+    fn store(self, cells: &mut [u64], at: usize);
+}
+
+macro_rules! flows_are_summands {
+    ($($t:ty),*) => { $(
+        impl Summand for $t {
+            const CELLS: u32 = <$t as Flow>::SCALAR.cells();
+            fn load(cells: &[u64], at: usize) -> Self {
+                <$t as Flow>::load(cells, at)
+            }
+            fn store(self, cells: &mut [u64], at: usize) {
+                <$t as Flow>::store(self, cells, at);
+            }
+        }
+    )* };
+}
+
+flows_are_summands!(i64, f64, Vector);
+
+impl Summand for Quaternion<f64> {
+    const CELLS: u32 = 4;
+    fn load(cells: &[u64], at: usize) -> Self {
+        let part = |k| <f64 as Flow>::load(cells, at + k);
+        Quaternion::new(part(3), part(0), part(1), part(2))
+    }
+    fn store(self, cells: &mut [u64], at: usize) {
+        for (k, part) in self.coords.iter().enumerate() {
+            <f64 as Flow>::store(*part, cells, at + k);
+        }
+    }
+}
 
 /// The last values of a flow and their sum. All cells zero is the empty window.
 #[derive(Clone, Copy, Debug)]
@@ -16,31 +56,22 @@ pub(crate) struct Window<T> {
     of: PhantomData<T>,
 }
 
-/// What can be summed up: its zero is the all-zero bit pattern.
-pub(crate) trait Summand: Flow + Add<Output = Self> + Sub<Output = Self> {}
-
-impl Summand for i64 {}
-impl Summand for f64 {}
-impl Summand for Vector {}
-
 impl<T: Summand> Window<T> {
+    const EACH: usize = T::CELLS as usize;
     /// Place of the next entry, entries seen, running sum, sum of this turn.
-    const HEAD: usize = 2 + 2 * T::CELLS;
+    const HEAD: usize = 2 + 2 * Self::EACH;
 
     /// Cells for a window over `entries`, as a state's size.
     pub(crate) fn cells(entries: u32) -> u32 {
-        let head = 2 + 2 * T::SCALAR.cells();
-        entries
-            .max(1)
-            .saturating_mul(T::SCALAR.cells())
-            .saturating_add(head)
+        let head = 2 + 2 * T::CELLS;
+        entries.max(1).saturating_mul(T::CELLS).saturating_add(head)
     }
 
     /// The window that fills a state.
     pub(crate) fn of(region: Region) -> Self {
         Window {
             at: region.at,
-            capacity: (region.len - Self::HEAD) / T::CELLS,
+            capacity: (region.len - Self::HEAD) / Self::EACH,
             of: PhantomData,
         }
     }
@@ -57,28 +88,40 @@ impl<T: Summand> Window<T> {
 
     /// Forgets everything.
     pub(crate) fn clear(self, cells: &mut [u64]) {
-        cells[self.at..self.at + Self::HEAD + self.capacity * T::CELLS].fill(0);
+        cells[self.at..self.entry(self.capacity)].fill(0);
+    }
+
+    /// The value pushed last; zero in an empty window.
+    pub(crate) fn newest(self, cells: &[u64]) -> T {
+        T::load(
+            cells,
+            self.entry((self.next(cells) + self.capacity - 1) % self.capacity),
+        )
     }
 
     /// Adds the newest value, drops the oldest of a full window and returns the sum.
     pub(crate) fn push(self, cells: &mut [u64], value: T) -> T {
-        let (sum_at, turn_at) = (self.at + 2, self.at + 2 + T::CELLS);
-        let next = cells[self.at] as usize % self.capacity;
-        let entry = self.at + Self::HEAD + next * T::CELLS;
-        let leaving = T::load(cells, entry);
-        value.store(cells, entry);
+        let (sum_at, turn_at) = (self.at + 2, self.at + 2 + Self::EACH);
+        let next = self.next(cells);
+        let leaving = T::load(cells, self.entry(next));
+        value.store(cells, self.entry(next));
         let turn = T::load(cells, turn_at) + value;
+        let running = T::load(cells, sum_at) + value - leaving;
         let complete = next + 1 == self.capacity;
-        let sum = if complete {
-            turn
-        } else {
-            T::load(cells, sum_at) + value - leaving
-        };
+        let sum = if complete { turn } else { running };
+        let turn = if complete { turn - turn } else { turn };
         sum.store(cells, sum_at);
-        let turn = if complete { T::neutral() } else { turn };
         turn.store(cells, turn_at);
         cells[self.at] = ((next + 1) % self.capacity) as u64;
         cells[self.at + 1] = (self.len(cells) + 1).min(self.capacity) as u64;
         sum
+    }
+
+    fn next(self, cells: &[u64]) -> usize {
+        cells[self.at] as usize % self.capacity
+    }
+
+    fn entry(self, k: usize) -> usize {
+        self.at + Self::HEAD + k * Self::EACH
     }
 }

@@ -3,20 +3,29 @@
 mod arm;
 mod average;
 mod base;
+mod base_control;
+mod bits;
+mod blocks;
 mod clock;
+mod curves;
 mod devices;
 mod events;
 mod frame;
+mod frame_otg;
 mod functions;
 mod generic;
 mod int;
 mod interpolation;
 mod io;
+mod linear;
 mod logic;
 mod lwr;
+mod matrix;
+mod otg;
 mod real;
 mod rotation;
 mod spatial;
+mod stamps;
 mod times;
 mod twist;
 mod vector;
@@ -28,9 +37,14 @@ const FAMILIES: &[&[Prim]] = &[
     arm::ALL,
     average::ALL,
     base::ALL,
+    base_control::ALL,
+    bits::ALL,
+    blocks::ALL,
     clock::ALL,
+    curves::ALL,
     events::ALL,
     frame::ALL,
+    frame_otg::ALL,
     functions::ALL,
     generic::boolean::ALL,
     generic::double::ALL,
@@ -45,8 +59,11 @@ const FAMILIES: &[&[Prim]] = &[
     io::ALL,
     logic::ALL,
     lwr::ALL,
+    matrix::ALL,
+    otg::ALL,
     real::ALL,
     rotation::ALL,
+    stamps::ALL,
     times::ALL,
     twist::ALL,
     vector::ALL,

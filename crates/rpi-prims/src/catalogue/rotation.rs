@@ -35,12 +35,12 @@ primitive! {
 }
 
 primitive! {
-    /// Rotation by an angle in rad about an axis of any length.
+    /// Rotation by an angle in rad about a unit axis. The length of another axis scales the angle.
     FROM_AXIS_ANGLE = "World::RotationFromAxisAngle";
     in { inAxis: Vector = [super::spatial::AXIS]; inAngle: f64 = Angle(Real(0.0)) }
     out { outValue: Rotation }
     presence strict work 50;
-    pure |(axis, angle)| (geometry::from_axis_angle(axis, angle),)
+    pure |(axis, angle): (Vector, f64)| (geometry::exp(axis * angle),)
 }
 
 primitive! {

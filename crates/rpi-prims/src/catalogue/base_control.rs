@@ -1,0 +1,105 @@
+//! Controllers that bring a mobile platform to a pose in the plane.
+
+use super::twist::twist;
+use crate::flow::{Pose, Twist, Vector};
+use crate::geometry;
+use crate::macros::primitive;
+use crate::registry::Prim;
+use core::f64::consts::{FRAC_PI_2, PI};
+
+pub(super) const ALL: &[Prim] = &[OMNIDIRECTIONAL, DIFFERENTIAL];
+
+/// Distance (m) and angle (rad) within which a goal counts as reached.
+const NEAR: f64 = 1e-3;
+/// Angle (rad) within which a platform heads for its goal.
+const AHEAD: f64 = 0.1;
+
+primitive! {
+    /// Velocity, in its own coordinates, that brings a platform free to move in the plane to a pose: in proportion (`p...`, 1/s)
+    /// to what is left in each direction, within bounds (`vel...`, m/s and rad/s). Completed when it is there and at rest.
+    OMNIDIRECTIONAL = "RobotBase::OmnidirectionalBaseController";
+    in { inPos: Pose; inVel: Twist; inDest: Pose }
+    param {
+        velX: f64 = Real(0.25);
+        velY: f64 = Real(0.25);
+        velYaw: f64 = Real(0.3);
+        pX: f64 = Real(3.0);
+        pY: f64 = Real(3.0);
+        pYaw: f64 = Real(3.0)
+    }
+    out { outVel: Twist; outCompleted: bool }
+    presence strict work 150;
+    full |_, _, _, (vx, vy, vyaw, px, py, pyaw), (position, velocity, goal): (Pose, Twist, Pose)| {
+        let left = position.inverse() * goal;
+        let (x, y, yaw) = (left.translation.x, left.translation.y, geometry::to_abc(left.rotation).0);
+        let near = |size: f64| libm::fabs(size) < NEAR;
+        let rest = near(geometry::norm(velocity.linear)) && near(geometry::norm(velocity.angular));
+        let wanted = planar(bounded(px * x, vx), bounded(py * y, vy), bounded(pyaw * yaw, vyaw));
+        (wanted, rest && near(x) && near(y) && near(yaw))
+    }
+}
+
+primitive! {
+    /// Velocity, in its own coordinates, that brings a platform with two driven wheels to a pose: it turns on the spot towards
+    /// the goal or away from it, whichever is nearer (`PYaw`, 1/s), drives there with its front or its rear first, slow
+    /// enough to stop with a deceleration of `PX` (m/s²), and turns into the goal's orientation. Within `VelX` (m/s) and
+    /// `VelYaw` (rad/s). `inTwist` is not needed.
+    DIFFERENTIAL = "RobotBase::DifferentialDriveController";
+    in { inPosition: Pose; inTwist: Twist = absent; inGoal: Pose }
+    param { VelX: f64 = Real(0.5); VelYaw: f64 = Real(1.0); PX: f64 = Real(3.0); PYaw: f64 = Real(3.0) }
+    out { outTwist: Twist }
+    presence if_all work 150;
+    full |_, _, _, (vx, vyaw, px, pyaw), (position, _, goal)| {
+        let way = position.zip(goal).map(|(position, goal)| planar_way(position, goal));
+        (way.map(|way| differential(way, (vx, vyaw), (px, pyaw))),)
+    }
+}
+
+/// What is left in the plane: distance, bearing in the platform's coordinates, difference of orientation.
+fn planar_way(position: Pose, goal: Pose) -> (f64, f64, f64) {
+    let (heading, wanted) = (
+        geometry::to_abc(position.rotation).0,
+        geometry::to_abc(goal.rotation).0,
+    );
+    let way = goal.translation.vector - position.translation.vector;
+    let distance = libm::sqrt(way.x * way.x + way.y * way.y);
+    (
+        distance,
+        wrapped(libm::atan2(way.y, way.x) - heading),
+        wrapped(wanted - heading),
+    )
+}
+
+fn differential(
+    (distance, bearing, turn): (f64, f64, f64),
+    bounds: (f64, f64),
+    gains: (f64, f64),
+) -> Twist {
+    if distance < NEAR {
+        return planar(0.0, 0.0, bounded(gains.1 * turn, bounds.1));
+    }
+    let backwards = libm::fabs(bearing) > FRAC_PI_2;
+    let bearing = if backwards {
+        wrapped(bearing + PI)
+    } else {
+        bearing
+    };
+    if libm::fabs(bearing) > AHEAD {
+        return planar(0.0, 0.0, bounded(gains.1 * bearing, bounds.1));
+    }
+    let speed = libm::sqrt(2.0 * gains.0 * distance).min(bounds.0);
+    planar(if backwards { -speed } else { speed }, 0.0, 0.0)
+}
+
+/// The same angle from -π to π.
+fn wrapped(angle: f64) -> f64 {
+    libm::atan2(libm::sin(angle), libm::cos(angle))
+}
+
+fn bounded(value: f64, bound: f64) -> f64 {
+    value.max(-bound).min(bound)
+}
+
+fn planar(x: f64, y: f64, yaw: f64) -> Twist {
+    twist(Vector::new(x, y, 0.0), Vector::new(0.0, 0.0, yaw))
+}

@@ -1,0 +1,53 @@
+//! Systems of linear equations of bounded size, solved without memory of their own.
+
+use crate::bulk::{Array, Matrix};
+
+/// Most rows of a system.
+pub(super) const LARGEST: usize = 16;
+
+/// A system: its coefficients, and its right side as the last column.
+type Rows = [[f64; LARGEST + 1]; LARGEST];
+
+/// Solves `matrix * to = right` (Gauss with partial pivoting; Golub and Van Loan, Matrix Computations, 3.4).
+pub(super) fn solve(cells: &mut [u64], matrix: Matrix, right: Array<f64>, to: Array<f64>) {
+    let n = matrix.rows.min(LARGEST);
+    let mut rows: Rows = [[0.0; LARGEST + 1]; LARGEST];
+    for (r, row) in rows.iter_mut().enumerate().take(n) {
+        for (c, value) in row.iter_mut().enumerate().take(n) {
+            *value = matrix.at_or_zero(cells, r, c);
+        }
+        row[LARGEST] = right.get(cells, r as i64).unwrap_or(0.0);
+    }
+    for column in 0..n {
+        eliminate(&mut rows, n, column);
+    }
+    for k in (0..n).rev() {
+        let known: f64 = (k + 1..n).map(|c| rows[k][c] * rows[c][LARGEST]).sum();
+        rows[k][LARGEST] = (rows[k][LARGEST] - known) / rows[k][k];
+    }
+    let finite = rows[..n].iter().all(|row| row[LARGEST].is_finite());
+    for (k, row) in rows.iter().enumerate().take(n) {
+        to.set(
+            cells,
+            k as i64,
+            if finite { row[LARGEST] } else { f64::NAN },
+        );
+    }
+}
+
+/// Brings the row with the largest entry of a column up and clears the column below.
+fn eliminate(rows: &mut Rows, n: usize, column: usize) {
+    let size = |row: usize| libm::fabs(rows[row][column]);
+    let pivot = (column + 1..n).fold(
+        column,
+        |best, row| if size(row) > size(best) { row } else { best },
+    );
+    rows.swap(column, pivot);
+    let above = rows[column];
+    for row in &mut rows[column + 1..n] {
+        let factor = row[column] / above[column];
+        for (value, top) in row.iter_mut().zip(above).skip(column) {
+            *value -= factor * top;
+        }
+    }
+}

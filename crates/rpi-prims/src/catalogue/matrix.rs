@@ -1,0 +1,155 @@
+//! Dense matrices of reals, row by row. Sizes are checked when a net is loaded; indices count from 0.
+
+use super::linear;
+use crate::bulk::{Array, Matrix};
+use crate::cx::{Cx, FaultCode};
+use crate::macros::primitive;
+use crate::registry::Prim;
+use rpi_image::{Scalar, Shape, ShapeArgs, Type};
+
+pub(super) const ALL: &[Prim] = &[CREATE, GET, SET, TRANSPOSE, SCALE, MULTIPLY, APPLY, SOLVE];
+
+primitive! {
+    /// A matrix of zeros.
+    CREATE = "Core::MatrixCreate";
+    in {}
+    param { Rows: i64 = Int(1); Cols: i64 = Int(1) }
+    out { outMatrix: Matrix }
+    shape Shape::Of(|args| Some(Type::Matrix(args.size(0)?, args.size(1)?)));
+    presence strict work 36;
+    bulk |cx, _, _, (), (matrix,)| matrix.elements().fill(cx.cells, 0.0)
+}
+
+primitive! {
+    /// The element at `Row` and `Col`.
+    GET = "Core::MatrixGet";
+    in { inMatrix: Matrix }
+    param { Row: i64 = Int(0); Col: i64 = Int(0) }
+    out { outValue: f64 }
+    shape Shape::Of(|args| holds(args, 0, 1).then_some(Type::One(Scalar::Real)));
+    presence strict work 1 faults;
+    full |cx, place, _, (row, col), (matrix,)| (element(cx, place, matrix, row, col),)
+}
+
+primitive! {
+    /// The matrix with the element at `Row` and `Col` replaced. `Rows` and `Cols` are not needed here.
+    SET = "Core::MatrixSet";
+    in { inMatrix: Matrix; inValue: f64 = Value(Real(0.0)) }
+    param { Rows: i64 = Int(0); Cols: i64 = Int(0); Row: i64 = Int(0); Col: i64 = Int(0) }
+    out { outMatrix: Matrix }
+    shape Shape::Of(|args| holds(args, 2, 3).then_some(*args.inputs.first()?)?);
+    presence strict work 36 faults;
+    bulk |cx, place, (_, _, row, col), (from, value), (to,)| {
+        let copied = to.elements().copy(cx.cells, from.elements(), 0);
+        if !(copied && to.set(cx.cells, index(row), index(col), value)) {
+            cx.fault(FaultCode::IndexOutOfRange, place);
+        }
+    }
+}
+
+primitive! {
+    /// Rows as columns. `Rows` and `Cols` are not needed here.
+    TRANSPOSE = "Core::MatrixTranspose";
+    in { inMatrix: Matrix }
+    param { Rows: i64 = Int(0); Cols: i64 = Int(0) }
+    out { outMatrix: Matrix }
+    shape Shape::Of(|args| args.shape(0).map(|(rows, cols)| Type::Matrix(cols, rows)));
+    presence strict work 36;
+    bulk |cx, _, _, (from,), (to,)| to.fill_with(cx.cells, |cells, row, col| from.at_or_zero(cells, col, row))
+}
+
+primitive! {
+    /// Each element times a real. `Rows` and `Cols` are not needed here.
+    SCALE = "Core::MatrixScale";
+    in { inMatrix: Matrix; inValue: f64 = Value(Real(0.0)) }
+    param { Rows: i64 = Int(0); Cols: i64 = Int(0) }
+    out { outMatrix: Matrix }
+    shape Shape::Of(|args| *args.inputs.first()?);
+    presence strict work 36;
+    bulk |cx, _, _, (from, factor), (to,)| {
+        to.fill_with(cx.cells, |cells, row, col| from.at_or_zero(cells, row, col) * factor);
+    }
+}
+
+primitive! {
+    /// Product of two matrices. `Rows` and `Cols` are not needed here.
+    MULTIPLY = "Core::MatrixMultiply";
+    in { inMatrix1: Matrix; inMatrix2: Matrix }
+    param { Rows: i64 = Int(0); Cols: i64 = Int(0) }
+    out { outMatrix: Matrix }
+    shape Shape::Of(product);
+    presence strict work 216;
+    bulk |cx, _, _, (a, b), (to,)| {
+        to.fill_with(cx.cells, |cells, row, col| {
+            (0..a.cols).map(|k| a.at_or_zero(cells, row, k) * b.at_or_zero(cells, k, col)).sum()
+        });
+    }
+}
+
+primitive! {
+    /// Product of a matrix and a vector. `Size` is not needed here.
+    APPLY = "Core::MatrixApply";
+    in { inMatrix: Matrix; inVector: Array<f64> }
+    param { Size: i64 = Int(0) }
+    out { outValue: Array<f64> }
+    shape Shape::Of(image);
+    presence strict work 36;
+    bulk |cx, _, _, (matrix, vector), (to,)| {
+        for row in 0..matrix.rows {
+            let sum = (0..matrix.cols).map(|k| {
+                matrix.at_or_zero(cx.cells, row, k) * vector.get(cx.cells, k as i64).unwrap_or(0.0)
+            });
+            let sum: f64 = sum.sum();
+            to.set(cx.cells, row as i64, sum);
+        }
+    }
+}
+
+primitive! {
+    /// Solution of a system of linear equations, square with at most 16 rows, by elimination with partial pivoting. All not a
+    /// number where there is none. `Size` is not needed here.
+    SOLVE = "Core::MatrixSolve";
+    in { inMatrix: Matrix; inResult: Array<f64> }
+    param { Size: i64 = Int(0) }
+    out { outValue: Array<f64> }
+    shape Shape::Of(solution);
+    presence strict work 400;
+    bulk |cx, _, _, (matrix, right), (to,)| linear::solve(cx.cells, matrix, right, to)
+}
+
+fn element(cx: &mut Cx<'_>, place: u32, matrix: Matrix, row: i64, col: i64) -> f64 {
+    matrix
+        .get(cx.cells, index(row), index(col))
+        .unwrap_or_else(|| {
+            cx.fault(FaultCode::IndexOutOfRange, place);
+            0.0
+        })
+}
+
+/// An index; one that lies in no matrix where it is negative.
+pub(super) fn index(index: i64) -> usize {
+    usize::try_from(index).unwrap_or(usize::MAX)
+}
+
+/// True if parameters `row` and `col` are indices of matrix input 0.
+fn holds(args: &ShapeArgs<'_>, row: usize, col: usize) -> bool {
+    let inside = |index: Option<u32>, size| index.is_some_and(|i| i < size);
+    args.shape(0)
+        .is_some_and(|(rows, cols)| inside(args.size(row), rows) && inside(args.size(col), cols))
+}
+
+fn product(args: &ShapeArgs<'_>) -> Option<Type> {
+    let ((rows, inner), (other, cols)) = (args.shape(0)?, args.shape(1)?);
+    (inner == other).then_some(Type::Matrix(rows, cols))
+}
+
+fn image(args: &ShapeArgs<'_>) -> Option<Type> {
+    let (rows, cols) = args.shape(0)?;
+    (cols == args.len(1)?).then_some(Type::Array(Scalar::Real, rows))
+}
+
+fn solution(args: &ShapeArgs<'_>) -> Option<Type> {
+    let (rows, cols) = args.shape(0)?;
+    let fits = rows == cols && rows == args.len(1)? && rows as usize <= linear::LARGEST;
+    fits.then_some(Type::Array(Scalar::Real, rows))
+}

@@ -1,0 +1,76 @@
+//! Online trajectory generation: one step per cycle towards a goal that may change at any time.
+//!
+//! The second-order filter of Zanasi, Guarino Lo Bianco and Tonielli ("Nonlinear filters for the generation of smooth
+//! trajectories", Automatica 36, 2000; Biagiotti and Melchiorri, Trajectory Planning, 2008, 4.6): time-optimal in discrete
+//! time under a bound on the acceleration, without chattering at the goal.
+
+use crate::macros::primitive;
+use crate::registry::Prim;
+
+pub(super) const ALL: &[Prim] = &[OTG];
+
+primitive! {
+    /// One step of a motion towards position and velocity of a goal with bounded velocity and acceleration. It starts from
+    /// `inCurPos`, or else where the last step ended (at first 0), with `inCurVel`, or else the velocity that led there from
+    /// where the last step started (at first 0). `inCurAcc` is not needed.
+    OTG = "Core::OTG";
+    in {
+        inCurPos: f64 = absent;
+        inCurVel: f64 = absent;
+        inCurAcc: f64 = absent;
+        inDestPos: f64;
+        inDestVel: f64 = absent;
+        inMaxVel: f64 = maxVel(Real(0.0));
+        inMaxAcc: f64 = maxAcc(Real(0.0))
+    }
+    out { outPos: f64; outVel: f64; outAcc: f64 }
+    state { bool, f64, f64 }
+    presence if_all work 60;
+    full |cx, _, (known, started, ended), (), (position, velocity, _, goal, goal_velocity, max_velocity, max_acceleration)| {
+        let (Some(goal), Some(max_velocity), Some(max_acceleration)) = (goal, max_velocity, max_acceleration) else {
+            return (None, None, None);
+        };
+        let dt = cx.clock.dt;
+        let position = position.unwrap_or(*ended);
+        let derived = if *known { (position - *started) / dt } else { 0.0 };
+        let from = (position, velocity.unwrap_or(derived));
+        let to = (goal, goal_velocity.unwrap_or(0.0));
+        let (end, velocity, acceleration) = step(from, to, max_velocity, max_acceleration, dt);
+        (*known, *started, *ended) = (true, position, end);
+        (Some(end), Some(velocity), Some(acceleration))
+    }
+}
+
+/// Position, velocity and acceleration after one period (no acceleration where a full step of it could be too fast) `dt`, from (position, velocity) to a goal of both.
+fn step(
+    from: (f64, f64),
+    to: (f64, f64),
+    max_velocity: f64,
+    max_acceleration: f64,
+    dt: f64,
+) -> (f64, f64, f64) {
+    let sigma = sliding(from, to, max_acceleration, dt);
+    let room = max_velocity - max_acceleration * dt + from.1 * libm::copysign(1.0, sigma);
+    let acceleration = if room < 0.0 {
+        0.0
+    } else {
+        -max_acceleration * sigma.clamp(-1.0, 1.0)
+    };
+    let velocity = from.1 + acceleration * dt;
+    (from.0 + velocity * dt, velocity, acceleration)
+}
+
+/// The sliding variable σ: it asks for an acceleration against its sign, at most the largest, in proportion below 1.
+fn sliding(from: (f64, f64), to: (f64, f64), max_acceleration: f64, dt: f64) -> f64 {
+    let speed = (from.1 - to.1) / (max_acceleration * dt);
+    let z = (from.0 - to.0) / (max_acceleration * dt * dt) + speed / 2.0;
+    let m = libm::floor((1.0 + libm::sqrt(1.0 + 8.0 * libm::fabs(z))) / 2.0);
+    let sign = if z > 0.0 {
+        1.0
+    } else if z < 0.0 {
+        -1.0
+    } else {
+        0.0
+    };
+    speed + z / m + (m - 1.0) / 2.0 * sign
+}

@@ -1,0 +1,160 @@
+//! Lining up values by their time stamps.
+
+use super::times::seconds_between;
+use crate::bulk::Region;
+use crate::cx::Cx;
+use crate::flow::Time;
+use crate::macros::primitive;
+use crate::registry::Prim;
+use crate::ring::Ring;
+use rpi_image::SizeArgs;
+
+pub(super) const ALL: &[Prim] = &[HISTORY, CONSISTENT_RANGE];
+
+primitive! {
+    /// How long ago, in seconds of whole cycles, the time stamp `inValue` was not later than `inTime`: 0 if it is now; the
+    /// age after the oldest remembered one, at most `MaxAge`, if it never was.
+    HISTORY = "Core::TimeHistory";
+    in { inValue: Time; inTime: Time }
+    param { MaxAge: f64 = Real(1.0) }
+    out { outAge: f64 }
+    ring { stamps }
+    presence strict work 100;
+    full |cx, _, history, _, (value, time)| {
+        let ring = Ring::<Time>::of(*history);
+        ring.push(cx.cells, Some(value));
+        let seen = ring.len(cx.cells);
+        let back = (0..seen).find(|&k| ring.back(cx.cells, k).is_some_and(|t| t <= time));
+        (back.unwrap_or(seen) as f64 * cx.clock.dt,)
+    }
+}
+
+primitive! {
+    /// The smallest range of time around two ranges, one of which is the newest of its kind and the other as new as it can be
+    /// for the range to stay below `MaxSize` seconds. Where there is none, the range of the previous cycles, up to `MaxAge`
+    /// seconds old. Absent without any.
+    CONSISTENT_RANGE = "Core::TimeConsistentRange";
+    in { inFirstStart: Time; inFirstEnd: Time; inSecondStart: Time; inSecondEnd: Time }
+    param { MaxSize: f64 = Real(1.0); MaxAge: f64 = Real(1.0) }
+    out { outStart: Time; outEnd: Time }
+    ring { ranges }
+    presence maybe work 400;
+    full |cx, _, history, (max_size, _), (first_start, first_end, second_start, second_end)| {
+        let first = Range::of(first_start, first_end);
+        let second = Range::of(second_start, second_end);
+        let found = history_of(*history).hull(cx, first, second, max_size);
+        (found.map(|r| r.start), found.map(|r| r.end))
+    }
+}
+
+fn stamps(args: &SizeArgs<'_>) -> u32 {
+    Ring::<Time>::cells(args.cycles(0))
+}
+
+fn ranges(args: &SizeArgs<'_>) -> u32 {
+    Ring::<Time>::cells(args.cycles(1).saturating_add(1)).saturating_mul(6)
+}
+
+/// A range of time.
+#[derive(Clone, Copy)]
+struct Range {
+    start: Time,
+    end: Time,
+}
+
+impl Range {
+    fn of(start: Option<Time>, end: Option<Time>) -> Option<Range> {
+        start.zip(end).map(|(start, end)| Range { start, end })
+    }
+
+    fn hull(self, other: Range) -> Range {
+        Range {
+            start: self.start.min(other.start),
+            end: self.end.max(other.end),
+        }
+    }
+
+    fn shorter_than(&self, seconds: f64) -> bool {
+        seconds_between(self.start, self.end) < seconds
+    }
+}
+
+/// The last ranges of one kind.
+#[derive(Clone, Copy)]
+struct Ranges {
+    starts: Ring<Time>,
+    ends: Ring<Time>,
+}
+
+impl Ranges {
+    fn push(self, cells: &mut [u64], range: Option<Range>) {
+        self.starts.push(cells, range.map(|r| r.start));
+        self.ends.push(cells, range.map(|r| r.end));
+    }
+
+    fn back(self, cells: &[u64], k: usize) -> Option<Range> {
+        Range::of(self.starts.back(cells, k), self.ends.back(cells, k))
+    }
+}
+
+/// The last ranges of both kinds and of the results.
+struct Histories {
+    first: Ranges,
+    second: Ranges,
+    results: Ranges,
+}
+
+fn history_of(region: Region) -> Histories {
+    let len = region.len / 6;
+    let ring = |k| {
+        Ring::of(Region {
+            at: region.at + k * len,
+            len,
+        })
+    };
+    let ranges = |k| Ranges {
+        starts: ring(k),
+        ends: ring(k + 1),
+    };
+    Histories {
+        first: ranges(0),
+        second: ranges(2),
+        results: ranges(4),
+    }
+}
+
+impl Histories {
+    fn hull(
+        &self,
+        cx: &mut Cx<'_>,
+        first: Option<Range>,
+        second: Option<Range>,
+        max_size: f64,
+    ) -> Option<Range> {
+        self.first.push(cx.cells, first);
+        self.second.push(cx.cells, second);
+        let found = self.newest(cx.cells, first, second, max_size);
+        self.results.push(cx.cells, found);
+        let kept = (0..self.results.starts.capacity()).find_map(|k| self.results.back(cx.cells, k));
+        found.or(kept)
+    }
+
+    /// The newest pair, one of them of this cycle, whose hull is short enough.
+    fn newest(
+        &self,
+        cells: &[u64],
+        first: Option<Range>,
+        second: Option<Range>,
+        max_size: f64,
+    ) -> Option<Range> {
+        let short = |a: Option<Range>, b: Option<Range>| {
+            a.zip(b)
+                .map(|(a, b)| a.hull(b))
+                .filter(|r| r.shorter_than(max_size))
+        };
+        (0..self.first.starts.capacity()).find_map(|k| {
+            let with_older_second = short(first, self.second.back(cells, k));
+            with_older_second.or_else(|| short(self.first.back(cells, k), second))
+        })
+    }
+}
