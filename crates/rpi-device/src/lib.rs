@@ -4,6 +4,7 @@
 //! loaded and uses only those afterwards. Nothing here may allocate, lock or wait once resolved.
 #![no_std]
 
+use core::ops::Range;
 use rpi_image::Type;
 
 /// A port of a device, resolved when a command is loaded.
@@ -86,8 +87,21 @@ pub trait DeviceBank {
     /// Says why the cell has no such port.
     fn resolve(&mut self, name: &PortName<'_>) -> Result<PortId, ResolveError>;
 
-    /// The actuator (resource) that a port belongs to: ports with the same number exclude one another.
+    /// The actuator (resource) that a port belongs to, the first one where it belongs to several.
     fn resource(&self, port: PortId) -> u32;
+
+    /// All actuators that a port belongs to: ports with a number in common exclude one another. The joints of an arm are
+    /// one actuator each, so that one command can set them one by one; a port that sets the whole arm belongs to all.
+    fn resources(&self, port: PortId) -> Range<u32> {
+        let own = self.resource(port);
+        own..own.saturating_add(1)
+    }
+
+    /// Tells how many ticks lie between the set-points for an actuator, from its next one on: the period of the command
+    /// that holds it. A device that was never told expects one in every tick.
+    fn pace(&mut self, resource: u32, ticks: u32) {
+        let _ = (resource, ticks);
+    }
 
     /// Latches a sensor's value; false if there is no sample in this cycle.
     fn read(&mut self, port: PortId, value: &mut [u64]) -> bool;

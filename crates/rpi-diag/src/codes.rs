@@ -77,6 +77,21 @@ codes! {
     RPI0013 Warning "foreign comment mark";
     RPI0014 Note "contract in a comment";
     RPI0015 Warning "`when` read as in Lustre V6";
+    RPI0101 Error "unexpected sign in a net";
+    RPI0102 Error "text without end in a net";
+    RPI0103 Error "net nested too deeply";
+    RPI1101 Error "unknown primitive";
+    RPI1102 Warning "unknown in-port";
+    RPI1103 Error "unknown parameter";
+    RPI1104 Error "unknown name in a net";
+    RPI1105 Error "unknown port";
+    RPI1106 Error "two meanings of one name in a net";
+    RPI1107 Error "in-port or parameter given twice";
+    RPI2101 Error "link between ports of different types";
+    RPI2102 Error "text is no value of the parameter's type";
+    RPI2103 Error "in-port not connected";
+    RPI2104 Error "sizes that do not fit";
+    RPI4002 Error "port that stands for itself";
 }
 
 impl Code {

@@ -4,4 +4,5 @@
 //! program is compiled; it takes nets and images.
 
 pub mod plot;
+pub mod replay;
 pub mod trace;

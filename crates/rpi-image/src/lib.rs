@@ -7,12 +7,22 @@
 extern crate alloc;
 
 pub mod desc;
+pub mod hash;
+pub mod image;
+pub mod operands;
+pub mod print;
+pub mod rpib;
 pub mod ty;
 pub mod value;
+pub mod verify;
+mod wire;
 
 pub use desc::{
     Answer, CommandFlow, Default as PortDefault, DevicePorts, DeviceUse, InPort, Need, OutPort,
     Param, ParamType, PortType, Presence, PrimDesc, Role, Shape, ShapeArgs, SizeArgs, State,
 };
+pub use image::{Form, Image, Step};
 pub use ty::{Scalar, Type};
 pub use value::Value;
+pub use verify::{Catalogue, VerifyError, verify};
+pub use wire::ReadError;

@@ -106,7 +106,7 @@ fn compared(arm: &ArmModel, row: &Row, ours: &[f64; 7]) -> Verdict {
     let in_range = limits.all(|(joint, axis)| axis.position.contains(*joint));
     // What a pose is off, a nearly straight joint makes larger in its neighbours' turns.
     let bend = [1, 3, 5]
-        .map(|axis| row.joints[axis].sin().abs())
+        .map(|axis| libm::sin(row.joints[axis]).abs())
         .into_iter()
         .fold(1.0, f64::min);
     let rounding = 10.0 * (miss(arm, row) + 1e-8) / bend;

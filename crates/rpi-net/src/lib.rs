@@ -7,6 +7,8 @@
 pub mod literal;
 pub mod net;
 pub mod passes;
+pub mod rpinet;
+pub mod shape;
 pub mod tree;
 mod violation;
 

@@ -7,7 +7,8 @@
 use std::fmt;
 
 use rpi_image::{Scalar, Type, Value};
-use rpi_prims::operand::{Flow, Rotation};
+use rpi_prims::flow::Flow;
+use rpi_prims::geometry;
 
 mod tree;
 mod write;
@@ -114,7 +115,7 @@ fn cells(tree: &Tree<'_>, scalar: Scalar) -> Result<Vec<u64>, LiteralError> {
         Scalar::Rotation => {
             let angles = reals(tree, &["a", "b", "c"])?;
             let [a, b, c] = [0, 1, 2].map(|k| f64::from_bits(angles[k]));
-            stored(Rotation::from_euler_angles(c, b, a))
+            stored(geometry::from_abc(a, b, c))
         }
         Scalar::Pose => pair(tree, ("pos", Scalar::Vector), ("rot", Scalar::Rotation))?,
         Scalar::Twist => pair(tree, ("vel", Scalar::Vector), ("rot", Scalar::Vector))?,

@@ -9,8 +9,10 @@
 
 #[cfg(feature = "proof")]
 mod proof {
+    extern crate rpi_core as _;
     extern crate rpi_device as _;
     extern crate rpi_image as _;
+    extern crate rpi_kin as _;
     extern crate rpi_prims as _;
 
     /// There is nobody to panic to.

@@ -34,6 +34,8 @@ pub enum FaultCode {
     MissingSample,
     /// A device refuses its set-point or has failed.
     DeviceFailed,
+    /// A moving actuator got no set-point and was stopped.
+    SetPointMissing,
     /// An assertion or contract does not hold.
     AssertionFailed,
 }

@@ -59,7 +59,8 @@ fn names(svg: &mut Svg, chart: &Chart, frame: &Frame) {
         .filter_map(|(k, line)| Some((frame.y.at(line.points.last()?.1), k)))
         .filter(|(y, _)| y.is_finite())
         .collect();
-    ends.sort_by(|a, b| a.0.total_cmp(&b.0));
+    // Ends at one height to the pixel keep their order.
+    ends.sort_by(|a, b| a.0.round().total_cmp(&b.0.round()).then(a.1.cmp(&b.1)));
     let heights = spread(
         ends.iter().map(|e| e.0).collect(),
         frame.top(),

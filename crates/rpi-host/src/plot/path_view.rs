@@ -97,32 +97,43 @@ fn marks(svg: &mut Svg, points: &[(f64, (f64, f64))], spells: &[Spell], frame: &
     };
     let pixel = |p: &(f64, (f64, f64))| frame.at(p.1.0, p.1.1);
     for (k, spell) in spells.iter().enumerate().skip(1) {
-        let at = points
-            .partition_point(|p| p.0 < spell.from)
-            .min(points.len() - 1);
-        let style = TextStyle {
-            color: SOFT_INK,
-            anchor: Anchor::Start,
-            ..FIGURE
-        };
-        svg.dot(pixel(&points[at]), 5.0, hue(k), PAPER);
-        let (x, y) = pixel(&points[at]);
-        svg.text(
-            (x + 9.0, y - 7.0),
-            style,
+        let at = points.partition_point(|p| p.0 < spell.from);
+        let at = pixel(&points[at.min(points.len() - 1)]);
+        svg.dot(at, 5.0, hue(k), PAPER);
+        label(
+            svg,
+            frame,
+            at,
+            (-7.0, SOFT_INK),
             &format!("switch {:.3} s", spell.from),
         );
     }
+    for (point, name) in [(first, "start"), (last, "end")] {
+        svg.dot(pixel(point), 4.5, INK, PAPER);
+        label(svg, frame, pixel(point), (14.0, INK), name);
+    }
+}
+
+/// A text beside a point, on the side where there is more room.
+fn label(
+    svg: &mut Svg,
+    frame: &Frame,
+    at: (f64, f64),
+    (below, color): (f64, &'static str),
+    text: &str,
+) {
+    let right = at.0 > (frame.left() + frame.right()) / 2.0;
+    let (shift, anchor) = if right {
+        (-9.0, Anchor::End)
+    } else {
+        (9.0, Anchor::Start)
+    };
     let style = TextStyle {
-        color: INK,
-        anchor: Anchor::Start,
+        color,
+        anchor,
         ..FIGURE
     };
-    for (point, name) in [(first, "start"), (last, "end")] {
-        let (x, y) = pixel(point);
-        svg.dot((x, y), 4.5, INK, PAPER);
-        svg.text((x + 9.0, y + 14.0), style, name);
-    }
+    svg.text((at.0 + shift, at.1 + below), style, text);
 }
 
 #[cfg(test)]

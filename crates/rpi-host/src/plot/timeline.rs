@@ -19,7 +19,7 @@ pub(super) fn draw(svg: &mut Svg, spells: &[Spell], x: Axis, y: f64) {
 
 /// Command and end as far as they fit over the bar.
 fn name(svg: &mut Svg, spell: &Spell, at: (f64, f64), room: f64) {
-    let width = |text: &str| text.chars().count() as f64 * 6.8;
+    let width = |text: &str| text.chars().count() as f64 * 7.8;
     let style = TextStyle {
         size: 12.0,
         color: INK,

@@ -7,7 +7,7 @@
 use std::f64::consts::{PI, TAU};
 
 use rpi_image::{Scalar, Type};
-use rpi_prims::operand::{Flow, Rotation};
+use rpi_prims::flow::{Flow, Rotation};
 
 /// How far two values of one type are apart; 0 for equal ones.
 pub(super) fn deviation(ty: Type, a: &[u64], b: &[u64]) -> f64 {

@@ -79,7 +79,16 @@ const EDGES: &[(&str, &[&str])] = &[
             "rpi-sim",
         ],
     ),
-    ("rpi-nostd", &["rpi-device", "rpi-image", "rpi-prims"]),
+    (
+        "rpi-nostd",
+        &[
+            "rpi-core",
+            "rpi-device",
+            "rpi-image",
+            "rpi-kin",
+            "rpi-prims",
+        ],
+    ),
     ("rpi-testkit", &[]),
     (
         "rpi-house",

@@ -35,7 +35,7 @@ pub(crate) fn distance(one: &Pose, other: &Pose) -> f64 {
     let shift = (one.translation.vector - other.translation.vector).amax();
     // The angle from the vector part: exact for small angles, where `acos` of the real part is not.
     let turn = one.rotation.inverse() * other.rotation;
-    let angle = 2.0 * turn.imag().norm().atan2(turn.w.abs());
+    let angle = 2.0 * libm::atan2(turn.imag().norm(), turn.w.abs());
     shift.max(angle)
 }
 

@@ -1,4 +1,5 @@
 use super::*;
+use rpi_prims::flow::Rotation;
 
 /// Type, and texts of it that are written back as they are.
 const SAME: &[(Scalar, &[&str])] = &[

@@ -1,7 +1,8 @@
 //! Writing values as texts that read back to the same bits (rotations: to the same rotation).
 
 use rpi_image::{Scalar, Type};
-use rpi_prims::operand::{Flow, Rotation};
+use rpi_prims::flow::{Flow, Rotation};
+use rpi_prims::geometry;
 
 /// The text of a value of a flow type; `cells` are its cells.
 #[must_use]
@@ -63,8 +64,8 @@ fn angles(cells: &[u64]) -> String {
     if cells.len() < Rotation::CELLS {
         return object(["a", "b", "c"], &[]);
     }
-    let (roll, pitch, yaw) = Rotation::load(cells, 0).euler_angles();
-    object(["a", "b", "c"], &[yaw, pitch, roll].map(f64::to_bits))
+    let (a, b, c) = geometry::to_abc(Rotation::load(cells, 0));
+    object(["a", "b", "c"], &[a, b, c].map(f64::to_bits))
 }
 
 /// The shortest text that reads back to the same bits.

@@ -18,7 +18,7 @@
 //! | `tcp.sine` | actuator | real^12 | amplitude and frequency of an overlaid force, each as a wrench |
 //! | `tcp.force_x`, `_y`, `_z`, `tcp.torque_x`, `_y`, `_z` | sensor | real | estimated at the tool, N and N m |
 //! | `tool` | actuator | real^7 | mass (kg), centre of mass (m), moments of inertia (kg m²); indexed by axis |
-//! | `tool_and_tcp` | actuator | real^10 | the same and the tool centre point (m) |
+//! | `tool_and_tcp` | actuator | real^18 | mass, centre of mass as a pose, moments of inertia, tool centre point as a pose |
 //! | `control_strategy` | actuator | int | way of control: position, impedance |
 //! | `kinematics` | function | real^n to Pose | joints to tool in base |
 //! | `inverse_kinematics` | function | Pose, real^n to real^n | tool in base and joints to be near of, to joints |

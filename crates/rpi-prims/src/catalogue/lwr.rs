@@ -37,14 +37,14 @@ interface! {
 }
 
 interface! {
-    /// Tells the arm its load: mass (kg), centre of mass (m), moments of inertia (kg m²), and its tool centre point (m).
-    /// Completed once the arm has taken it over.
+    /// Tells the arm its load: mass (kg), centre of mass (as a pose, as the nets of the first
+    /// generation give it; m), moments of inertia (kg m²), and its tool centre point. Completed once the arm has taken it over.
     TOOL_PARAMETERS = "KUKA::LWR::ToolParameters";
     in {
         inMass: f64 = Mass(Real(0.0));
-        inCOM: Vector = COM(Neutral);
+        inCOM: Pose = COM(Neutral);
         inMOI: Vector = MOI(Neutral);
-        inTCP: Vector = TCP(Neutral)
+        inTCP: Pose = TCP(Neutral)
     }
     param { robot: Text = Str("") }
     out { outCompleted: bool; outError: i64 }

@@ -1,0 +1,208 @@
+//! A machine with a life: its state, what it holds, how it has ended.
+
+use crate::lifecycle::{Event, Next, State};
+use crate::load::LoadFault;
+use crate::machine::{Machine, Moment, Verdict};
+use rpi_device::DeviceBank;
+use rpi_image::hash::result_id;
+use rpi_image::image::{End, EndKind, Image};
+use rpi_prims::Fault;
+
+use alloc::boxed::Box;
+use alloc::sync::Arc;
+use alloc::vec;
+use alloc::vec::Vec;
+
+/// A loaded command.
+pub struct Command {
+    /// What it computes.
+    pub(crate) machine: Machine,
+    pub(crate) state: State,
+    /// The actuators that it needs, ascending, and whether it holds them.
+    pub(crate) holds: Box<[Hold]>,
+    /// For each result whether a successor is scheduled for it that covers what may be moving.
+    pub(crate) covered: Box<[bool]>,
+    /// What it is told in the current cycle.
+    pub(crate) moment: Moment,
+    pub(crate) ending: Option<Ending>,
+}
+
+/// An actuator that a command needs.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Hold {
+    pub(crate) resource: u32,
+    pub(crate) held: bool,
+}
+
+/// Why a command has ended.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub enum Cause {
+    /// By its named result of this index.
+    Result(usize),
+    /// By its port `terminate`.
+    Terminate,
+    /// By a fault in a cycle.
+    Fault(Fault),
+    /// By force from outside.
+    Aborted,
+}
+
+/// How a command has ended.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub struct Ending {
+    /// Why.
+    pub cause: Cause,
+    /// Its error number, 0 for none: the number of the `fail` in text order from 1, or what `fail` gave. -1 for a fault
+    /// or an abort.
+    pub error: i64,
+    /// Number of its cycles.
+    pub cycles: u64,
+    /// It left an actuator in motion that no successor took: the device was stopped.
+    pub left_moving: bool,
+}
+
+impl Ending {
+    /// True if a successor may follow.
+    #[must_use]
+    pub fn is_regular(&self) -> bool {
+        self.error == 0
+    }
+}
+
+impl Command {
+    /// Loads an image: verifies it, resolves its devices, allocates everything that it will ever need.
+    ///
+    /// # Errors
+    /// Every reason why it cannot run here.
+    pub fn load(
+        image: impl Into<Arc<Image>>,
+        bank: &mut dyn DeviceBank,
+    ) -> Result<Command, Vec<LoadFault>> {
+        let machine = Machine::load(image, bank)?;
+        let holds = machine
+            .held()
+            .map(|resource| Hold {
+                resource,
+                held: false,
+            })
+            .collect();
+        let results = match &machine.image().end {
+            End::Results(results) => results.len(),
+            End::Ports { .. } => 0,
+        };
+        Ok(Command {
+            machine,
+            state: State::Ready,
+            holds,
+            covered: vec![false; results].into(),
+            moment: Moment::default(),
+            ending: None,
+        })
+    }
+
+    /// Where it is in its life.
+    #[must_use]
+    pub fn state(&self) -> State {
+        self.state
+    }
+
+    /// What it computes.
+    #[must_use]
+    pub fn machine(&self) -> &Machine {
+        &self.machine
+    }
+
+    /// Sets an input between cycles; false if there is no such input or the value does not fit.
+    pub fn set_input(&mut self, index: usize, value: &[u64]) -> bool {
+        let net_ns = self.moment.net_ns;
+        self.machine.set_input(index, value, net_ns)
+    }
+
+    /// How it has ended.
+    #[must_use]
+    pub fn ending(&self) -> Option<&Ending> {
+        self.ending.as_ref()
+    }
+
+    /// The name of the result with which it has ended.
+    #[must_use]
+    pub fn result(&self) -> Option<&str> {
+        match (self.ending?.cause, &self.machine.image().end) {
+            (Cause::Result(k), End::Results(results)) => results.get(k).map(|r| r.name.as_str()),
+            _ => None,
+        }
+    }
+
+    /// The actuators that it needs, ascending.
+    pub fn resources(&self) -> impl Iterator<Item = u32> + '_ {
+        self.holds.iter().map(|h| h.resource)
+    }
+
+    /// Identity of its result, as its successor's `predecessor` flow carries it.
+    pub(crate) fn result_id(&self) -> Option<i64> {
+        Some(result_id(&self.machine.image().name, self.result()?))
+    }
+
+    /// Lets an event happen, if it fits the state.
+    pub(crate) fn happen(&mut self, event: Event) -> Next {
+        let next = self.state.next(event);
+        if let Next::To(state) = next {
+            self.state = state;
+        }
+        next
+    }
+
+    pub(crate) fn needs(&self, resource: u32) -> bool {
+        self.holds
+            .binary_search_by_key(&resource, |h| h.resource)
+            .is_ok()
+    }
+
+    pub(crate) fn holds(&self, resource: u32) -> bool {
+        let found = self.holds.binary_search_by_key(&resource, |h| h.resource);
+        found.is_ok_and(|k| self.holds[k].held)
+    }
+
+    pub(crate) fn hold_all(&mut self, held: bool) {
+        self.holds.iter_mut().for_each(|h| h.held = held);
+    }
+
+    /// Hands its set-points over. A moving actuator that got none is a fault, unless the command ends here anyway.
+    pub(crate) fn hand_over(&mut self, bank: &mut dyn DeviceBank) {
+        if !self.machine.hand_over(bank) && self.ends().is_none() {
+            self.machine.lose_control();
+        }
+    }
+
+    /// How it ends with this cycle, if it does.
+    pub(crate) fn ends(&self) -> Option<Ending> {
+        let verdict = self.machine.verdict(&self.covered)?;
+        let (cause, error) = match verdict {
+            Verdict::Result(k) => (Cause::Result(k), self.error_of(k)),
+            Verdict::Terminate(error) => (Cause::Terminate, error),
+            Verdict::Fault(fault) => (Cause::Fault(fault), -1),
+        };
+        Some(self.ending_by(cause, error))
+    }
+
+    pub(crate) fn ending_by(&self, cause: Cause, error: i64) -> Ending {
+        Ending {
+            cause,
+            error,
+            cycles: self.machine.cycle(),
+            left_moving: false,
+        }
+    }
+
+    /// The number of a `fail` in text order from 1; 0 for other results.
+    fn error_of(&self, result: usize) -> i64 {
+        let End::Results(results) = &self.machine.image().end else {
+            return 0;
+        };
+        let fails = |r: &&rpi_image::image::EndResult| r.kind == EndKind::Fail;
+        match results.get(result).filter(fails) {
+            Some(_) => results[..=result].iter().filter(fails).count() as i64,
+            None => 0,
+        }
+    }
+}

@@ -1,0 +1,361 @@
+//! One image running: memory, and the phases of a cycle.
+
+use crate::load::{LoadFault, check};
+use crate::ports::Ports;
+use crate::program::{Op, copy, resolve};
+use rpi_device::DeviceBank;
+use rpi_image::CommandFlow;
+use rpi_image::image::{Cells, End, EndKind, Fragment, Image, Signal, TRUE};
+use rpi_prims::{Clock, Cx, Fault, FaultCode};
+
+use alloc::boxed::Box;
+use alloc::sync::Arc;
+use alloc::vec;
+use alloc::vec::Vec;
+
+/// What a command is told at the start of a cycle.
+#[derive(Clone, Copy, PartialEq, Debug, Default)]
+pub struct Moment {
+    /// Logical time of this cycle, nanoseconds since the Unix epoch.
+    pub net_ns: i64,
+    /// The machine's clock at the start of the cycle, nanoseconds since the Unix epoch.
+    pub wall_ns: i64,
+    /// True once a cancel was requested.
+    pub cancel: bool,
+    /// True if a successor is scheduled that covers every actuator which may be moving.
+    pub takeover: bool,
+    /// Identity of the predecessor's result.
+    pub predecessor: Option<i64>,
+}
+
+/// How a command asks to end.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub enum Verdict {
+    /// By the named result of this index.
+    Result(usize),
+    /// By its ports `terminate` and `fail`: with this error number, 0 for none.
+    Terminate(i64),
+    /// By a fault.
+    Fault(Fault),
+}
+
+/// One image in memory, with its devices resolved.
+pub struct Machine {
+    image: Arc<Image>,
+    cells: Box<[u64]>,
+    steps: Box<[Op]>,
+    commit: Box<[Op]>,
+    /// For each fragment its part of [`Image::init`].
+    init: Box<[Cells]>,
+    ports: Ports,
+    cycle: u64,
+    clock: Clock,
+    fault: Option<Fault>,
+}
+
+impl Machine {
+    /// Verifies an image, resolves its devices and gives it its memory.
+    ///
+    /// # Errors
+    /// Every reason why it cannot run here.
+    pub fn load(
+        image: impl Into<Arc<Image>>,
+        bank: &mut dyn DeviceBank,
+    ) -> Result<Machine, Vec<LoadFault>> {
+        let image: Arc<Image> = image.into();
+        check(&image)?;
+        let mut faults = Vec::new();
+        let ports = Ports::load(&image, bank, &mut faults);
+        if !faults.is_empty() {
+            return Err(faults);
+        }
+        let mut machine = Machine {
+            cells: vec![0; image.layout.cells as usize].into(),
+            steps: resolve(&image, &image.steps),
+            commit: resolve(&image, &image.commit),
+            init: image.fragments.iter().map(|f| init_of(&image, f)).collect(),
+            ports,
+            cycle: 0,
+            clock: Clock {
+                dt: image.period_ns as f64 * 1e-9,
+                cycle: 0,
+                net_ns: 0,
+                wall_ns: 0,
+            },
+            fault: None,
+            image,
+        };
+        machine.reset();
+        Ok(machine)
+    }
+
+    /// As after loading.
+    pub fn reset(&mut self) {
+        self.cells.fill(0);
+        for &(cell, bits) in &self.image.init {
+            self.cells[cell as usize] = bits;
+        }
+        self.ports.reset();
+        self.cycle = 0;
+        self.fault = None;
+    }
+
+    /// What it runs.
+    #[must_use]
+    pub fn image(&self) -> &Arc<Image> {
+        &self.image
+    }
+
+    /// Number of the current cycle, or of the next one between cycles.
+    #[must_use]
+    pub fn cycle(&self) -> u64 {
+        self.cycle
+    }
+
+    /// The actuators (resources) that it holds, ascending.
+    pub fn held(&self) -> impl Iterator<Item = u32> + '_ {
+        self.ports.held()
+    }
+
+    /// The first fault of this cycle.
+    #[must_use]
+    pub fn fault(&self) -> Option<Fault> {
+        self.fault
+    }
+
+    /// First phase: latches sensors and the flows that the core provides.
+    pub fn read(&mut self, bank: &mut dyn DeviceBank, moment: &Moment) {
+        self.clock = Clock {
+            cycle: self.cycle,
+            net_ns: moment.net_ns,
+            wall_ns: moment.wall_ns,
+            ..self.clock
+        };
+        let mut cx = cx(&mut self.cells, self.clock, bank, self.fault);
+        self.ports.read_sensors(&self.image, &mut cx);
+        self.fault = cx.fault;
+        for flow in &self.image.flows {
+            let bits = bits(flow.flow, self.clock, moment);
+            self.cells[flow.value.at as usize] = bits.unwrap_or(0);
+            if flow.value.present != TRUE {
+                self.cells[flow.value.present as usize] = u64::from(bits.is_some());
+            }
+        }
+    }
+
+    /// Second phase: every active primitive once, in dependency order.
+    pub fn evaluate(&mut self, bank: &mut dyn DeviceBank) {
+        let mut cx = cx(&mut self.cells, self.clock, bank, self.fault);
+        let (mut pc, end) = (0, self.steps.len());
+        while pc < end {
+            pc = step(
+                pc,
+                self.steps[pc],
+                &self.image,
+                &self.init,
+                &mut self.ports,
+                &mut cx,
+            );
+        }
+        self.fault = cx.fault;
+    }
+
+    /// One step of the second phase, for whoever looks closely: gives the next step.
+    pub fn step(&mut self, pc: usize, bank: &mut dyn DeviceBank) -> usize {
+        let Some(&op) = self.steps.get(pc) else {
+            return pc;
+        };
+        let mut cx = cx(&mut self.cells, self.clock, bank, self.fault);
+        let next = step(pc, op, &self.image, &self.init, &mut self.ports, &mut cx);
+        self.fault = cx.fault;
+        next
+    }
+
+    /// Third phase: what `pre` will give in the next cycle.
+    pub fn commit(&mut self) {
+        let mut pc = 0;
+        while let Some(op) = self.commit.get(pc) {
+            pc = match *op {
+                Op::Copy { words } => {
+                    copy(&mut self.cells, &self.image.code[words.range()]);
+                    pc + 1
+                }
+                Op::Skip { unless, to } if self.cells[unless as usize] == 0 => to as usize,
+                _ => pc + 1,
+            };
+        }
+    }
+
+    /// Fourth phase: all set-points to the devices; after a fault none, and what moves is stopped.
+    /// False if an actuator moved and got no set-point: it was stopped.
+    pub fn hand_over(&mut self, bank: &mut dyn DeviceBank) -> bool {
+        self.cycle += 1;
+        if self.fault.is_some() {
+            self.ports.stop(bank);
+            return true;
+        }
+        self.ports.hand_over(bank)
+    }
+
+    /// Makes a missing set-point the fault of this cycle.
+    pub(crate) fn lose_control(&mut self) {
+        let code = FaultCode::SetPointMissing;
+        self.fault.get_or_insert(Fault { code, cell: 0 });
+    }
+
+    /// Last phase: whether and how it ends with this cycle. `covered` tells for each result whether a successor is
+    /// scheduled for it; a `yield` without one is passed over.
+    #[must_use]
+    pub fn verdict(&self, covered: &[bool]) -> Option<Verdict> {
+        if let Some(fault) = self.fault {
+            return Some(Verdict::Fault(fault));
+        }
+        match &self.image.end {
+            End::Results(results) => {
+                let asks = |fail: bool| {
+                    results.iter().enumerate().position(|(k, r)| {
+                        let may = r.kind != EndKind::Yield || covered.get(k) == Some(&true);
+                        (r.kind == EndKind::Fail) == fail && may && self.is_true(r.condition)
+                    })
+                };
+                asks(true).or_else(|| asks(false)).map(Verdict::Result)
+            }
+            End::Ports { terminate, fail } => {
+                let ends = terminate.is_some_and(|s| self.is_true(s));
+                let error = fail
+                    .and_then(|s| self.value(s))
+                    .map_or(0, |v| v[0].cast_signed());
+                ends.then_some(Verdict::Terminate(error))
+            }
+        }
+    }
+
+    /// The value of a flow of the root fragment, or of a fragment that is active; none where it is absent.
+    #[must_use]
+    pub fn value(&self, signal: Signal) -> Option<&[u64]> {
+        let present = self
+            .cells
+            .get(signal.present as usize)
+            .is_some_and(|&p| p != 0);
+        self.cells.get(signal.cells().range()).filter(|_| present)
+    }
+
+    /// True if a fragment and all that enclose it were active in this cycle.
+    #[must_use]
+    pub fn is_active(&self, fragment: u32) -> bool {
+        let mut at = Some(fragment);
+        while let Some(f) = at.and_then(|k| self.image.fragments.get(k as usize)) {
+            if self.cells.get(f.active as usize).is_none_or(|&a| a == 0) {
+                return false;
+            }
+            at = f.parent;
+        }
+        true
+    }
+
+    /// Overwrites a flow, or makes it absent: what a test or a replay puts in place of a computed value.
+    /// False if it does not fit: another length, or absent where it cannot be.
+    pub fn force(&mut self, signal: Signal, value: Option<&[u64]>) -> bool {
+        if let Some(value) = value {
+            let cells = self.cells.get_mut(signal.cells().range());
+            let Some(cells) = cells.filter(|c| c.len() == value.len()) else {
+                return false;
+            };
+            cells.copy_from_slice(value);
+        }
+        let external = signal.present > TRUE;
+        match self.cells.get_mut(signal.present as usize) {
+            Some(present) if external => *present = u64::from(value.is_some()),
+            _ => return value.is_some(),
+        }
+        true
+    }
+
+    /// Sets an input between cycles; `net_ns` is the logical time of the update.
+    pub fn set_input(&mut self, index: usize, value: &[u64], net_ns: i64) -> bool {
+        let Some(input) = self.image.inputs.get(index) else {
+            return false;
+        };
+        let (target, updated) = (input.value, input.updated);
+        let fits = self.force(target, Some(value));
+        if let Some(updated) = updated.filter(|_| fits) {
+            self.force(updated, Some(&[net_ns.cast_unsigned()]));
+        }
+        fits
+    }
+
+    fn is_true(&self, signal: Signal) -> bool {
+        self.value(signal).is_some_and(|v| v[0] != 0)
+    }
+}
+
+fn cx<'a>(
+    cells: &'a mut [u64],
+    clock: Clock,
+    devices: &'a mut dyn DeviceBank,
+    fault: Option<Fault>,
+) -> Cx<'a> {
+    Cx {
+        cells,
+        clock,
+        devices,
+        fault,
+    }
+}
+
+/// Runs one step and gives the next.
+#[inline(always)]
+fn step(
+    pc: usize,
+    op: Op,
+    image: &Image,
+    init: &[Cells],
+    ports: &mut Ports,
+    cx: &mut Cx<'_>,
+) -> usize {
+    match op {
+        Op::Run { code, words } => code(cx, &image.code[words.range()]),
+        Op::Copy { words } => copy(cx.cells, &image.code[words.range()]),
+        Op::Skip { unless, to } if cx.cells[unless as usize] == 0 => return to as usize,
+        Op::Skip { .. } => {}
+        Op::Reset { unless, fragment } if cx.cells[unless as usize] == 0 => {
+            let index = fragment as usize;
+            let init = &image.init[init[index].range()];
+            restore(cx.cells, image.fragments[index].state, init);
+        }
+        Op::Reset { .. } => {}
+        Op::Actuate { actuator } => ports.actuate(image, actuator as usize, cx),
+        Op::Call { function } => ports.call(image, function as usize, cx),
+    }
+    pc + 1
+}
+
+fn restore(cells: &mut [u64], state: Cells, init: &[(u32, u64)]) {
+    cells[state.range()].fill(0);
+    for &(cell, bits) in init {
+        cells[cell as usize] = bits;
+    }
+}
+
+/// The initial contents that lie in a fragment's state.
+fn init_of(image: &Image, fragment: &Fragment) -> Cells {
+    let before = |cell: u32| image.init.partition_point(|i| i.0 < cell);
+    let (start, end) = (before(fragment.state.at), before(fragment.state.end()));
+    // Cells are fewer than 2^32, and initial contents fewer than cells.
+    Cells {
+        at: start as u32,
+        len: (end - start) as u32,
+    }
+}
+
+fn bits(flow: CommandFlow, clock: Clock, moment: &Moment) -> Option<u64> {
+    Some(match flow {
+        CommandFlow::Cancel => u64::from(moment.cancel),
+        CommandFlow::Takeover => u64::from(moment.takeover),
+        CommandFlow::Time => (clock.cycle as f64 * clock.dt).to_bits(),
+        CommandFlow::Period => clock.dt.to_bits(),
+        CommandFlow::NetTime => clock.net_ns.cast_unsigned(),
+        CommandFlow::WallTime => clock.wall_ns.cast_unsigned(),
+        CommandFlow::Predecessor => return moment.predecessor.map(i64::cast_unsigned),
+    })
+}

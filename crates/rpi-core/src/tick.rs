@@ -1,0 +1,95 @@
+//! The cycle.
+
+use crate::command::Command;
+use crate::commands::{CommandId, Core, Entry};
+use crate::lifecycle::State;
+use crate::machine::Moment;
+use rpi_device::DeviceBank;
+
+/// Who looks at a command at the end of each of its cycles: recording, publishing, figures.
+///
+/// It is called on the cycle's thread and must not allocate, lock or wait.
+pub trait Watch {
+    /// A cycle of this command is over: all its flows can be read.
+    fn cycle(&mut self, id: CommandId, command: &Command);
+}
+
+/// Nobody looks.
+impl Watch for () {
+    fn cycle(&mut self, _: CommandId, _: &Command) {}
+}
+
+impl Core {
+    /// One tick: every command that is due runs one cycle. `wall_ns` is the machine's clock in nanoseconds since the
+    /// Unix epoch.
+    pub fn tick(&mut self, bank: &mut dyn DeviceBank, wall_ns: i64, watch: &mut dyn Watch) {
+        let now = self.tick;
+        self.tell(bank, wall_ns);
+        due(&mut self.entries, now, |c| c.machine.read(bank, &c.moment));
+        due(&mut self.entries, now, |c| c.machine.evaluate(bank));
+        due(&mut self.entries, now, |c| c.machine.commit());
+        due(&mut self.entries, now, |c| c.hand_over(bank));
+        self.publish(watch);
+        self.decide(bank);
+        self.tick += 1;
+    }
+
+    /// Tells each command that is due what it must know at the start of its cycle. Requests that arrive later count from
+    /// the next cycle on.
+    fn tell(&mut self, bank: &dyn DeviceBank, wall_ns: i64) {
+        for place in 0..self.entries.len() {
+            let covered = self.covered(place, bank);
+            let entry = self.entries[place].as_mut();
+            let Some(entry) = entry.filter(|e| is_due(e, self.tick)) else {
+                continue;
+            };
+            let (cycle, command) = (entry.command.machine.cycle(), &mut entry.command);
+            if cycle == 0 {
+                entry.start_ns = wall_ns;
+            }
+            let since = cycle.saturating_mul(command.machine.image().period_ns);
+            command.covered.fill(covered);
+            command.moment = Moment {
+                net_ns: entry.start_ns.saturating_add_unsigned(since),
+                wall_ns,
+                cancel: command.state == State::Cancelling,
+                takeover: covered,
+                predecessor: command.moment.predecessor,
+            };
+        }
+    }
+
+    fn publish(&self, watch: &mut dyn Watch) {
+        for (place, entry) in self.entries.iter().enumerate() {
+            if let Some(entry) = entry.as_ref().filter(|e| is_due(e, self.tick)) {
+                watch.cycle(self.id(place), &entry.command);
+            }
+        }
+    }
+
+    /// Decides once what comes next, in the order of the table.
+    fn decide(&mut self, bank: &mut dyn DeviceBank) {
+        let now = self.tick;
+        for place in 0..self.entries.len() {
+            let entry = self.entries[place].as_mut();
+            let Some(entry) = entry.filter(|e| is_due(e, now)) else {
+                continue;
+            };
+            entry.due += entry.ticks;
+            if let Some(ending) = entry.command.ends() {
+                self.end(place, ending, bank);
+            }
+        }
+    }
+}
+
+/// Does a phase of the cycle for each command that is due.
+fn due(entries: &mut [Option<Entry>], tick: u64, mut phase: impl FnMut(&mut Command)) {
+    for entry in entries.iter_mut().flatten().filter(|e| is_due(e, tick)) {
+        phase(&mut entry.command);
+    }
+}
+
+fn is_due(entry: &Entry, tick: u64) -> bool {
+    entry.command.state.runs() && entry.due == tick
+}

@@ -1,0 +1,131 @@
+//! The report for people.
+
+use std::fmt;
+
+use super::report::{Divergence, Link, Report};
+
+/// Ports listed with their differences.
+const LISTED: usize = 12;
+
+impl fmt::Display for Report {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let verdict = if self.agrees() {
+            "agrees with"
+        } else {
+            "DIFFERS from"
+        };
+        writeln!(
+            f,
+            "{} {verdict} the trace, {} cycles",
+            self.net, self.cycles
+        )?;
+        self.counts(f)?;
+        self.lists(f)?;
+        match &self.first {
+            Some(first) => write!(f, "{first}"),
+            None => Ok(()),
+        }
+    }
+}
+
+impl Report {
+    fn counts(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let compared = self.compared;
+        writeln!(
+            f,
+            "  compared   {:>9} values and {} absences",
+            compared.values, compared.absences
+        )?;
+        writeln!(f, "  differing  {:>9}", self.differing)?;
+        for row in &self.explained {
+            let ports = row.ports.len();
+            writeln!(
+                f,
+                "  explained  {:>9} at {ports} ports by `{}`: {}",
+                row.values, row.entry, row.why
+            )?;
+        }
+        writeln!(f, "  taken      {:>9} from outside", self.taken)?;
+        for (count, what) in [
+            (
+                self.unknown,
+                "depend on what is not in the trace in that cycle",
+            ),
+            (
+                self.rewritten,
+                "angles follow the trace's way of writing them",
+            ),
+        ] {
+            if count > 0 {
+                writeln!(f, "  passed by  {count:>9} {what}")?;
+            }
+        }
+        if let Some(worst) = &self.worst {
+            let (off, port, cycle) = (worst.deviation, &worst.port, worst.cycle);
+            writeln!(f, "  worst that agrees {off:.2e}: {port} in cycle {cycle}")?;
+        }
+        Ok(())
+    }
+
+    fn lists(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        for port in self.unmatched.iter().take(LISTED) {
+            writeln!(f, "  the net has no port {port}")?;
+        }
+        if let Some(fault) = &self.fault {
+            let (code, place, cycle) = (&fault.code, &fault.place, fault.cycle);
+            writeln!(
+                f,
+                "  the net ended with fault {code} of {place} in cycle {cycle}"
+            )?;
+        }
+        for port in self.ports.iter().take(LISTED) {
+            let worst = port
+                .worst
+                .map_or("presence".to_owned(), |w| format!("{w:.2e}"));
+            let (name, kind) = (&port.port, &port.primitive);
+            let (values, first) = (port.values, port.first_cycle);
+            writeln!(
+                f,
+                "  {name} ({kind}): {values} differ from cycle {first} on, worst {worst}"
+            )?;
+        }
+        match self.ports.len().saturating_sub(LISTED) {
+            0 => Ok(()),
+            more => writeln!(f, "  and {more} more ports"),
+        }
+    }
+}
+
+impl fmt::Display for Divergence {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        writeln!(f, "first divergence, in cycle {}:", self.cycle)?;
+        for (k, link) in self.path.iter().enumerate() {
+            let from = if k == 0 { "  " } else { "  from " };
+            write!(f, "{from}{link}")?;
+        }
+        for (port, from, value) in self.path.last().map_or(&[][..], |root| &root.inputs) {
+            writeln!(f, "    {port} = {value}  from {from}")?;
+        }
+        Ok(())
+    }
+}
+
+impl fmt::Display for Link {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{}", self.port)?;
+        if !self.primitive.is_empty() {
+            write!(f, " ({})", self.primitive)?;
+        }
+        if let Some(deviation) = self.deviation {
+            write!(f, ", off by {deviation:.2e}")?;
+        }
+        if let Some(cycle) = self.since {
+            write!(f, ", off since cycle {cycle}")?;
+        }
+        writeln!(f, "\n    computed {}", self.computed)?;
+        match &self.recorded {
+            Some(recorded) => writeln!(f, "    recorded {recorded}"),
+            None => Ok(()),
+        }
+    }
+}

@@ -1,0 +1,24 @@
+//! Values as texts for the report.
+
+use rpi_image::Type;
+use rpi_net::literal;
+
+use super::recorded::Recorded;
+
+/// The text of a value; `null` for an absent one.
+pub(super) fn text(value: Option<&[u64]>, ty: Type) -> String {
+    value.map_or_else(|| "null".to_owned(), |cells| literal::write(cells, ty))
+}
+
+impl Recorded {
+    /// The text of what was recorded.
+    pub(super) fn text(&self, ty: Type) -> String {
+        match self {
+            Recorded::Unknown => "(not recorded)".to_owned(),
+            Recorded::Absent => text(None, ty),
+            Recorded::Opaque => "(a value that the recorder could not write)".to_owned(),
+            Recorded::Foreign(text) => text.clone(),
+            Recorded::Value(cells) => text(Some(cells), ty),
+        }
+    }
+}

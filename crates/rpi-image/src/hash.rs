@@ -1,0 +1,101 @@
+//! Stable 64-bit hashes: result identities, primitive signatures, the checksum of a file.
+
+use crate::desc::PrimDesc;
+use core::fmt::{self, Write};
+
+/// FNV-1a, 64 bit (Fowler, Noll, Vo; draft-eastlake-fnv). Guards against accidents, not against malice.
+#[derive(Clone, Copy, Debug)]
+pub struct Fnv(u64);
+
+impl Fnv {
+    /// The hash of nothing.
+    #[must_use]
+    pub const fn new() -> Self {
+        Fnv(0xcbf2_9ce4_8422_2325)
+    }
+
+    /// Takes in some bytes.
+    #[must_use]
+    pub const fn bytes(self, bytes: &[u8]) -> Self {
+        let (mut hash, mut k) = (self.0, 0);
+        while k < bytes.len() {
+            hash = (hash ^ bytes[k] as u64).wrapping_mul(0x0000_0100_0000_01b3);
+            k += 1;
+        }
+        Fnv(hash)
+    }
+
+    /// The hash of all that was taken in.
+    #[must_use]
+    pub const fn finish(self) -> u64 {
+        self.0
+    }
+}
+
+impl core::default::Default for Fnv {
+    fn default() -> Self {
+        Self::new()
+    }
+}
+
+impl Write for Fnv {
+    fn write_str(&mut self, s: &str) -> fmt::Result {
+        *self = self.bytes(s.as_bytes());
+        Ok(())
+    }
+}
+
+/// Identity of a result as the flow `predecessor` carries it: the hash of `Command.result` as an integer.
+#[must_use]
+pub fn result_id(command: &str, result: &str) -> i64 {
+    let hash = Fnv::new().bytes(command.as_bytes()).bytes(b".");
+    hash.bytes(result.as_bytes()).finish().cast_signed()
+}
+
+/// Signature of a primitive: everything of its declaration on which the operand words of an image depend.
+#[must_use]
+pub fn signature(desc: &PrimDesc) -> u64 {
+    let mut hash = Fnv::new();
+    // Writing to a hash cannot fail.
+    let _ = write_signature(&mut hash, desc);
+    hash.finish()
+}
+
+fn write_signature(out: &mut Fnv, desc: &PrimDesc) -> fmt::Result {
+    write!(out, "{}", desc.name)?;
+    for port in desc.inputs {
+        write!(out, ";{}:{:?}", port.name, port.ty)?;
+    }
+    for port in desc.outputs {
+        write!(out, ">{}:{:?}:{:?}", port.name, port.ty, port.presence)?;
+    }
+    for param in desc.params {
+        write!(out, "<{}:{:?}", param.name, param.ty)?;
+    }
+    match desc.state {
+        crate::State::None => out.write_str("-"),
+        crate::State::Cells(n) => write!(out, "#{n}"),
+        crate::State::Sized(_) => out.write_str("#sized"),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_hash_is_the_published_one() {
+        assert_eq!(Fnv::new().finish(), 0xcbf2_9ce4_8422_2325);
+        assert_eq!(Fnv::new().bytes(b"a").finish(), 0xaf63_dc4c_8601_ec8c);
+        assert_eq!(Fnv::new().bytes(b"foobar").finish(), 0x8594_4171_f739_67e8);
+    }
+
+    #[test]
+    fn a_result_is_named_by_command_and_result() {
+        assert_ne!(result_id("A", "b"), result_id("A", "c"));
+        assert_eq!(
+            result_id("A", "b").cast_unsigned(),
+            Fnv::new().bytes(b"A.b").finish()
+        );
+    }
+}

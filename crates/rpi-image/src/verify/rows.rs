@@ -1,0 +1,172 @@
+//! Rows of equal primitives: their operand words against the declaration.
+
+use super::Check;
+use super::steps::Known;
+use crate::desc::{ParamType, PortType, PrimDesc, Shape, ShapeArgs, SizeArgs, State};
+use crate::image::{Cells, Form};
+use crate::operands::{Field, Part};
+use crate::ty::{Scalar, Type};
+use crate::value::Value;
+use crate::{Presence, Role};
+use alloc::string::String;
+use alloc::vec::Vec;
+use alloc::{format, vec};
+
+/// What the words of one group say, as far as sizes need it.
+struct Group {
+    inputs: Vec<Option<Type>>,
+    params: Vec<Value>,
+}
+
+impl Check<'_> {
+    pub(super) fn run(&mut self, known: &[Option<Known>], prim: u16, form: Form, words: Cells) {
+        let Some(Some(known)) = known.get(usize::from(prim)) else {
+            return self.demand(known.len() > usize::from(prim), || {
+                format!("there is no primitive {prim}")
+            });
+        };
+        self.demand(runs(known.desc, form), || {
+            format!("{} has no {form:?} form", known.desc.name)
+        });
+        let (fields, group) = &known.forms[form as usize];
+        let Some(words) = self.words(words, *group) else {
+            return;
+        };
+        for group in words.chunks_exact(*group) {
+            self.group(known.desc, fields, group);
+        }
+    }
+
+    fn group(&mut self, desc: &PrimDesc, fields: &[Field], words: &[u32]) {
+        let mut group = Group {
+            inputs: vec![None; desc.inputs.len()],
+            params: desc
+                .params
+                .iter()
+                .map(|_| Value::Str(String::new()))
+                .collect(),
+        };
+        let mut words = words;
+        for field in fields {
+            let (mine, rest) = words.split_at(field.words());
+            words = rest;
+            self.field(desc, *field, mine, &mut group);
+        }
+    }
+
+    fn field(&mut self, desc: &PrimDesc, field: Field, words: &[u32], group: &mut Group) {
+        let presence = field.presence.then(|| words[field.words() - 1]);
+        match field.part {
+            Part::Input(k) => {
+                let ty = port_type(desc.inputs[k].ty, words);
+                group.inputs[k] = Some(ty);
+                self.reads(cells(words[0], ty));
+                presence.into_iter().for_each(|cell| self.decides(cell));
+            }
+            Part::Param(k) => {
+                let ty = param_type(desc.params[k].ty, words);
+                self.constant(cells(words[0], ty));
+                if sized(desc) {
+                    group.params[k] = self.value(words[0], ty);
+                }
+            }
+            Part::Output(k) => {
+                let ty = port_type(desc.outputs[k].ty, words);
+                self.fits(desc, k, ty, group);
+                self.writes(cells(words[0], ty));
+                presence
+                    .into_iter()
+                    .for_each(|at| self.writes(Cells { at, len: 1 }));
+            }
+            Part::State => self.state(desc, words, group),
+        }
+    }
+
+    /// Lengths and shapes as the declaration derives them.
+    fn fits(&mut self, desc: &PrimDesc, port: usize, ty: Type, group: &Group) {
+        if matches!(desc.shape, Shape::Fixed) {
+            return;
+        }
+        let args = ShapeArgs {
+            inputs: &group.inputs,
+            params: &group.params,
+        };
+        let right = desc.out_type(port, &args) == Some(ty);
+        self.demand(right, || {
+            format!("{}: {ty} does not fit its inputs", desc.outputs[port].name)
+        });
+    }
+
+    fn state(&mut self, desc: &PrimDesc, words: &[u32], group: &Group) {
+        let dt = self.image.period_ns as f64 * 1e-9;
+        let len = match desc.state {
+            State::None => 0,
+            State::Cells(n) => n,
+            State::Sized(size) => {
+                let right = size(&SizeArgs {
+                    params: &group.params,
+                    dt,
+                });
+                self.demand(words[1] == right, || {
+                    format!("a state of {} cells where {right} are needed", words[1])
+                });
+                words[1]
+            }
+        };
+        self.owns(Cells { at: words[0], len });
+    }
+
+    /// A constant; zero where it lies outside, which was found already.
+    fn value(&self, at: u32, ty: Type) -> Value {
+        let bits = |cell: u32| {
+            let found = self.image.init.binary_search_by_key(&cell, |c| c.0);
+            found.map_or(0, |k| self.image.init[k].1)
+        };
+        let range = cells(at, ty);
+        let len = range.len.min(self.image.layout.constants);
+        Value::Cells {
+            ty,
+            cells: (0..len).map(|k| bits(at.saturating_add(k))).collect(),
+        }
+    }
+}
+
+fn cells(at: u32, ty: Type) -> Cells {
+    Cells {
+        at,
+        len: ty.cells(),
+    }
+}
+
+/// Only computing primitives are run, in the forms that their presence rule leaves.
+fn runs(desc: &PrimDesc, form: Form) -> bool {
+    let presence = desc.outputs.iter().map(|o| o.presence);
+    let strict = presence.clone().all(|p| p == Presence::Strict);
+    let maybe = presence.clone().any(|p| p == Presence::Maybe);
+    desc.role == Role::Compute
+        && match form {
+            Form::Total => !maybe,
+            Form::Optional => !strict,
+        }
+}
+
+fn sized(desc: &PrimDesc) -> bool {
+    !matches!(desc.shape, Shape::Fixed) || matches!(desc.state, State::Sized(_))
+}
+
+fn port_type(ty: PortType, words: &[u32]) -> Type {
+    match ty {
+        PortType::One(s) => Type::One(s),
+        PortType::Array(s) => Type::Array(s, words[1]),
+        PortType::Matrix => Type::Matrix(words[1], words[2]),
+    }
+}
+
+/// Texts take no word, so they never get here.
+fn param_type(ty: ParamType, words: &[u32]) -> Type {
+    match ty {
+        ParamType::One(s) => Type::One(s),
+        ParamType::Array(s) => Type::Array(s, words[1]),
+        ParamType::Str => Type::One(Scalar::Bool),
+    }
+}

@@ -1,0 +1,200 @@
+//! The two step lists: jumps, who writes what, and what may be read when.
+
+use super::{At, Check, UNWRITTEN};
+use crate::desc::PrimDesc;
+use crate::image::{Cells, Form, Step, TRUE};
+use crate::operands::{Field, fields, group};
+use alloc::vec::Vec;
+use alloc::{format, vec};
+
+/// A primitive with the layouts of its two forms.
+pub(super) struct Known {
+    pub desc: &'static PrimDesc,
+    pub forms: [(Vec<Field>, usize); 2],
+}
+
+impl Known {
+    fn of(desc: &'static PrimDesc) -> Self {
+        let form = |form| {
+            let fields = fields(desc, form);
+            let words = group(&fields);
+            (fields, words)
+        };
+        Known {
+            desc,
+            forms: [form(Form::Total), form(Form::Optional)],
+        }
+    }
+}
+
+impl Check<'_> {
+    /// Follows the evaluation phase once, from first to last step.
+    pub(super) fn evaluation(&mut self, prims: &[Option<&'static PrimDesc>]) {
+        let known: Vec<Option<Known>> = prims.iter().map(|p| p.map(Known::of)).collect();
+        let mut used = Used::new(self.image.actuators.len(), self.image.functions.len());
+        let mut ends = Vec::new();
+        for (pc, step) in self.image.steps.iter().enumerate() {
+            self.at = At::Step(pc);
+            self.close(&mut ends, pc);
+            match *step {
+                Step::Run {
+                    prim,
+                    form,
+                    at,
+                    len,
+                } => self.run(&known, prim, form, Cells { at, len }),
+                Step::Copy { at, len } => self.copies(Cells { at, len }),
+                Step::Skip { unless, to } => {
+                    self.decides(unless);
+                    self.enter(&mut ends, pc, to, self.image.steps.len());
+                }
+                Step::Reset { unless, fragment } => {
+                    self.decides(unless);
+                    let known = (fragment as usize) < self.image.fragments.len();
+                    self.demand(known, || format!("there is no fragment {fragment}"));
+                }
+                Step::Actuate { actuator } => self.actuate(actuator, &mut used),
+                Step::Call { function } => self.call(function, &mut used),
+            }
+        }
+        self.close(&mut ends, self.image.steps.len());
+    }
+
+    /// Follows the commit phase: what it overwrites is state, and is not read afterwards.
+    pub(super) fn commit(&mut self) {
+        let mut ends = Vec::new();
+        let mut gone = vec![false; self.owned.len()];
+        for (pc, step) in self.image.commit.iter().enumerate() {
+            self.at = At::Commit(pc);
+            self.close(&mut ends, pc);
+            match *step {
+                Step::Copy { at, len } => self.latches(Cells { at, len }, &mut gone),
+                Step::Skip { unless, to } => {
+                    self.decided(unless);
+                    self.enter(&mut ends, pc, to, self.image.commit.len());
+                }
+                Step::Run { .. }
+                | Step::Reset { .. }
+                | Step::Actuate { .. }
+                | Step::Call { .. } => {
+                    self.fail("only skips and copies are allowed here".into());
+                }
+            }
+        }
+        self.close(&mut ends, self.image.commit.len());
+    }
+
+    fn enter(&mut self, ends: &mut Vec<(usize, u32)>, pc: usize, to: u32, len: usize) {
+        let outer = ends.last().map_or(len, |e| e.0);
+        let to = to as usize;
+        if to <= pc || to > outer {
+            return self.fail(format!("a skip to {to} does not stay in front of {outer}"));
+        }
+        ends.push((to, self.scope));
+        self.scope = u32::try_from(self.open.len()).unwrap_or(UNWRITTEN);
+        self.open.push(true);
+    }
+
+    fn close(&mut self, ends: &mut Vec<(usize, u32)>, pc: usize) {
+        while let Some(&(end, outer)) = ends.last() {
+            if end > pc {
+                return;
+            }
+            self.open[self.scope as usize] = false;
+            self.scope = outer;
+            ends.pop();
+        }
+    }
+
+    fn copies(&mut self, words: Cells) {
+        let Some(words) = self.words(words, 2) else {
+            return;
+        };
+        for pair in words.chunks_exact(2) {
+            self.reads(Cells {
+                at: pair[0],
+                len: 1,
+            });
+            self.writes(Cells {
+                at: pair[1],
+                len: 1,
+            });
+        }
+    }
+
+    fn latches(&mut self, words: Cells, gone: &mut [bool]) {
+        let first = self.image.layout.external;
+        let Some(words) = self.words(words, 2) else {
+            return;
+        };
+        for pair in words.chunks_exact(2) {
+            let state = |cell: u32| cell.checked_sub(first).map(|k| k as usize);
+            self.reads(Cells {
+                at: pair[0],
+                len: 1,
+            });
+            let stale = state(pair[0]).and_then(|k| gone.get(k)) == Some(&true);
+            self.demand(!stale, || {
+                format!("cell {} was overwritten by an earlier copy", pair[0])
+            });
+            self.owns(Cells {
+                at: pair[1],
+                len: 1,
+            });
+            if let Some(flag) = state(pair[1]).and_then(|k| gone.get_mut(k)) {
+                *flag = true;
+            }
+        }
+    }
+
+    fn actuate(&mut self, actuator: u32, used: &mut Used) {
+        let Some(a) = self.image.actuators.get(actuator as usize) else {
+            return self.fail(format!("there is no actuator {actuator}"));
+        };
+        self.demand(Used::once(&mut used.actuators, actuator), || {
+            "it is set twice".into()
+        });
+        a.inputs.iter().for_each(|c| self.reads(*c));
+        a.answers
+            .iter()
+            .for_each(|(_, at)| self.writes(Cells { at: *at, len: 1 }));
+    }
+
+    fn call(&mut self, function: u32, used: &mut Used) {
+        let Some(f) = self.image.functions.get(function as usize) else {
+            return self.fail(format!("there is no function {function}"));
+        };
+        self.demand(Used::once(&mut used.functions, function), || {
+            "it is called twice".into()
+        });
+        f.arguments.iter().for_each(|c| self.reads(*c));
+        f.results.iter().for_each(|c| self.writes(*c));
+        if f.present != TRUE {
+            self.writes(Cells {
+                at: f.present,
+                len: 1,
+            });
+        }
+    }
+}
+
+/// What may happen only once.
+struct Used {
+    actuators: Vec<bool>,
+    functions: Vec<bool>,
+}
+
+impl Used {
+    fn new(actuators: usize, functions: usize) -> Self {
+        Used {
+            actuators: vec![false; actuators],
+            functions: vec![false; functions],
+        }
+    }
+
+    /// True the first time.
+    fn once(flags: &mut [bool], index: u32) -> bool {
+        let flag = flags.get_mut(index as usize);
+        flag.is_some_and(|f| !core::mem::replace(f, true))
+    }
+}

@@ -1,0 +1,106 @@
+//! Fragments: scopes that are skipped as a whole, and what starts them afresh.
+
+use super::Builder;
+use crate::flat::{ScopeId, index};
+use crate::slots::{Region, Slot};
+use rpi_image::image::{self, Cells};
+use rpi_net::{Absent, Activation, FragmentId, PortRef, Restart};
+
+impl Builder<'_> {
+    /// One entry per fragment of the net; what tells of its activity is filled in when it is built.
+    pub(super) fn fragments_table(&mut self) {
+        for id in self.net.fragment_ids() {
+            let fragment = self.net.fragment(id);
+            let parent = fragment.parent;
+            self.flat.tables.fragments.push(image::Fragment {
+                path: parent.map_or(String::new(), |p| self.net.path(p, &fragment.name)),
+                parent: parent.map(|p| p.0),
+                active: Slot::TRUE.0,
+                state: Cells::default(),
+            });
+        }
+    }
+
+    pub(super) fn fragment(&mut self, id: FragmentId) {
+        let net = self.net;
+        let fragment = net.fragment(id);
+        let Some(parent) = fragment.parent else {
+            return;
+        };
+        let active = self.activity(id, parent);
+        self.active[id.index()] = active;
+        self.flat.tables.fragments[id.index()].active = active.0;
+        if active == Slot::TRUE && fragment.restart == Restart::Never {
+            self.scope[id.index()] = self.scope[parent.index()];
+            return self.items(id);
+        }
+        let scope = self.flat.open(self.scope[parent.index()], active);
+        self.scope[id.index()] = scope;
+        self.restart(id, parent, scope);
+        self.items(id);
+        self.flat.close(scope);
+    }
+
+    /// The Boolean that activates a fragment, computed where its parent is.
+    fn activity(&mut self, id: FragmentId, parent: FragmentId) -> Slot {
+        let net = self.net;
+        let Activation::When { condition, absent } = net.fragment(id).activation else {
+            return Slot::TRUE;
+        };
+        let flow = self.view(condition, parent).flow;
+        let scope = self.scope[parent.index()];
+        match absent {
+            Absent::Inactive => self
+                .logic
+                .and(&mut self.flat, scope, flow.value, flow.present),
+            Absent::Active => {
+                let missing = self.logic.not(&mut self.flat, scope, flow.present);
+                self.logic.or(&mut self.flat, scope, flow.value, missing)
+            }
+        }
+    }
+
+    fn restart(&mut self, id: FragmentId, parent: FragmentId, scope: ScopeId) {
+        let unless = match self.net.fragment(id).restart {
+            Restart::Never => return,
+            Restart::OnActivation => self.was_active(id, parent),
+            Restart::Every(condition) => self.not_asked(condition, parent, scope),
+        };
+        self.flat.scopes[scope.index()].reset = Some((unless, index(id.index())));
+    }
+
+    /// True if the fragment was active when its parent last was: part of the parent's state, so that a pause of the
+    /// parent is no end of the child's activity.
+    fn was_active(&mut self, id: FragmentId, parent: FragmentId) -> Slot {
+        let was = self.flat.slots.add(Region::State(parent), 1);
+        let active = self.active[id.index()];
+        let outer = self.scope[parent.index()];
+        self.flat.scopes[outer.index()].latches.push((active, was));
+        was
+    }
+
+    /// True unless the restart condition holds; absent means that it does not.
+    fn not_asked(&mut self, condition: PortRef, parent: FragmentId, scope: ScopeId) -> Slot {
+        let flow = self.view(condition, parent).flow;
+        let outer = self.flat.scopes[scope.index()]
+            .parent
+            .unwrap_or(ScopeId::ROOT);
+        let asked = self
+            .logic
+            .and(&mut self.flat, outer, flow.value, flow.present);
+        self.logic.not(&mut self.flat, outer, asked)
+    }
+
+    /// What the delays keep for the next cycle.
+    pub(super) fn latches(&mut self) {
+        for (id, kept) in std::mem::take(&mut self.delays) {
+            let link = self.link(id, 0);
+            let scope = self.scope_of(id);
+            let latches = &mut self.flat.scopes[scope.index()].latches;
+            latches.push((link.flow.value, kept.value));
+            if kept.present != Slot::TRUE {
+                latches.push((link.flow.present, kept.present));
+            }
+        }
+    }
+}

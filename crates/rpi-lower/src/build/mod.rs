@@ -1,0 +1,154 @@
+//! Takes a net apart into operations: what runs, under which guard, with which presence.
+//!
+//! The rules (M4, M5, M6): a fragment is a scope that is skipped as a whole. Presence is data, a Boolean slot per flow
+//! that may be absent. A strict primitive on inputs that may be absent runs on whatever lies in their cells, and only its
+//! presence tells; where that would be wrong or dear (state, faults, much work) it gets a scope of its own.
+
+mod compute;
+mod ends;
+mod fragments;
+mod links;
+mod roles;
+
+use crate::flat::{Flat, ScopeId, Work};
+use crate::logic::Logic;
+use crate::options::LowerOptions;
+use crate::plan::Plan;
+use crate::slots::{Region, Slot};
+use links::Flow;
+use rpi_image::image::Form;
+use rpi_image::operands::{Field, fields};
+use rpi_image::{PrimDesc, Role};
+use rpi_net::passes::Item;
+use rpi_net::{FragmentId, Net, NodeId, PortRef};
+use rpi_prims::PrimId;
+use std::collections::BTreeMap;
+use std::rc::Rc;
+
+/// Takes a net apart.
+pub(crate) fn build(net: &Net, plan: &Plan, options: &LowerOptions<'_>) -> Flat {
+    let mut builder = Builder::new(net, plan, options);
+    builder.fragments_table();
+    builder.items(FragmentId::ROOT);
+    builder.latches();
+    builder.ends();
+    builder.probes();
+    builder.flat
+}
+
+struct Builder<'a> {
+    net: &'a Net,
+    plan: &'a Plan,
+    options: &'a LowerOptions<'a>,
+    flat: Flat,
+    logic: Logic,
+    /// For each node where its out-ports start in `flows`.
+    first: Vec<u32>,
+    /// Every out-port, once it is known.
+    flows: Vec<Flow>,
+    /// The scope of each fragment.
+    scope: Vec<ScopeId>,
+    /// What tells that a fragment is active, given that its parent is.
+    active: Vec<Slot>,
+    /// The `first` flow of each fragment that asks for it.
+    firsts: BTreeMap<FragmentId, Slot>,
+    /// Delays, with the slots in which they keep value and presence.
+    delays: Vec<(NodeId, Flow)>,
+    fields: BTreeMap<(PrimId, Form), Rc<[Field]>>,
+}
+
+impl<'a> Builder<'a> {
+    fn new(net: &'a Net, plan: &'a Plan, options: &'a LowerOptions<'a>) -> Self {
+        let mut first = Vec::with_capacity(net.nodes.len());
+        let mut ports = 0;
+        for node in &net.nodes {
+            first.push(ports);
+            ports += u32::try_from(node.outputs.len()).unwrap_or(u32::MAX);
+        }
+        Builder {
+            net,
+            plan,
+            options,
+            flat: Flat::new(),
+            logic: Logic::default(),
+            first,
+            flows: vec![Flow::NONE; ports as usize],
+            scope: vec![ScopeId::ROOT; net.fragments.len()],
+            active: vec![Slot::TRUE; net.fragments.len()],
+            firsts: BTreeMap::new(),
+            delays: Vec::new(),
+            fields: BTreeMap::new(),
+        }
+    }
+
+    /// The items of a fragment in schedule order.
+    fn items(&mut self, fragment: FragmentId) {
+        let plan = self.plan;
+        for item in plan.schedule.items(fragment) {
+            match item {
+                Item::Node(id) => self.node(*id),
+                Item::Fragment(child) => self.fragment(*child),
+            }
+        }
+    }
+
+    fn node(&mut self, id: NodeId) {
+        match self.net.node(id).desc().role {
+            Role::Compute => self.compute(id),
+            Role::Constant => self.constant(id),
+            Role::Delay => self.delay(id),
+            Role::IsAbsent => self.is_absent(id),
+            Role::First => self.first(id),
+            Role::Sensor(device) => self.sensor(id, device),
+            Role::Actuator(device) => self.actuator(id, device),
+            Role::DeviceFunction(device) => self.function(id, device),
+            Role::Input => self.input_port(id),
+            Role::Export => self.export(id),
+            Role::Flow(flow) => self.flow(id, flow),
+        }
+    }
+
+    fn desc(&self, id: NodeId) -> &'static PrimDesc {
+        self.net.node(id).desc()
+    }
+
+    /// The scope in which a node stands.
+    fn scope_of(&self, id: NodeId) -> ScopeId {
+        self.scope[self.net.node(id).fragment.index()]
+    }
+
+    fn fields(&mut self, prim: PrimId, form: Form) -> Rc<[Field]> {
+        let found = self.fields.entry((prim, form));
+        let made = found.or_insert_with(|| fields(prim.desc(), form).into());
+        Rc::clone(made)
+    }
+
+    /// Copies a value whenever `scope` is active; a step of its own.
+    fn copy(&mut self, scope: ScopeId, from: Slot, to: Slot, node: u32) {
+        self.flat.push(scope, Work::Copy, &[from.0, to.0], node);
+    }
+
+    /// New slots for an out-port that some operation fills.
+    fn output(&mut self, port: PortRef, present: Slot) -> Flow {
+        let ty = self.net.node(port.node).outputs[usize::from(port.port)];
+        let value = self.flat.slots.add(Region::Value, ty.cells());
+        let flow = Flow { value, present };
+        self.set(port, flow);
+        flow
+    }
+
+    fn set(&mut self, port: PortRef, flow: Flow) {
+        let at = self.first[port.node.index()] as usize + usize::from(port.port);
+        self.flows[at] = flow;
+    }
+
+    /// A presence cell of its own for a port on which absence may be forced, set to `present` before the node runs.
+    fn forcible(&mut self, scope: ScopeId, port: PortRef, present: Slot) -> Slot {
+        if !(self.options.may_be_absent)(port) {
+            return present;
+        }
+        let own = self.flat.slots.add(Region::Value, 1);
+        self.copy(scope, present, own, crate::flat::NO_NODE);
+        own
+    }
+}

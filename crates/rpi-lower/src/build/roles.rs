@@ -1,0 +1,299 @@
+//! Primitives that the core handles by their role.
+
+use super::Builder;
+use super::compute::ports;
+use super::links::{Flow, Link};
+use crate::flat::{NO_NODE, Work, index};
+use crate::slots::{Region, Slot};
+use rpi_image::image::{self, Cells, DevicePort, Signal};
+use rpi_image::{CommandFlow, DevicePorts, DeviceUse, Presence, Scalar, Type, Value};
+use rpi_net::passes::Sureness;
+use rpi_net::{NodeId, PortRef};
+
+impl Builder<'_> {
+    pub(super) fn constant(&mut self, id: NodeId) {
+        let net = self.net;
+        let value = net.node(id).params.first();
+        let value = value.map_or(Slot::FALSE, |v| self.flat.slots.value(v));
+        for port in ports(id, self.desc(id)) {
+            self.set(
+                port,
+                Flow {
+                    value,
+                    present: Slot::TRUE,
+                },
+            );
+        }
+    }
+
+    /// A delay gives what it has kept; a step of its own, so that the kept value can change before the cycle is over.
+    pub(super) fn delay(&mut self, id: NodeId) {
+        let port = PortRef { node: id, port: 0 };
+        let node = self.net.node(id);
+        let (Some(ty), region) = (node.outputs.first(), Region::State(node.fragment)) else {
+            return;
+        };
+        let scope = self.scope_of(id);
+        let first = Value::neutral(*ty);
+        let total = self.plan.presences.own(port) == Sureness::Total;
+        let present_at_first = self.desc(id).outputs[0].presence != Presence::Maybe;
+        let kept = Flow {
+            value: self.flat.slots.add_with(region, first.cells()),
+            present: match total {
+                true => Slot::TRUE,
+                false => self
+                    .flat
+                    .slots
+                    .add_with(region, &[u64::from(present_at_first)]),
+            },
+        };
+        let present = match total {
+            true => Slot::TRUE,
+            false => self.flat.slots.add(Region::Value, 1),
+        };
+        if !total {
+            self.copy(scope, kept.present, present, NO_NODE);
+        }
+        let given = self.output(port, present);
+        self.copy(scope, kept.value, given.value, id.0);
+        self.delays.push((id, kept));
+    }
+
+    pub(super) fn is_absent(&mut self, id: NodeId) {
+        let link = self.link(id, 0);
+        let scope = self.scope_of(id);
+        let value = self.logic.not(&mut self.flat, scope, link.flow.present);
+        self.own_value(id, value);
+    }
+
+    pub(super) fn first(&mut self, id: NodeId) {
+        let fragment = self.net.node(id).fragment;
+        let kept = match self.firsts.get(&fragment) {
+            Some(kept) => *kept,
+            None => {
+                let kept = self.flat.slots.add_with(Region::State(fragment), &[1]);
+                self.flat.scopes[self.scope[fragment.index()].index()]
+                    .latches
+                    .push((Slot::FALSE, kept));
+                self.firsts.insert(fragment, kept);
+                kept
+            }
+        };
+        self.own_value(id, kept);
+    }
+
+    /// Gives a node's out-port a slot of its own with this value, so that it can be looked at and forced.
+    fn own_value(&mut self, id: NodeId, value: Slot) {
+        let scope = self.scope_of(id);
+        let port = PortRef { node: id, port: 0 };
+        let present = self.forcible(scope, port, Slot::TRUE);
+        let own = self.output(port, present);
+        self.copy(scope, value, own.value, id.0);
+    }
+
+    pub(super) fn sensor(&mut self, id: NodeId, device: DeviceUse) {
+        for (k, port) in ports(id, self.desc(id)).enumerate() {
+            let flow = self.external(port);
+            let value = self.signal(flow, self.ty(port));
+            let port = self.device_port(id, device, k, value.ty);
+            self.flat.tables.sensors.push(image::Sensor { port, value });
+        }
+    }
+
+    pub(super) fn input_port(&mut self, id: NodeId) {
+        let start = self.start_value(id);
+        let mut signals = Vec::new();
+        for (k, port) in ports(id, self.desc(id)).enumerate() {
+            let flow = self.external(port);
+            if let (0, Some(content)) = (k, &start) {
+                self.flat.slots.init.push((flow.value, content.clone()));
+            }
+            signals.push(self.signal(flow, self.ty(port)));
+        }
+        let mut signals = signals.into_iter();
+        if let Some(value) = signals.next() {
+            let (key, updated) = (self.key(id), signals.next());
+            self.flat.tables.inputs.push(image::InputPort {
+                key,
+                value,
+                updated,
+            });
+        }
+    }
+
+    /// What an input gives before it is set.
+    fn start_value(&self, id: NodeId) -> Option<Vec<u64>> {
+        let node = self.net.node(id);
+        let value = node.params.get(node.desc().param("Value")?)?;
+        let fits = value.ty() == node.outputs.first().copied();
+        (fits && value.cells().iter().any(|c| *c != 0)).then(|| value.cells().to_vec())
+    }
+
+    pub(super) fn flow(&mut self, id: NodeId, flow: CommandFlow) {
+        for port in ports(id, self.desc(id)) {
+            let slots = self.external(port);
+            let value = self.signal(slots, self.ty(port));
+            self.flat.tables.flows.push(image::Flow { flow, value });
+        }
+    }
+
+    pub(super) fn export(&mut self, id: NodeId) {
+        let link = self.link(id, 0);
+        let value = self.signal(link.flow, link.ty);
+        let key = self.key(id);
+        self.flat.tables.exports.push(image::Export { key, value });
+    }
+
+    pub(super) fn actuator(&mut self, id: NodeId, device: DeviceUse) {
+        let links = self.links(id);
+        let Some((scope, present)) = self.guarded(id, &links, true) else {
+            return;
+        };
+        let port = self.device_port(id, device, 0, one_type(connected_types(&links)));
+        let inputs = connected(&links);
+        let outputs = self.outputs(id, present);
+        let answers = device.answers.iter().zip(&outputs);
+        let answers = answers
+            .map(|(answer, flow)| (*answer, flow.value.0))
+            .collect();
+        let actuators = &mut self.flat.tables.actuators;
+        let number = index(actuators.len());
+        actuators.push(image::Actuator {
+            port,
+            inputs,
+            answers,
+        });
+        self.flat.push(scope, Work::Actuate(number), &[], id.0);
+        self.unguard(id, scope);
+    }
+
+    pub(super) fn function(&mut self, id: NodeId, device: DeviceUse) {
+        let links = self.links(id);
+        let Some((scope, present)) = self.guarded(id, &links, true) else {
+            return;
+        };
+        let outputs = self.outputs(id, present);
+        let maybe = self
+            .desc(id)
+            .outputs
+            .iter()
+            .any(|o| o.presence == Presence::Maybe);
+        let found = match maybe {
+            true => self.flat.slots.add(Region::Value, 1),
+            false => Slot::TRUE,
+        };
+        let types = &self.net.node(id).outputs;
+        let results = outputs.iter().zip(types);
+        let function = image::Function {
+            port: self.device_port(id, device, 0, one_type(types.iter().copied())),
+            arguments: connected(&links),
+            results: results
+                .map(|(f, ty)| Cells {
+                    at: f.value.0,
+                    len: ty.cells(),
+                })
+                .collect(),
+            present: found.0,
+        };
+        let number = index(self.flat.tables.functions.len());
+        self.flat.tables.functions.push(function);
+        self.flat.push(scope, Work::Call(number), &[], id.0);
+        self.unguard(id, scope);
+        self.present_if(id, &outputs, found);
+    }
+
+    /// Makes out-ports depend on one more Boolean.
+    fn present_if(&mut self, id: NodeId, outputs: &[Flow], also: Slot) {
+        let scope = self.scope_of(id);
+        for (port, flow) in ports(id, self.desc(id)).zip(outputs) {
+            let present = self.logic.and(&mut self.flat, scope, flow.present, also);
+            self.set(
+                port,
+                Flow {
+                    value: flow.value,
+                    present,
+                },
+            );
+        }
+    }
+
+    /// External cells for an out-port; a presence cell where it may be absent.
+    fn external(&mut self, port: PortRef) -> Flow {
+        let value = self.flat.slots.add(Region::External, self.ty(port).cells());
+        let present = match self.plan.presences.own(port) {
+            Sureness::Total => Slot::TRUE,
+            Sureness::Optional | Sureness::Never => self.flat.slots.add(Region::External, 1),
+        };
+        let flow = Flow { value, present };
+        self.set(port, flow);
+        flow
+    }
+
+    pub(super) fn ty(&self, port: PortRef) -> Type {
+        self.net.node(port.node).outputs[usize::from(port.port)]
+    }
+
+    pub(super) fn signal(&self, flow: Flow, ty: Type) -> Signal {
+        Signal {
+            at: flow.value.0,
+            present: flow.present.0,
+            ty,
+        }
+    }
+
+    /// The key of an input or export: its text parameters.
+    fn key(&self, id: NodeId) -> String {
+        let texts = self.net.node(id).params.iter().filter_map(Value::as_str);
+        texts.collect::<Vec<_>>().join("/")
+    }
+
+    fn device_port(&self, id: NodeId, device: DeviceUse, k: usize, ty: Type) -> DevicePort {
+        let text = |name: &str| {
+            self.param_of(id, name)
+                .and_then(Value::as_str)
+                .unwrap_or("")
+                .to_owned()
+        };
+        let index = device
+            .index
+            .and_then(|name| self.param_of(id, name)?.as_int());
+        DevicePort {
+            device: text(device.device),
+            port: match device.ports {
+                DevicePorts::Fixed(names) => names.get(k).copied().unwrap_or("").to_owned(),
+                DevicePorts::Param(name) => text(name),
+            },
+            // An index that is no index is one that no device has.
+            index: index.map_or(0, |i| u32::try_from(i).unwrap_or(u32::MAX)),
+            ty,
+        }
+    }
+
+    fn param_of(&self, id: NodeId, name: &str) -> Option<&Value> {
+        let node = self.net.node(id);
+        node.params.get(node.desc().param(name)?)
+    }
+}
+
+fn connected(links: &[Link]) -> Vec<Cells> {
+    let parts = links.iter().filter(|l| !l.open);
+    parts
+        .map(|l| Cells {
+            at: l.flow.value.0,
+            len: l.ty.cells(),
+        })
+        .collect()
+}
+
+fn connected_types(links: &[Link]) -> impl Iterator<Item = Type> {
+    links.iter().filter(|l| !l.open).map(|l| l.ty)
+}
+
+/// Several ports make one value, cell by cell.
+fn one_type(types: impl Iterator<Item = Type>) -> Type {
+    let types: Vec<Type> = types.collect();
+    match types[..] {
+        [one] => one,
+        _ => Type::Array(Scalar::Real, types.iter().map(|ty| ty.cells()).sum()),
+    }
+}

@@ -1,0 +1,122 @@
+//! Which slot gets which cells: constants, external cells, state by fragments, values.
+
+use crate::flat::Flat;
+use crate::slots::{Region, Slot};
+use rpi_image::image::{Cells, Layout};
+use rpi_net::{FragmentId, Net};
+
+/// Cells of all slots.
+pub(super) struct Layouts {
+    at: Vec<u32>,
+    pub(super) layout: Layout,
+    /// For each fragment the state of it and of all below it.
+    pub(super) states: Vec<Cells>,
+}
+
+impl Layouts {
+    pub(super) fn new(net: &Net, flat: &Flat) -> Self {
+        let ranks = ranks(net);
+        let slots = &flat.slots;
+        let mut order: Vec<Slot> = (0..slots.len()).map(|k| Slot(k as u32)).collect();
+        let key = |s: &Slot| match slots.region(*s) {
+            Region::Constant => (0, 0),
+            Region::External => (1, 0),
+            Region::State(f) => (2, ranks[f.index()].0),
+            Region::Value => (3, 0),
+        };
+        order.sort_by_key(key);
+        let mut layouts = Layouts {
+            at: vec![0; slots.len()],
+            layout: Layout::default(),
+            states: Vec::new(),
+        };
+        let mut own = vec![Cells::default(); net.fragments.len()];
+        let mut end = 0u32;
+        for slot in order {
+            layouts.at[slot.index()] = end;
+            let start = end;
+            end = end.saturating_add(slots.cells(slot));
+            let l = &mut layouts.layout;
+            match slots.region(slot) {
+                Region::Constant => (l.constants, l.external, l.state) = (end, end, end),
+                Region::External => (l.external, l.state) = (end, end),
+                Region::State(f) => {
+                    l.state = end;
+                    join(
+                        &mut own[f.index()],
+                        Cells {
+                            at: start,
+                            len: end - start,
+                        },
+                    );
+                }
+                Region::Value => {}
+            }
+            l.cells = end;
+        }
+        layouts.states = with_children(net, own);
+        layouts
+    }
+
+    /// First cell of a slot.
+    pub(super) fn cell(&self, slot: Slot) -> u32 {
+        self.at[slot.index()]
+    }
+
+    /// Initial contents, ascending.
+    pub(super) fn init(&self, flat: &Flat) -> Vec<(u32, u64)> {
+        let content = flat.slots.init.iter();
+        let cells = content.flat_map(|(slot, bits)| (self.cell(*slot)..).zip(bits.iter().copied()));
+        let mut init: Vec<(u32, u64)> = cells.filter(|(_, bits)| *bits != 0).collect();
+        init.sort_unstable();
+        init
+    }
+}
+
+/// For each fragment its place in a walk that visits parents before children and no stranger in between, and the place
+/// after its last descendant.
+fn ranks(net: &Net) -> Vec<(u32, u32)> {
+    let mut size = vec![1u32; net.fragments.len()];
+    for id in net.fragment_ids().rev() {
+        if let Some(parent) = net.fragment(id).parent {
+            size[parent.index()] += size[id.index()];
+        }
+    }
+    let mut next = vec![0u32; net.fragments.len()];
+    let mut ranks = vec![(0, 0); net.fragments.len()];
+    for id in net.fragment_ids() {
+        let rank = match net.fragment(id).parent {
+            None => 0,
+            Some(parent) => {
+                let rank = next[parent.index()];
+                next[parent.index()] += size[id.index()];
+                rank
+            }
+        };
+        next[id.index()] = rank + 1;
+        ranks[id.index()] = (rank, rank + size[id.index()]);
+    }
+    ranks
+}
+
+/// A fragment's own state and that of all below it: one run of cells, because of the order of ranks.
+fn with_children(net: &Net, own: Vec<Cells>) -> Vec<Cells> {
+    let mut all = own;
+    for k in (1..all.len()).rev() {
+        let child = all[k];
+        if let Some(FragmentId(parent)) = net.fragments[k].parent {
+            join(&mut all[parent as usize], child);
+        }
+    }
+    all
+}
+
+/// The least run of cells that holds both.
+fn join(all: &mut Cells, more: Cells) {
+    if all.len == 0 {
+        *all = more;
+    } else if more.len > 0 {
+        let (at, end) = (all.at.min(more.at), all.end().max(more.end()));
+        *all = Cells { at, len: end - at };
+    }
+}

@@ -1,0 +1,130 @@
+//! Where nodes come from: places, origins of faults, probes, and which step computes which node.
+
+use super::cells::Layouts;
+use crate::flat::{Flat, NO_NODE, Work};
+use crate::options::{LowerOptions, Observe};
+use crate::slots::Slot;
+use rpi_diag::Span;
+use rpi_image::Image;
+use rpi_image::image::{Place, Probe, Signal, TextRange};
+use rpi_image::operands::{Part, fields};
+use rpi_net::{Net, NodeId};
+use std::collections::BTreeMap;
+
+pub(super) fn write(
+    net: &Net,
+    flat: &Flat,
+    layouts: &Layouts,
+    options: &LowerOptions<'_>,
+    image: &mut Image,
+) {
+    let observed = options.observe == Observe::All;
+    let mut places = Places {
+        net,
+        known: BTreeMap::new(),
+        places: Vec::new(),
+    };
+    if observed {
+        net.node_ids().for_each(|id| _ = places.of(id));
+        probes(net, flat, layouts, image);
+    } else {
+        image.trace.clear();
+    }
+    origins(flat, layouts, &mut places, image);
+    image.places = places.places;
+}
+
+/// Places that something refers to.
+struct Places<'a> {
+    net: &'a Net,
+    known: BTreeMap<NodeId, u32>,
+    places: Vec<Place>,
+}
+
+impl Places<'_> {
+    fn of(&mut self, id: NodeId) -> u32 {
+        let (net, places) = (self.net, &mut self.places);
+        *self.known.entry(id).or_insert_with(|| {
+            places.push(place(net, id));
+            places.len() as u32 - 1
+        })
+    }
+}
+
+fn place(net: &Net, id: NodeId) -> Place {
+    let node = net.node(id);
+    let span = node.origin.span;
+    Place {
+        path: net.path(node.fragment, &node.name),
+        flow: node.origin.flow.clone(),
+        text: (span != Span::NONE).then_some(TextRange {
+            file: span.file.0,
+            start: span.start,
+            end: span.end,
+        }),
+    }
+}
+
+/// With everything observed, place `k` is node `k`.
+fn probes(net: &Net, flat: &Flat, layouts: &Layouts, image: &mut Image) {
+    for &(place, port, signal) in &flat.tables.probes {
+        let node = net.node(NodeId(place));
+        image.probes.push(Probe {
+            place,
+            port: node.desc().outputs[usize::from(port)].name.to_owned(),
+            value: Signal {
+                at: layouts.cell(Slot(signal.at)),
+                present: layouts.cell(Slot(signal.present)),
+                ty: signal.ty,
+            },
+            fragment: node.fragment.0,
+        });
+    }
+}
+
+/// The first output cell of everything that may fault.
+fn origins(flat: &Flat, layouts: &Layouts, places: &mut Places<'_>, image: &mut Image) {
+    let mut found = BTreeMap::new();
+    for op in flat.ops.iter().filter(|op| op.node != NO_NODE) {
+        if let Some(slot) = fault_slot(flat, op.work, flat.words(*op)) {
+            found.entry(layouts.cell(slot)).or_insert(op.node);
+        }
+    }
+    for sensor in &flat.tables.sensors {
+        let probe = flat
+            .tables
+            .probes
+            .iter()
+            .find(|p| p.2.at == sensor.value.at);
+        if let Some((node, ..)) = probe {
+            found
+                .entry(layouts.cell(Slot(sensor.value.at)))
+                .or_insert(*node);
+        }
+    }
+    let origins = found
+        .into_iter()
+        .map(|(cell, node)| (cell, places.of(NodeId(node))));
+    image.origins = origins.collect();
+}
+
+fn fault_slot(flat: &Flat, work: Work, words: &[u32]) -> Option<Slot> {
+    match work {
+        Work::Run(prim, form) if prim.desc().may_fault => {
+            let mut at = 0;
+            for field in fields(prim.desc(), form) {
+                if matches!(field.part, Part::Output(_)) {
+                    return Some(Slot(words[at]));
+                }
+                at += field.words();
+            }
+            None
+        }
+        Work::Actuate(number) => {
+            let a = &flat.tables.actuators[number as usize];
+            let answer = a.answers.first().map(|a| a.1);
+            answer.or(a.inputs.first().map(|c| c.at)).map(Slot)
+        }
+        Work::Run(..) | Work::Copy | Work::Call(_) => None,
+    }
+}

@@ -1,0 +1,155 @@
+//! The net taken apart: operations on slots in a tree of scopes. What the passes work on.
+
+use crate::slots::{Slot, Slots};
+use rpi_image::image::{
+    Actuator, End, Export, Flow, Form, Fragment, Function, InputPort, Sensor, Signal,
+};
+use rpi_prims::PrimId;
+
+/// Number of a scope; 0 is the root, always active.
+#[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Debug)]
+pub(crate) struct ScopeId(pub(crate) u32);
+
+impl ScopeId {
+    pub(crate) const ROOT: ScopeId = ScopeId(0);
+
+    pub(crate) const fn index(self) -> usize {
+        self.0 as usize
+    }
+}
+
+/// What an operation does.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub(crate) enum Work {
+    /// One primitive; words as [`rpi_image::operands`] tells, with slots in place of cells.
+    Run(PrimId, Form),
+    /// One value: words from, to.
+    Copy,
+    /// Index into [`Tables::actuators`].
+    Actuate(u32),
+    /// Index into [`Tables::functions`].
+    Call(u32),
+}
+
+/// One operation.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub(crate) struct Op {
+    pub(crate) work: Work,
+    /// Its words in [`Flat::words`].
+    pub(crate) at: u32,
+    pub(crate) len: u32,
+    /// The node that it computes; `u32::MAX` for what the lowering adds.
+    pub(crate) node: u32,
+}
+
+/// What stands in a scope, in order.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub(crate) enum Item {
+    /// Index into [`Flat::ops`].
+    Op(u32),
+    Scope(ScopeId),
+}
+
+/// Operations that are skipped together.
+#[derive(Clone, Debug)]
+pub(crate) struct Scope {
+    pub(crate) parent: Option<ScopeId>,
+    /// Skipped unless it is true; [`Slot::TRUE`] for a scope that exists for its reset.
+    pub(crate) guard: Slot,
+    /// Initial state for a fragment unless the slot is true, before anything else.
+    pub(crate) reset: Option<(Slot, u32)>,
+    pub(crate) items: Vec<Item>,
+    /// Values kept for the next cycle: (from, to).
+    pub(crate) latches: Vec<(Slot, Slot)>,
+}
+
+/// Tables of the image, with slots in place of cells.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Tables {
+    pub(crate) fragments: Vec<Fragment>,
+    pub(crate) sensors: Vec<Sensor>,
+    pub(crate) actuators: Vec<Actuator>,
+    pub(crate) functions: Vec<Function>,
+    pub(crate) inputs: Vec<InputPort>,
+    pub(crate) exports: Vec<Export>,
+    pub(crate) flows: Vec<Flow>,
+    pub(crate) end: End,
+    /// Every port: node, port, value.
+    pub(crate) probes: Vec<(u32, u8, Signal)>,
+}
+
+/// A net taken apart.
+#[derive(Clone, Debug)]
+pub(crate) struct Flat {
+    pub(crate) slots: Slots,
+    pub(crate) words: Vec<u32>,
+    pub(crate) ops: Vec<Op>,
+    pub(crate) scopes: Vec<Scope>,
+    pub(crate) tables: Tables,
+}
+
+/// An operation that belongs to no node.
+pub(crate) const NO_NODE: u32 = u32::MAX;
+
+impl Flat {
+    pub(crate) fn new() -> Self {
+        let root = Scope {
+            parent: None,
+            guard: Slot::TRUE,
+            reset: None,
+            items: Vec::new(),
+            latches: Vec::new(),
+        };
+        Flat {
+            slots: Slots::new(),
+            words: Vec::new(),
+            ops: Vec::new(),
+            scopes: vec![root],
+            tables: Tables::default(),
+        }
+    }
+
+    /// Opens a scope inside `parent`. It takes its place there when it is closed.
+    pub(crate) fn open(&mut self, parent: ScopeId, guard: Slot) -> ScopeId {
+        let id = ScopeId(index(self.scopes.len()));
+        self.scopes.push(Scope {
+            parent: Some(parent),
+            guard,
+            reset: None,
+            items: Vec::new(),
+            latches: Vec::new(),
+        });
+        id
+    }
+
+    /// Puts a scope into its parent, behind everything that is there so far.
+    pub(crate) fn close(&mut self, scope: ScopeId) {
+        if let Some(parent) = self.scopes[scope.index()].parent {
+            self.scopes[parent.index()].items.push(Item::Scope(scope));
+        }
+    }
+
+    /// Adds an operation at the end of a scope.
+    pub(crate) fn push(&mut self, scope: ScopeId, work: Work, words: &[u32], node: u32) {
+        let op = Op {
+            work,
+            at: index(self.words.len()),
+            len: index(words.len()),
+            node,
+        };
+        self.words.extend_from_slice(words);
+        self.scopes[scope.index()]
+            .items
+            .push(Item::Op(index(self.ops.len())));
+        self.ops.push(op);
+    }
+
+    pub(crate) fn words(&self, op: Op) -> &[u32] {
+        &self.words[op.at as usize..(op.at + op.len) as usize]
+    }
+}
+
+/// Nothing in a net has 2^32 parts.
+pub(crate) fn index(n: usize) -> u32 {
+    u32::try_from(n).expect("fewer than 2^32 parts")
+}

@@ -1,0 +1,86 @@
+//! Booleans that the lowering computes: presence and activation, by ordinary steps.
+
+use crate::flat::{Flat, NO_NODE, ScopeId, Work};
+use crate::slots::{Region, Slot};
+use rpi_image::Form;
+use rpi_prims::PrimId;
+use std::collections::BTreeMap;
+use std::sync::LazyLock;
+
+/// The primitives that it uses.
+struct Gates {
+    and: PrimId,
+    or: PrimId,
+    not: PrimId,
+}
+
+static GATES: LazyLock<Gates> = LazyLock::new(|| {
+    let prim = |name| PrimId::of(name).expect("Boolean primitives are in the registry");
+    Gates {
+        and: prim("Core::BooleanAnd"),
+        or: prim("Core::BooleanOr"),
+        not: prim("Core::BooleanNot"),
+    }
+});
+
+/// What was computed already: (primitive, first, second) to result and the scope in which it stands.
+#[derive(Default)]
+pub(crate) struct Logic {
+    known: BTreeMap<(PrimId, Slot, Slot), Vec<(ScopeId, Slot)>>,
+}
+
+impl Logic {
+    /// Both, computed in `scope` unless a scope around it has it already.
+    pub(crate) fn and(&mut self, flat: &mut Flat, scope: ScopeId, a: Slot, b: Slot) -> Slot {
+        let (a, b) = (a.min(b), a.max(b));
+        match (a, b) {
+            (Slot::FALSE, _) => Slot::FALSE,
+            (Slot::TRUE, _) => b,
+            _ if a == b => a,
+            _ => self.gate(flat, scope, GATES.and, a, b),
+        }
+    }
+
+    /// Either.
+    pub(crate) fn or(&mut self, flat: &mut Flat, scope: ScopeId, a: Slot, b: Slot) -> Slot {
+        let (a, b) = (a.min(b), a.max(b));
+        match (a, b) {
+            (Slot::FALSE, _) => b,
+            (Slot::TRUE, _) => Slot::TRUE,
+            _ if a == b => a,
+            _ => self.gate(flat, scope, GATES.or, a, b),
+        }
+    }
+
+    /// The opposite.
+    pub(crate) fn not(&mut self, flat: &mut Flat, scope: ScopeId, a: Slot) -> Slot {
+        match a {
+            Slot::FALSE => Slot::TRUE,
+            Slot::TRUE => Slot::FALSE,
+            _ => self.gate(flat, scope, GATES.not, a, a),
+        }
+    }
+
+    fn gate(&mut self, flat: &mut Flat, scope: ScopeId, prim: PrimId, a: Slot, b: Slot) -> Slot {
+        let known = self.known.entry((prim, a, b)).or_default();
+        let found = known.iter().find(|(at, _)| encloses(flat, *at, scope));
+        if let Some((_, slot)) = found {
+            return *slot;
+        }
+        let result = flat.slots.add(Region::Value, 1);
+        let words = [a.0, b.0, result.0];
+        let words = if prim == GATES.not {
+            &[a.0, result.0][..]
+        } else {
+            &words[..]
+        };
+        flat.push(scope, Work::Run(prim, Form::Total), words, NO_NODE);
+        known.push((scope, result));
+        result
+    }
+}
+
+fn encloses(flat: &Flat, outer: ScopeId, inner: ScopeId) -> bool {
+    let parent = |s: &ScopeId| flat.scopes[s.index()].parent;
+    std::iter::successors(Some(inner), parent).any(|s| s == outer)
+}

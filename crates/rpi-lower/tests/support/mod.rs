@@ -1,0 +1,188 @@
+//! Builds small nets and runs them.
+#![allow(dead_code, unreachable_pub)]
+
+use rpi_core::{Machine, Moment};
+use rpi_device::{DeviceBank, PortId, PortName, Refusal, ResolveError};
+use rpi_diag::Span;
+use rpi_image::{Image, Need, Type, Value, desc::ShapeArgs};
+use rpi_lower::{LowerOptions, Plan, lower};
+use rpi_net::{
+    Absent, Activation, Fragment, FragmentId, Input, Net, Node, NodeId, Origin, PortRef, Restart,
+};
+use rpi_prims::PrimId;
+
+/// A cell without devices.
+pub struct NoDevices;
+
+impl DeviceBank for NoDevices {
+    fn resolve(&mut self, _: &PortName<'_>) -> Result<PortId, ResolveError> {
+        Err(ResolveError::NoDevice)
+    }
+    fn resource(&self, _: PortId) -> u32 {
+        0
+    }
+    fn read(&mut self, _: PortId, _: &mut [u64]) -> bool {
+        false
+    }
+    fn check(&mut self, _: PortId, _: &[u64]) -> Refusal {
+        Refusal::NONE
+    }
+    fn error(&self, _: PortId) -> i64 {
+        0
+    }
+    fn write(&mut self, _: PortId, _: &[u64]) {}
+    fn call(&mut self, _: PortId, _: &[u64], _: &mut [u64]) -> bool {
+        false
+    }
+    fn moving(&self, _: u32) -> bool {
+        false
+    }
+    fn stop(&mut self, _: u32) {}
+}
+
+/// A net under construction.
+pub struct Build {
+    pub net: Net,
+}
+
+const NOWHERE: Origin = Origin {
+    span: Span::NONE,
+    flow: None,
+};
+
+impl Build {
+    pub fn new() -> Self {
+        Build {
+            net: Net::new("test"),
+        }
+    }
+
+    /// Adds a node; ports and parameters that are not named take their defaults.
+    pub fn node(
+        &mut self,
+        fragment: FragmentId,
+        name: &str,
+        prim: &str,
+        inputs: &[(&str, Input)],
+        params: &[(&str, Value)],
+    ) -> PortRef {
+        let prim = PrimId::of(prim).unwrap_or_else(|| panic!("no primitive {prim}"));
+        let desc = prim.desc();
+        let given = |name: &str| params.iter().find(|p| p.0 == name).map(|p| p.1.clone());
+        let params: Vec<Value> = desc
+            .params
+            .iter()
+            .map(|p| {
+                let ty = match p.ty {
+                    rpi_image::ParamType::One(s) => Type::One(s),
+                    _ => Type::One(rpi_image::Scalar::Bool),
+                };
+                given(p.name).unwrap_or_else(|| p.default.value(ty).expect("a default"))
+            })
+            .collect();
+        let inputs: Vec<Input> = desc
+            .inputs
+            .iter()
+            .map(|p| {
+                let wired = inputs.iter().find(|i| i.0 == p.name).map(|i| i.1.clone());
+                wired.unwrap_or_else(|| match p.need {
+                    Need::Param(_, default) => {
+                        let rpi_image::PortType::One(s) = p.ty else {
+                            return Input::Open;
+                        };
+                        Input::Const(default.value(Type::One(s)).expect("a default"))
+                    }
+                    _ => Input::Open,
+                })
+            })
+            .collect();
+        let types: Vec<Option<Type>> = inputs.iter().map(|i| self.ty(i)).collect();
+        let args = ShapeArgs {
+            inputs: &types,
+            params: &params,
+        };
+        let outputs = (0..desc.outputs.len())
+            .map(|k| desc.out_type(k, &args).expect("sizes fit"))
+            .collect();
+        let node = self.net.add_node(Node {
+            name: name.into(),
+            prim,
+            fragment,
+            inputs,
+            params,
+            outputs,
+            origin: NOWHERE,
+        });
+        PortRef { node, port: 0 }
+    }
+
+    fn ty(&self, input: &Input) -> Option<Type> {
+        match input {
+            Input::Open => None,
+            Input::Const(value) => value.ty(),
+            Input::Port(p) => Some(self.net.node(p.node).outputs[usize::from(p.port)]),
+        }
+    }
+
+    /// A fragment inside of another, active when the flow says.
+    pub fn fragment(
+        &mut self,
+        parent: FragmentId,
+        name: &str,
+        when: PortRef,
+        restart: Restart,
+    ) -> FragmentId {
+        self.net.add_fragment(Fragment {
+            name: name.into(),
+            parent: Some(parent),
+            activation: Activation::When {
+                condition: when,
+                absent: Absent::Inactive,
+            },
+            restart,
+            inputs: Vec::new(),
+            outputs: Vec::new(),
+            budget_ns: None,
+            origin: NOWHERE,
+        })
+    }
+
+    /// Wires an in-port afterwards: feedback.
+    pub fn wire(&mut self, node: NodeId, port: usize, source: PortRef) {
+        self.net.nodes[node.index()].inputs[port] = Input::Port(source);
+    }
+}
+
+pub fn image(net: &Net, options: &LowerOptions<'_>) -> Image {
+    let plan = Plan::new(net, options.may_be_absent).expect("no cycles");
+    let image = lower(net, &plan, options).expect("it fits");
+    if let Err(errors) = rpi_image::verify(&image, &rpi_core::catalogue) {
+        let text: Vec<String> = errors.iter().map(ToString::to_string).collect();
+        let print = rpi_image::print::print(&image, &rpi_core::catalogue);
+        panic!("{}\n{print}", text.join("\n"));
+    }
+    image
+}
+
+/// Runs one cycle up to the commit phase and gives the probes of the port.
+pub fn cycle(machine: &mut Machine) {
+    machine.read(&mut NoDevices, &Moment::default());
+    machine.evaluate(&mut NoDevices);
+}
+
+pub fn finish(machine: &mut Machine) {
+    machine.commit();
+    assert!(machine.hand_over(&mut NoDevices));
+}
+
+/// The value of `path.port` in this cycle.
+pub fn probe(machine: &Machine, name: &str) -> Option<Vec<u64>> {
+    let image = machine.image();
+    let probe = image.probes.iter().find(|p| image.probe_name(p) == name);
+    let probe = probe.unwrap_or_else(|| panic!("no probe {name}"));
+    let active = machine.is_active(probe.fragment);
+    machine
+        .value(probe.value)
+        .filter(|_| active)
+        .map(<[u64]>::to_vec)
+}

@@ -1,0 +1,267 @@
+//! From what stands in a primitive's parentheses to its inputs and parameters.
+
+use super::links::{Links, list, type_name};
+use super::text::{Argument, Definition, Given, Place, Source, Word};
+use super::value::{flow_type, neutral, parse};
+use crate::literal::LiteralError;
+use crate::net::{Input, PortRef};
+use rpi_diag::{Code, Finding, suggest};
+use rpi_image::{InPort, Need, Param, ParamType, PortDefault, PortType, PrimDesc, Value};
+
+/// The inputs and parameters of a primitive.
+pub(super) struct Connected {
+    pub(super) inputs: Vec<Input>,
+    pub(super) params: Vec<Value>,
+}
+
+/// Reads the arguments of one primitive.
+pub(super) struct Arguments<'a, 'b, 't> {
+    pub(super) links: &'a mut Links<'b, 't>,
+    pub(super) findings: &'a mut Vec<Finding>,
+    pub(super) desc: &'static PrimDesc,
+    pub(super) definition: &'a Definition<'t>,
+    /// The text has no faults of syntax, with which something that is missing may have been lost.
+    pub(super) intact: bool,
+}
+
+/// A connected in-port, by index. Without an origin its fault is reported already.
+type Link = (usize, Option<PortRef>);
+/// A parameter that is given.
+type Setting<'t> = (&'t str, Value);
+
+impl<'t> Arguments<'_, '_, 't> {
+    /// All inputs and parameters; what is wrong goes to the findings, and something neutral takes its place.
+    pub(super) fn read(mut self) -> Connected {
+        let definition = self.definition;
+        let (mut links, mut settings) = (Vec::new(), Vec::new());
+        for argument in &definition.arguments {
+            match argument.value {
+                Given::Link(source) => links.extend(self.link(argument, source)),
+                Given::Text(text) => settings.extend(self.setting(argument, text)),
+            }
+        }
+        self.report_twice();
+        if self.intact {
+            self.report_missing(&links, &settings);
+        }
+        connect(self.desc, &links, &settings)
+    }
+
+    fn link(&mut self, argument: &Argument<'t>, source: Source<'t>) -> Option<Link> {
+        let scope = self.definition.scope;
+        let origin = self.links.origin(scope, source, self.findings);
+        let Some(port) = self.desc.input(argument.name.text) else {
+            let finding = self.no_input(argument.name);
+            self.findings.push(finding);
+            return None;
+        };
+        let wrong = origin.and_then(|o| self.wrong_type(port, o, source));
+        self.findings.extend(wrong);
+        Some((port, origin))
+    }
+
+    fn setting(&mut self, argument: &Argument<'t>, text: Word<'t>) -> Option<Setting<'t>> {
+        let name = argument.name.text;
+        let Some(ty) = parameter_type(self.desc, name) else {
+            let finding = self.no_parameter(argument.name);
+            self.findings.push(finding);
+            return None;
+        };
+        let value = parse(text.text, ty).unwrap_or_else(|error| {
+            let finding = self.no_value(argument.name, text, &error);
+            self.findings.push(finding);
+            neutral(ty)
+        });
+        Some((name, value))
+    }
+
+    fn wrong_type(&self, port: usize, origin: PortRef, source: Source<'t>) -> Option<Finding> {
+        let input = &self.desc.inputs[port];
+        let (ty, name) = self.links.port_type(origin)?;
+        if ty == input.ty {
+            return None;
+        }
+        let [from, to] = [ty, input.ty].map(type_name);
+        let message = format!("`{name}` gives {from}, `{}` takes {to}", input.name);
+        let place = self.links.text.source_place(source);
+        Some(
+            Finding::new(Code::RPI2101, message)
+                .at(self.span(place), format!("this is {from}"))
+                .also(
+                    self.span(self.type_place()),
+                    format!("`{}` takes {to} here", input.name),
+                )
+                .help(format!("connect something that gives {to}")),
+        )
+    }
+
+    fn no_input(&self, name: Word<'t>) -> Finding {
+        let ports: Vec<&str> = self.desc.inputs.iter().map(|p| p.name).collect();
+        let message = format!("`{}` has no in-port `{}`", self.desc.name, name.text);
+        let finding = Finding::new(Code::RPI1102, message)
+            .at(self.span(name.place()), "this link is ignored")
+            .note("the reference's Java core ignores such links, its C++ core refuses the net");
+        if parameter_type(self.desc, name.text).is_some() {
+            return finding.help("this is a parameter: give it a text in quotes");
+        }
+        advise(finding, name.text, &ports)
+    }
+
+    fn no_parameter(&self, name: Word<'t>) -> Finding {
+        let parameters = parameters(self.desc);
+        let message = format!("`{}` has no parameter `{}`", self.desc.name, name.text);
+        let finding = Finding::new(Code::RPI1103, message).at(self.span(name.place()), "not known");
+        if self.desc.input(name.text).is_some() {
+            return finding.help("this is an in-port: connect it to an out-port, `name.outPort`");
+        }
+        advise(finding, name.text, &parameters)
+    }
+
+    fn no_value(&self, name: Word<'t>, text: Word<'t>, error: &LiteralError) -> Finding {
+        let at = text.at + error.at.min(text.text.len());
+        let place = Place {
+            start: at,
+            end: text.place().end.max(at),
+        };
+        let message = format!("`{}` of `{}`: {}", name.text, self.desc.name, error.message);
+        Finding::new(Code::RPI2102, message)
+            .at(self.span(place), error.message.clone())
+            .help("the page of this finding lists how values are written")
+    }
+
+    fn report_twice(&mut self) {
+        let text = self.links.text;
+        let arguments = &self.definition.arguments;
+        for (k, second) in arguments.iter().enumerate() {
+            let earlier = arguments[..k].iter();
+            let mut earlier = earlier.filter(|a| a.name.text == second.name.text);
+            let Some(first) = earlier.next() else {
+                continue;
+            };
+            let places = [first, second].map(|a| text.argument_place(a));
+            if text.slice(places[0]) != text.slice(places[1]) {
+                let message = format!("`{}` is given twice", second.name.text);
+                let finding = Finding::new(Code::RPI1107, message)
+                    .at(self.span(places[1]), "given again here")
+                    .also(self.span(places[0]), "first given here")
+                    .help("an in-port has one source: delete one of them");
+                self.findings.push(finding);
+            }
+        }
+    }
+
+    fn report_missing(&mut self, links: &[Link], settings: &[Setting<'t>]) {
+        let linked = |k: usize| links.iter().any(|(i, _)| *i == k);
+        let given = |name: &str| settings.iter().any(|(n, _)| *n == name);
+        let ports = self.desc.inputs.iter().enumerate();
+        let ports = ports
+            .filter(|(k, _)| !linked(*k))
+            .filter_map(|(_, p)| match p.need {
+                Need::Required => Some(p.name),
+                Need::Param(name, PortDefault::Required) if !given(name) => Some(name),
+                _ => None,
+            });
+        let params = self.desc.params.iter();
+        let params = params.filter(|p| matches!(p.default, PortDefault::Required));
+        let missing: Vec<&str> = ports
+            .chain(params.map(|p| p.name).filter(|n| !given(n)))
+            .collect();
+        if missing.is_empty() {
+            return;
+        }
+        let message = format!("`{}` needs {}", self.desc.name, list(&missing));
+        let finding = Finding::new(Code::RPI2103, message)
+            .at(self.span(self.type_place()), "not connected here")
+            .help(format!("connect it: `{}=name.outPort`", missing[0]));
+        self.findings.push(finding);
+    }
+
+    /// Where the primitive's type stands.
+    fn type_place(&self) -> Place {
+        let start = self.definition.place.start;
+        Place {
+            start,
+            end: start + self.desc.name.len(),
+        }
+    }
+
+    fn span(&self, place: Place) -> rpi_diag::Span {
+        self.links.text.span(place)
+    }
+}
+
+fn advise(finding: Finding, name: &str, names: &[&str]) -> Finding {
+    match suggest(name, names.iter().copied()) {
+        Some(near) => finding.help(format!("did you mean `{near}`?")),
+        None if names.is_empty() => finding.help("it has none at all: delete this"),
+        None => finding.help(format!("it has {}", list(names))),
+    }
+}
+
+fn connect(desc: &PrimDesc, links: &[Link], settings: &[Setting<'_>]) -> Connected {
+    let given = |name: &str| {
+        let mut found = settings.iter().filter(|(n, _)| *n == name);
+        found.next().map(|(_, v)| v.clone())
+    };
+    let input = |(k, port): (usize, &InPort)| match links.iter().find(|(i, _)| *i == k) {
+        Some((_, origin)) => origin.map_or(Input::Open, Input::Port),
+        None => stand_in(port, given).map_or(Input::Open, Input::Const),
+    };
+    let param = |p: &Param| {
+        let default = || p.default.value(flow_type(p.ty));
+        given(p.name)
+            .or_else(default)
+            .unwrap_or_else(|| neutral(p.ty))
+    };
+    Connected {
+        inputs: desc.inputs.iter().enumerate().map(input).collect(),
+        params: desc.params.iter().map(param).collect(),
+    }
+}
+
+/// The value that stands in for a link.
+fn stand_in(port: &InPort, given: impl Fn(&str) -> Option<Value>) -> Option<Value> {
+    match port.need {
+        Need::Required | Need::Absent => None,
+        Need::Param(name, default) => {
+            given(name).or_else(|| default.value(flow_type(port_parameter(port.ty)?)))
+        }
+        Need::Params(parts, make) => {
+            let real = |(name, default): &(&str, f64)| {
+                given(name).and_then(|v| v.as_real()).unwrap_or(*default)
+            };
+            Some(make(&parts.iter().map(real).collect::<Vec<f64>>()))
+        }
+    }
+}
+
+/// The type of a parameter, if there is one of this name.
+fn parameter_type(desc: &PrimDesc, name: &str) -> Option<ParamType> {
+    if let Some(k) = desc.param(name) {
+        return Some(desc.params[k].ty);
+    }
+    let port = &desc.inputs[desc.fallback(name)?];
+    match port.need {
+        Need::Params(..) => Some(ParamType::One(rpi_image::Scalar::Real)),
+        _ => port_parameter(port.ty),
+    }
+}
+
+/// The type of the parameter that stands in for a port; none for a matrix, which has no text.
+fn port_parameter(ty: PortType) -> Option<ParamType> {
+    match ty {
+        PortType::One(s) => Some(ParamType::One(s)),
+        PortType::Array(s) => Some(ParamType::Array(s)),
+        PortType::Matrix => None,
+    }
+}
+
+/// All names under which something can be set.
+fn parameters(desc: &PrimDesc) -> Vec<&'static str> {
+    let ports = desc.inputs.iter().flat_map(|p| match p.need {
+        Need::Param(name, _) => vec![name],
+        Need::Params(parts, _) => parts.iter().map(|(n, _)| *n).collect(),
+        Need::Required | Need::Absent => Vec::new(),
+    });
+    desc.params.iter().map(|p| p.name).chain(ports).collect()
+}

@@ -1,0 +1,289 @@
+//! From [`Text`] to a [`Net`].
+
+use super::arguments::Arguments;
+use super::links::{Links, Nodes};
+use super::names::Names;
+use super::text::{Argument, BodyId, DefinitionId, Given, Kind, Source, Text, Word};
+use crate::net::{
+    Absent, Activation, Driver, Fragment, FragmentId, FragmentPort, Input, Net, Node, Origin,
+    PortRef, Restart,
+};
+use rpi_diag::{Code, Finding, suggest};
+use rpi_image::{PortType, Scalar};
+use rpi_prims::{PrimId, registry};
+use std::collections::BTreeMap;
+
+/// The in-port that activates a fragment.
+pub(super) const ACTIVATION: &str = "inActive";
+/// The root's out-port that ends the net.
+pub(super) const TERMINATE: &str = "outTerminate";
+/// The root's out-port that gives its error number.
+pub(super) const FAIL: &str = "outFail";
+
+/// Makes the net of a text; of use only if the findings hold no error.
+pub(super) fn build(name: &str, text: &Text<'_>, findings: &mut Vec<Finding>) -> Net {
+    let intact = findings.is_empty();
+    let names = Names::new(text, findings);
+    let mut builder = Builder {
+        text,
+        names: &names,
+        net: Net::new(name),
+        nodes: vec![None; text.definitions.len()],
+        fragments: vec![FragmentId::ROOT; text.fragments.len()],
+        unnamed: 0,
+        findings,
+    };
+    builder.declare();
+    let Builder {
+        mut net,
+        nodes,
+        fragments,
+        ..
+    } = builder;
+    let mut connector = Connector {
+        text,
+        links: Links::new(text, &names, &nodes),
+        fragments: &fragments,
+        net: &mut net,
+        findings,
+        intact,
+    };
+    connector.definitions(&names);
+    connector.outputs(&names);
+    net
+}
+
+/// First step: all nodes and fragments, unconnected.
+struct Builder<'a, 't> {
+    text: &'a Text<'t>,
+    names: &'a Names<'t>,
+    net: Net,
+    nodes: Nodes,
+    fragments: Vec<FragmentId>,
+    unnamed: u32,
+    findings: &'a mut Vec<Finding>,
+}
+
+impl<'t> Builder<'_, 't> {
+    fn declare(&mut self) {
+        let mut unknown: BTreeMap<&str, Vec<Word<'t>>> = BTreeMap::new();
+        for id in 0..self.text.definitions.len() {
+            if self.names.is_repeated(id) {
+                continue;
+            }
+            match self.text.definitions[id].kind {
+                Kind::Fragment(body) => self.declare_fragment(id, body),
+                Kind::Primitive(ty) => match PrimId::of(ty.text) {
+                    Some(prim) => self.declare_node(id, prim),
+                    None => unknown.entry(ty.text).or_default().push(ty),
+                },
+            }
+        }
+        let unknown = unknown.into_values().map(|at| unknown_type(self.text, &at));
+        self.findings.extend(unknown);
+    }
+
+    fn declare_fragment(&mut self, id: DefinitionId, body: BodyId) {
+        let fragment = Fragment {
+            name: self.name(id),
+            parent: Some(self.fragments[self.text.definitions[id].scope]),
+            activation: Activation::Always,
+            restart: Restart::Never,
+            inputs: Vec::new(),
+            outputs: Vec::new(),
+            budget_ns: None,
+            origin: self.origin(id),
+        };
+        self.fragments[body] = self.net.add_fragment(fragment);
+    }
+
+    fn declare_node(&mut self, id: DefinitionId, prim: PrimId) {
+        let node = Node {
+            name: self.name(id),
+            prim,
+            fragment: self.fragments[self.text.definitions[id].scope],
+            inputs: Vec::new(),
+            params: Vec::new(),
+            outputs: Vec::new(),
+            origin: self.origin(id),
+        };
+        self.nodes[id] = Some((self.net.add_node(node), prim));
+    }
+
+    /// The name of a definition, made up if it has none.
+    fn name(&mut self, id: DefinitionId) -> String {
+        let definition = &self.text.definitions[id];
+        if let Some(name) = definition.name {
+            return name.text.to_owned();
+        }
+        loop {
+            self.unnamed += 1;
+            let name = format!("_{}", self.unnamed);
+            if !self.names.is_taken(definition.scope, &name) {
+                return name;
+            }
+        }
+    }
+
+    fn origin(&self, id: DefinitionId) -> Origin {
+        Origin {
+            span: self.text.span(self.text.definitions[id].place),
+            flow: None,
+        }
+    }
+}
+
+/// Second step: what is connected to what.
+struct Connector<'a, 'b, 't> {
+    text: &'b Text<'t>,
+    links: Links<'b, 't>,
+    fragments: &'a [FragmentId],
+    net: &'a mut Net,
+    findings: &'a mut Vec<Finding>,
+    intact: bool,
+}
+
+impl<'t> Connector<'_, '_, 't> {
+    fn definitions(&mut self, names: &Names<'t>) {
+        let text = self.text;
+        for (id, definition) in text.definitions.iter().enumerate() {
+            if names.is_repeated(id) {
+                continue;
+            }
+            match definition.kind {
+                Kind::Fragment(body) => {
+                    self.fragment(definition.scope, body, &definition.arguments)
+                }
+                Kind::Primitive(_) => self.node(id),
+            }
+        }
+    }
+
+    fn node(&mut self, id: DefinitionId) {
+        let Some((node, prim)) = self.links.nodes[id] else {
+            return;
+        };
+        let arguments = Arguments {
+            links: &mut self.links,
+            findings: self.findings,
+            desc: prim.desc(),
+            definition: &self.text.definitions[id],
+            intact: self.intact,
+        };
+        let connected = arguments.read();
+        let node = &mut self.net.nodes[node.index()];
+        node.inputs = connected.inputs;
+        node.params = connected.params;
+    }
+
+    fn fragment(&mut self, scope: BodyId, body: BodyId, arguments: &'_ [Argument<'t>]) {
+        let mut inputs = Vec::new();
+        let mut activation = Activation::Always;
+        for argument in arguments {
+            let Some(port) = self.argument(scope, argument) else {
+                continue;
+            };
+            if argument.name.text == ACTIVATION {
+                activation = Activation::When {
+                    condition: port,
+                    absent: Absent::Active,
+                };
+                let needed = PortType::One(Scalar::Bool);
+                self.check(port, needed, argument.name);
+            } else {
+                inputs.push(FragmentPort {
+                    name: argument.name.text.to_owned(),
+                    source: Input::Port(port),
+                });
+            }
+        }
+        let fragment = &mut self.net.fragments[self.fragments[body].index()];
+        fragment.inputs = inputs;
+        fragment.activation = activation;
+    }
+
+    /// What is connected to an in-port of a fragment.
+    fn argument(&mut self, scope: BodyId, argument: &Argument<'t>) -> Option<PortRef> {
+        match argument.value {
+            Given::Link(source) => self.links.origin(scope, source, self.findings),
+            Given::Text(_) => {
+                let name = argument.name;
+                let message = format!("a fragment has no parameters, but `{}` is given", name.text);
+                let place = self.text.span(self.text.argument_place(argument));
+                let finding = Finding::new(Code::RPI1103, message).at(place, "a text");
+                let value = "connect it to a constant: `name=Core::DoubleValue(Value='..')`";
+                self.findings.push(finding.help(value));
+                None
+            }
+        }
+    }
+
+    fn outputs(&mut self, names: &Names<'t>) {
+        for body in 0..self.text.fragments.len() {
+            let definition = self.text.fragments[body].definition;
+            if definition.is_some_and(|d| names.is_repeated(d)) {
+                continue;
+            }
+            self.body_outputs(body, names);
+        }
+    }
+
+    fn body_outputs(&mut self, body: BodyId, names: &Names<'t>) {
+        let (mut terminate, mut fail) = (None, None);
+        let mut outputs = Vec::new();
+        for (k, output) in self.text.fragments[body].outputs.iter().enumerate() {
+            if names.output(body, output.name.text) != Some(k) {
+                continue;
+            }
+            let Some(port) = self.output(body, output.source) else {
+                continue;
+            };
+            match output.name.text {
+                TERMINATE if body == 0 => {
+                    self.check(port, PortType::One(Scalar::Bool), output.name);
+                    terminate = Some(Input::Port(port));
+                }
+                FAIL if body == 0 => {
+                    self.check(port, PortType::One(Scalar::Int), output.name);
+                    fail = Some(Input::Port(port));
+                }
+                name => outputs.push(FragmentPort {
+                    name: name.to_owned(),
+                    source: Input::Port(port),
+                }),
+            }
+        }
+        self.net.fragments[self.fragments[body].index()].outputs = outputs;
+        if body == 0 {
+            self.net.driver = Driver::Ports { terminate, fail };
+        }
+    }
+
+    fn output(&mut self, body: BodyId, source: Source<'t>) -> Option<PortRef> {
+        self.links.origin(body, source, self.findings)
+    }
+
+    /// Reports a link to a port with a fixed meaning if it is of another type.
+    fn check(&mut self, port: PortRef, needed: PortType, name: Word<'t>) {
+        let finding = self.links.wrong_type_at(port, needed, name);
+        self.findings.extend(finding);
+    }
+}
+
+fn unknown_type(text: &Text<'_>, places: &[Word<'_>]) -> Finding {
+    const SHOWN: usize = 4;
+    let name = places[0].text;
+    let finding = Finding::new(Code::RPI1101, format!("there is no primitive `{name}`"));
+    let labelled = places.iter().take(SHOWN);
+    let finding = labelled.fold(finding, |f, word| {
+        f.at(text.span(word.place()), "not known")
+    });
+    let finding = match places.len().saturating_sub(SHOWN) {
+        0 => finding,
+        more => finding.note(format!("and at {more} more places")),
+    };
+    match suggest(name, registry().iter().map(|p| p.desc.name)) {
+        Some(near) => finding.help(format!("did you mean `{near}`?")),
+        None => finding.help("the reference of primitives lists those that there are"),
+    }
+}

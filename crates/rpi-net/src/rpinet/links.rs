@@ -1,0 +1,310 @@
+//! Where links come from: from name to name, through the ports of fragments, to the out-port of a primitive.
+
+use super::names::{Names, PARENT};
+use super::text::{BodyId, DefinitionId, Given, Kind, Source, Subject, Text, Word};
+use crate::net::{NodeId, PortRef};
+use rpi_diag::{Code, Finding, suggest};
+use rpi_image::PortType;
+use rpi_prims::PrimId;
+use std::collections::HashMap;
+
+/// The nodes that definitions have become.
+pub(super) type Nodes = Vec<Option<(NodeId, PrimId)>>;
+
+/// Finds the origin of links.
+pub(super) struct Links<'a, 't> {
+    pub(super) text: &'a Text<'t>,
+    pub(super) names: &'a Names<'t>,
+    pub(super) nodes: &'a Nodes,
+    /// The primitive of each node.
+    prims: Vec<PrimId>,
+    ports: HashMap<Port, Origin>,
+    /// How many more names are looked up for a "did you mean": a broken net may have thousands of wrong names.
+    hints: u32,
+}
+
+/// A port on a fragment's border.
+#[derive(Clone, Copy, PartialEq, Eq, Hash)]
+enum Port {
+    /// An in-port: index of the fragment's definition, and of its argument.
+    In(DefinitionId, usize),
+    /// An out-port: index of the fragment, and of the port in it.
+    Out(BodyId, usize),
+}
+
+/// What is known of a port on a border.
+#[derive(Clone, Copy)]
+enum Origin {
+    /// It is being looked for.
+    Open,
+    /// The out-port that it stands for; none if it has none, for a reason already reported.
+    Known(Option<PortRef>),
+}
+
+/// What a link leads to in one step.
+enum Step {
+    Node(PortRef),
+    Border(Port),
+}
+
+/// Why a link leads nowhere.
+enum Broken {
+    /// Because of a fault that is reported where it is.
+    Elsewhere,
+    /// No definition of this name.
+    Name,
+    /// No such port on what the name stands for.
+    Port,
+    /// The net itself has no `parent`.
+    Root,
+}
+
+impl<'a, 't> Links<'a, 't> {
+    pub(super) fn new(text: &'a Text<'t>, names: &'a Names<'t>, nodes: &'a Nodes) -> Self {
+        Links {
+            text,
+            names,
+            nodes,
+            prims: nodes.iter().flatten().map(|(_, prim)| *prim).collect(),
+            ports: HashMap::new(),
+            hints: 32,
+        }
+    }
+
+    /// The out-port of a primitive at which a link begins. Faults of its first step are reported; of the others when
+    /// the link that makes them is looked at.
+    pub(super) fn origin(
+        &mut self,
+        scope: BodyId,
+        source: Source<'t>,
+        findings: &mut Vec<Finding>,
+    ) -> Option<PortRef> {
+        match self.step(scope, source) {
+            Ok(Step::Node(port)) => Some(port),
+            Ok(Step::Border(port)) => self.follow(port, findings),
+            Err(broken) => {
+                findings.extend(self.report(broken, scope, source));
+                None
+            }
+        }
+    }
+
+    /// Type and name of an out-port of a node.
+    pub(super) fn port_type(&self, port: PortRef) -> Option<(PortType, &'static str)> {
+        let prim = self.prims.get(port.node.index())?;
+        let output = prim.desc().outputs.get(usize::from(port.port))?;
+        Some((output.ty, output.name))
+    }
+
+    /// Follows ports on borders until a primitive is reached.
+    fn follow(&mut self, first: Port, findings: &mut Vec<Finding>) -> Option<PortRef> {
+        let mut passed = Vec::new();
+        let mut at = first;
+        let found = loop {
+            match self.ports.get(&at) {
+                Some(Origin::Known(known)) => break *known,
+                Some(Origin::Open) => {
+                    findings.push(self.ring(at));
+                    break None;
+                }
+                None => {}
+            }
+            self.ports.insert(at, Origin::Open);
+            passed.push(at);
+            match self
+                .behind(at)
+                .map(|(scope, source)| self.step(scope, source))
+            {
+                Some(Ok(Step::Node(port))) => break Some(port),
+                Some(Ok(Step::Border(port))) => at = port,
+                Some(Err(_)) | None => break None,
+            }
+        };
+        for port in passed {
+            self.ports.insert(port, Origin::Known(found));
+        }
+        found
+    }
+
+    /// The link that is connected to a port on a border, and the fragment in which it stands.
+    fn behind(&self, port: Port) -> Option<(BodyId, Source<'t>)> {
+        match port {
+            Port::In(id, k) => {
+                let definition = &self.text.definitions[id];
+                match definition.arguments[k].value {
+                    Given::Link(source) => Some((definition.scope, source)),
+                    Given::Text(_) => None,
+                }
+            }
+            Port::Out(body, k) => Some((body, self.text.fragments[body].outputs[k].source)),
+        }
+    }
+
+    fn step(&self, scope: BodyId, source: Source<'t>) -> Result<Step, Broken> {
+        let id = match source.of {
+            Subject::Name(word) if word.text == PARENT => return self.in_port(scope, source),
+            Subject::Name(word) => self
+                .names
+                .definition(scope, word.text)
+                .ok_or(Broken::Name)?,
+            Subject::Definition(id) => id,
+        };
+        match self.text.definitions[id].kind {
+            Kind::Fragment(body) => {
+                let k = self
+                    .names
+                    .output(body, source.port.text)
+                    .ok_or(Broken::Port)?;
+                Ok(Step::Border(Port::Out(body, k)))
+            }
+            Kind::Primitive(_) => {
+                let (node, prim) = self.nodes[id].ok_or(Broken::Elsewhere)?;
+                let port = prim.desc().output(source.port.text).ok_or(Broken::Port)?;
+                let port = u8::try_from(port).map_err(|_| Broken::Elsewhere)?;
+                Ok(Step::Node(PortRef { node, port }))
+            }
+        }
+    }
+
+    /// An in-port of the fragment in which a link stands.
+    fn in_port(&self, scope: BodyId, source: Source<'t>) -> Result<Step, Broken> {
+        let id = self.text.fragments[scope].definition.ok_or(Broken::Root)?;
+        let k = self.names.input(id, source.port.text).ok_or(Broken::Port)?;
+        Ok(Step::Border(Port::In(id, k)))
+    }
+
+    /// What is wrong with a link to a port of a fixed meaning; nothing if the types agree.
+    pub(super) fn wrong_type_at(
+        &self,
+        port: PortRef,
+        needed: PortType,
+        name: Word<'t>,
+    ) -> Option<Finding> {
+        let (ty, from) = self.port_type(port).filter(|(ty, _)| *ty != needed)?;
+        let [given, needed] = [ty, needed].map(type_name);
+        let message = format!("`{from}` gives {given}, `{}` takes {needed}", name.text);
+        let place = self.text.span(name.place());
+        let finding = Finding::new(Code::RPI2101, message).at(place, format!("takes {needed}"));
+        Some(finding.help(format!("connect something that gives {needed}")))
+    }
+
+    fn report(&mut self, broken: Broken, scope: BodyId, source: Source<'t>) -> Option<Finding> {
+        match broken {
+            Broken::Elsewhere => None,
+            Broken::Name => Some(self.no_name(scope, source)),
+            Broken::Port => Some(self.no_port(scope, source)),
+            Broken::Root => {
+                let place = self.text.span(self.text.source_place(source));
+                let finding = Finding::new(Code::RPI1105, "the net itself has no in-ports");
+                let finding = finding.at(place, "`parent` is the fragment around; there is none");
+                Some(finding.help("link to a primitive or fragment of the net by its name"))
+            }
+        }
+    }
+
+    fn no_name(&mut self, scope: BodyId, source: Source<'t>) -> Finding {
+        let Subject::Name(word) = source.of else {
+            return self.no_port(scope, source);
+        };
+        let message = format!("nothing is called `{}` here", word.text);
+        let place = self.text.span(word.place());
+        let finding =
+            Finding::new(Code::RPI1104, message).at(place, "not defined in this fragment");
+        let here = self.text.definitions.iter().filter(|d| d.scope == scope);
+        let here = here.filter_map(|d| d.name).map(|n| n.text);
+        if let Some(near) = self.hint(word.text, here) {
+            return finding.help(format!("did you mean `{near}`?"));
+        }
+        let elsewhere = self.text.definitions.iter();
+        let mut elsewhere = elsewhere.filter(|d| d.name.is_some_and(|n| n.text == word.text));
+        match elsewhere.next().filter(|_| self.hints > 0) {
+            Some(other) => finding
+                .also(
+                    self.text.span(other.place),
+                    "this one is in another fragment",
+                )
+                .help("lead it through an out-port of its fragment, or an in-port of this one"),
+            None => finding.help("define it, or link to a primitive or fragment that is there"),
+        }
+    }
+
+    fn no_port(&mut self, scope: BodyId, source: Source<'t>) -> Finding {
+        let port = source.port.text;
+        let (what, ports) = self.ports_of(scope, source);
+        let message = format!("{what} has no port `{port}`");
+        let place = self.text.span(source.port.place());
+        let finding = Finding::new(Code::RPI1105, message).at(place, "no such port");
+        match self.hint(port, ports.iter().copied()) {
+            Some(near) => finding.help(format!("did you mean `{near}`?")),
+            None if ports.is_empty() => finding.help("it has no such ports at all"),
+            None => finding.help(format!("it has {}", list(&ports))),
+        }
+    }
+
+    /// What a link's subject is, in words, and the ports that a link can begin at.
+    fn ports_of(&self, scope: BodyId, source: Source<'t>) -> (String, Vec<&'t str>) {
+        let id = match source.of {
+            Subject::Name(word) if word.text == PARENT => {
+                let around = self.text.fragments[scope].definition;
+                let arguments = around.map_or(&[][..], |d| &self.text.definitions[d].arguments);
+                let ports = arguments.iter().map(|a| a.name.text).collect();
+                return ("the fragment around".into(), ports);
+            }
+            Subject::Name(word) => self.names.definition(scope, word.text),
+            Subject::Definition(id) => Some(id),
+        };
+        match id.map(|id| (id, self.text.definitions[id].kind)) {
+            Some((_, Kind::Fragment(body))) => {
+                let outputs = self.text.fragments[body].outputs.iter();
+                (
+                    "this fragment".into(),
+                    outputs.map(|o| o.name.text).collect(),
+                )
+            }
+            Some((id, Kind::Primitive(ty))) => {
+                let outputs = self.nodes[id].map_or(&[][..], |(_, prim)| prim.desc().outputs);
+                let ports = outputs.iter().map(|o| o.name).collect();
+                (format!("`{}`", ty.text), ports)
+            }
+            None => ("this".into(), Vec::new()),
+        }
+    }
+
+    fn ring(&self, port: Port) -> Finding {
+        let name = match port {
+            Port::In(id, k) => self.text.definitions[id].arguments[k].name,
+            Port::Out(body, k) => self.text.fragments[body].outputs[k].name,
+        };
+        let message = format!("`{}` is connected to itself", name.text);
+        Finding::new(Code::RPI4002, message)
+            .at(
+                self.text.span(name.place()),
+                "following this port leads back to it",
+            )
+            .help("connect one of the ports on the way to a primitive")
+    }
+
+    fn hint<'n>(&mut self, name: &str, names: impl Iterator<Item = &'n str>) -> Option<String> {
+        self.hints = self.hints.checked_sub(1)?;
+        suggest(name, names)
+    }
+}
+
+/// A port's type in words.
+pub(super) fn type_name(ty: PortType) -> String {
+    match ty {
+        PortType::One(s) => s.to_string(),
+        PortType::Array(s) => format!("an array of {s}"),
+        PortType::Matrix => "a matrix".into(),
+    }
+}
+
+/// Some names, for a message.
+pub(super) fn list(names: &[&str]) -> String {
+    const SHOWN: usize = 8;
+    let mut shown: Vec<String> = names.iter().take(SHOWN).map(|n| format!("`{n}`")).collect();
+    if names.len() > SHOWN {
+        shown.push(format!("{} more", names.len() - SHOWN));
+    }
+    shown.join(", ")
+}

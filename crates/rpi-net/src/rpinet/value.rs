@@ -1,0 +1,82 @@
+//! Parameters: texts to values and back.
+
+use crate::literal::{self, LiteralError};
+use rpi_image::{ParamType, Type, Value};
+use std::borrow::Cow;
+
+/// Reads a parameter.
+///
+/// # Errors
+/// If the text is no value of the type.
+pub(super) fn parse(text: &str, ty: ParamType) -> Result<Value, LiteralError> {
+    match ty {
+        ParamType::Str => Ok(Value::Str(unescaped(text).into_owned())),
+        ParamType::One(scalar) => literal::read_one(text, scalar)?.ok_or_else(absent),
+        ParamType::Array(scalar) => {
+            let elements = literal::read_array(restored(text), scalar)?.ok_or_else(absent)?;
+            let elements: Option<Vec<Value>> = elements.into_iter().collect();
+            let elements = elements.ok_or_else(absent)?;
+            let len = u32::try_from(elements.len()).map_err(|_| absent())?;
+            Ok(Value::Cells {
+                ty: Type::Array(scalar, len),
+                cells: elements.iter().flat_map(Value::cells).copied().collect(),
+            })
+        }
+    }
+}
+
+/// Writes a parameter so that [`parse`] reads it back.
+pub(super) fn write(value: &Value) -> String {
+    match value {
+        Value::Str(text) => text.replace('\\', "\\\\").replace('\'', "\\'"),
+        Value::Cells { ty, cells } => literal::write(cells, *ty),
+    }
+}
+
+/// The neutral value of a parameter type: zero, empty.
+pub(super) fn neutral(ty: ParamType) -> Value {
+    match ty {
+        ParamType::Str => Value::Str(String::new()),
+        ParamType::One(_) | ParamType::Array(_) => Value::neutral(flow_type(ty)),
+    }
+}
+
+/// The type of a parameter's values; arrays are empty. A text has none, and its defaults do not ask for it.
+pub(super) fn flow_type(ty: ParamType) -> Type {
+    match ty {
+        ParamType::One(scalar) => Type::One(scalar),
+        ParamType::Array(scalar) => Type::Array(scalar, 0),
+        ParamType::Str => Type::One(rpi_image::Scalar::Bool),
+    }
+}
+
+fn absent() -> LiteralError {
+    LiteralError {
+        at: 0,
+        message: "a parameter cannot be absent".into(),
+    }
+}
+
+/// The reference drops the `[` of an array without elements.
+fn restored(text: &str) -> &str {
+    if text.trim() == "]" { "[]" } else { text }
+}
+
+/// A text without its escapes: `\'` and `\\`. Other backslashes stand for themselves, as the reference writes them.
+fn unescaped(text: &str) -> Cow<'_, str> {
+    if !text.contains('\\') {
+        return Cow::Borrowed(text);
+    }
+    let mut plain = String::with_capacity(text.len());
+    let mut signs = text.chars().peekable();
+    while let Some(sign) = signs.next() {
+        match (sign, signs.peek()) {
+            ('\\', Some(&escaped @ ('\'' | '\\'))) => {
+                plain.push(escaped);
+                signs.next();
+            }
+            _ => plain.push(sign),
+        }
+    }
+    Cow::Owned(plain)
+}

@@ -1,0 +1,50 @@
+//! The recorded nets beside the project.
+#![allow(dead_code, reason = "each test binary uses a part")]
+
+use rpi_diag::{FileId, Finding, Severity, SourceMap, Style, render};
+use rpi_net::Net;
+use std::path::PathBuf;
+
+/// Name and text of every net in a folder beside the project, sorted by name. None (said loudly) where it is missing.
+pub fn nets_in(folder: &str) -> Option<Vec<(String, String)>> {
+    let dir = rpi_testkit::shared_path(&format!("nets/{folder}"))?;
+    let mut paths: Vec<PathBuf> = std::fs::read_dir(dir)
+        .expect("the folder can be read")
+        .map(|entry| entry.expect("its entries can be read").path())
+        .filter(|path| path.to_string_lossy().contains(".rpinet"))
+        .collect();
+    paths.sort();
+    let read = |path: &PathBuf| {
+        let name = path.file_name().unwrap_or_default().to_string_lossy();
+        let name = name.split(".rpinet").next().unwrap_or_default().to_owned();
+        let text = rpi_testkit::read_maybe_gz(path).expect("nets are readable");
+        (format!("{folder}/{name}"), text)
+    };
+    Some(paths.iter().map(read).collect())
+}
+
+/// All recorded nets.
+pub fn all() -> Option<Vec<(String, String)>> {
+    let folders = ["v1", "v2", "traces", "corpus/nets"].map(nets_in);
+    let all: Option<Vec<_>> = folders.into_iter().collect();
+    Some(all?.into_iter().flatten().collect())
+}
+
+/// The net of a text that has no error.
+///
+/// # Panics
+/// If it has one, with all findings.
+pub fn net(name: &str, text: &str) -> Net {
+    let (net, findings) = rpi_net::rpinet::read(name, FileId(0), text);
+    net.unwrap_or_else(|| panic!("{}", shown(name, text, &findings)))
+}
+
+/// Findings as a reader sees them, errors first.
+pub fn shown(name: &str, text: &str, findings: &[Finding]) -> String {
+    let mut sources = SourceMap::new();
+    sources.add(name, text);
+    let mut findings = findings.to_vec();
+    findings.sort_by_key(|f| f.severity() != Severity::Error);
+    findings.truncate(20);
+    render(&findings, &sources, Style::default())
+}
