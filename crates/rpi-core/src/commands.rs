@@ -4,6 +4,7 @@ use crate::command::{Cause, Command};
 use crate::lifecycle::{Event, Next, State};
 use rpi_device::DeviceBank;
 
+use alloc::boxed::Box;
 use alloc::vec::Vec;
 
 /// A command in the table. A number is not used again for another command.
@@ -38,7 +39,7 @@ pub enum Refused {
 /// A command with its place in time and in the order of succession.
 pub(crate) struct Entry {
     pub(crate) serial: u32,
-    pub(crate) command: Command,
+    pub(crate) command: Box<Command>,
     /// Ticks per cycle.
     pub(crate) ticks: u64,
     /// The tick of its next cycle.
@@ -90,7 +91,7 @@ impl Core {
     ///
     /// # Errors
     /// Gives it back if the table is full or its period does not fit the tick.
-    pub fn insert(&mut self, command: Command) -> Result<CommandId, (Command, Refused)> {
+    pub fn insert(&mut self, command: Box<Command>) -> Result<CommandId, (Box<Command>, Refused)> {
         let period = command.machine.image().period_ns;
         if !period.is_multiple_of(self.tick_ns) {
             return Err((command, Refused::Period));
@@ -117,12 +118,12 @@ impl Core {
     ///
     /// # Errors
     /// If it is not ready, or an actuator that it needs is held.
-    pub fn start(&mut self, id: CommandId) -> Result<(), Refused> {
+    pub fn start(&mut self, id: CommandId, bank: &mut dyn DeviceBank) -> Result<(), Refused> {
         let place = self.place(id)?;
         self.fits(place, Event::Start)?;
         self.free_for(place, None)?;
         let tick = self.tick;
-        self.begin(place, tick, Event::Start);
+        self.begin(place, tick, Event::Start, bank);
         Ok(())
     }
 
@@ -189,7 +190,7 @@ impl Core {
     ///
     /// # Errors
     /// If it runs.
-    pub fn remove(&mut self, id: CommandId) -> Result<Command, Refused> {
+    pub fn remove(&mut self, id: CommandId) -> Result<Box<Command>, Refused> {
         let place = self.place(id)?;
         self.fits(place, Event::Unload)?;
         self.orphan(place, true);
@@ -199,7 +200,7 @@ impl Core {
     }
 
     /// Moves out a command that is no more because nothing could start it, to be freed off the cycle.
-    pub fn take_gone(&mut self) -> Option<(CommandId, Command)> {
+    pub fn take_gone(&mut self) -> Option<(CommandId, Box<Command>)> {
         let gone = |e: &Option<Entry>| e.as_ref().is_some_and(|e| e.gone);
         let place = self.entries.iter().position(gone)?;
         let id = self.id(place);
@@ -210,13 +211,13 @@ impl Core {
     #[must_use]
     pub fn command(&self, id: CommandId) -> Option<&Command> {
         let place = self.place(id).ok()?;
-        self.entries[place].as_ref().map(|e| &e.command)
+        self.entries[place].as_ref().map(|e| &*e.command)
     }
 
     /// A command, to set its inputs between ticks.
     pub fn command_mut(&mut self, id: CommandId) -> Option<&mut Command> {
         let place = self.place(id).ok()?;
-        self.entries[place].as_mut().map(|e| &mut e.command)
+        self.entries[place].as_mut().map(|e| &mut *e.command)
     }
 
     pub(crate) fn id(&self, place: usize) -> CommandId {

@@ -9,6 +9,7 @@ use rpi_prims::{Cx, FaultCode};
 use alloc::boxed::Box;
 use alloc::vec;
 use alloc::vec::Vec;
+use core::ops::Range;
 
 /// Resolved ports, and the buffer in which set-points and arguments are put together.
 pub(crate) struct Ports {
@@ -22,19 +23,22 @@ pub(crate) struct Ports {
 /// An actuator port of the image.
 struct Set {
     port: PortId,
-    /// Index into `held`.
-    resource: usize,
+    /// The actuators that it moves, as places in `held`.
+    moves: Range<usize>,
     /// Where its set-point lies in the buffer.
     at: usize,
     len: usize,
 }
 
 /// An actuator (resource) that the command holds.
+#[derive(Clone, Copy, Default)]
 struct Held {
     resource: u32,
-    /// True once somebody has set it in this cycle.
+    /// Somebody wants to set it in this cycle.
     claimed: bool,
-    /// Whose set-point is handed over at the end of this cycle.
+    /// A set-point for it was accepted in this cycle.
+    set: bool,
+    /// Whose set-point is handed over at the end of this cycle; at the first of the actuators that it moves.
     staged: Option<usize>,
     /// Whose set-point was handed over at the end of the cycle before.
     last: Option<usize>,
@@ -73,18 +77,18 @@ impl Ports {
     }
 
     fn actuators(&mut self, image: &Image, ports: &[PortId], bank: &dyn DeviceBank) {
-        let mut resources: Vec<u32> = ports.iter().map(|p| bank.resource(*p)).collect();
+        let mut resources: Vec<u32> = ports.iter().flat_map(|p| bank.resources(*p)).collect();
         resources.sort_unstable();
         resources.dedup();
         let mut end = 0;
         let set = |(actuator, &port): (&Actuator, &PortId)| {
-            let len = total(&actuator.inputs);
-            let at = end;
+            let moved = bank.resources(port);
+            let place = |resource: u32| resources.partition_point(|r| *r < resource);
+            let (at, len) = (end, total(&actuator.inputs));
             end += len;
-            let resource = resources.binary_search(&bank.resource(port)).unwrap_or(0);
             Set {
                 port,
-                resource,
+                moves: place(moved.start)..place(moved.end),
                 at,
                 len,
             }
@@ -92,9 +96,7 @@ impl Ports {
         self.actuators = image.actuators.iter().zip(ports).map(set).collect();
         let held = |&resource: &u32| Held {
             resource,
-            claimed: false,
-            staged: None,
-            last: None,
+            ..Held::default()
         };
         self.held = resources.iter().map(held).collect();
         let arguments = image.functions.iter().map(|f| total(&f.arguments)).max();
@@ -111,7 +113,10 @@ impl Ports {
     /// As after loading.
     pub(crate) fn reset(&mut self) {
         for held in &mut self.held {
-            (held.claimed, held.staged, held.last) = (false, None, None);
+            *held = Held {
+                resource: held.resource,
+                ..Held::default()
+            };
         }
     }
 
@@ -133,27 +138,29 @@ impl Ports {
         let (actuator, set) = (&image.actuators[index], &self.actuators[index]);
         let value = &mut self.buffer[set.at..set.at + set.len];
         gather(cx.cells, &actuator.inputs, value);
-        let held = &mut self.held[set.resource];
+        let held = &mut self.held[set.moves.clone()];
         let mut refusal = cx.devices.check(set.port, value);
-        if held.claimed {
+        if held.iter().any(|h| h.claimed) {
             refusal = refusal.and(Refusal::CONCURRENT_ACCESS);
-        }
-        if refusal == Refusal::NONE {
-            held.staged = Some(index);
-        }
-        held.claimed = true;
-        if refusal.has(Refusal::CONCURRENT_ACCESS) {
             cx.fault(FaultCode::ConcurrentAccess, place(actuator));
         }
+        let accepted = refusal == Refusal::NONE;
+        for h in held.iter_mut() {
+            h.claimed = true;
+            h.set |= accepted;
+        }
+        let completed = held.first().is_some_and(|h| h.last == Some(index));
+        if let Some(first) = held.first_mut().filter(|_| accepted) {
+            first.staged = Some(index);
+        }
         for &(answer, cell) in &actuator.answers {
+            let error = cx.devices.error(set.port);
             cx.cells[cell as usize] = match answer {
                 Answer::ConcurrentAccess => u64::from(refusal.has(Refusal::CONCURRENT_ACCESS)),
                 Answer::DeviceFailed => u64::from(refusal.has(Refusal::DEVICE_FAILED)),
                 Answer::IllegalValue => u64::from(refusal.has(Refusal::ILLEGAL_VALUE)),
-                Answer::ErrorCode => cx.devices.error(set.port).cast_unsigned(),
-                Answer::Completed => {
-                    u64::from(held.last == Some(index) && cx.devices.error(set.port) == 0)
-                }
+                Answer::ErrorCode => error.cast_unsigned(),
+                Answer::Completed => u64::from(completed && error == 0),
             };
         }
     }
@@ -179,11 +186,12 @@ impl Ports {
     pub(crate) fn hand_over(&mut self, bank: &mut dyn DeviceBank) -> bool {
         let mut controlled = true;
         for held in &mut self.held {
-            held.claimed = false;
             held.last = held.staged.take();
             if let Some(set) = held.last.map(|index| &self.actuators[index]) {
                 bank.write(set.port, &self.buffer[set.at..set.at + set.len]);
-            } else if bank.moving(held.resource) {
+            }
+            held.claimed = false;
+            if !core::mem::take(&mut held.set) && bank.moving(held.resource) {
                 bank.stop(held.resource);
                 controlled = false;
             }

@@ -68,11 +68,19 @@ impl Core {
     }
 
     /// Lets a command run from tick `due` on, holding all that it needs.
-    pub(crate) fn begin(&mut self, place: usize, due: u64, event: Event) {
+    pub(crate) fn begin(
+        &mut self,
+        place: usize,
+        due: u64,
+        event: Event,
+        bank: &mut dyn DeviceBank,
+    ) {
         if let Some(entry) = self.entries[place].as_mut() {
             entry.command.happen(event);
             entry.command.hold_all(true);
             (entry.due, entry.predecessor) = (due, None);
+            let ticks = u32::try_from(entry.ticks).unwrap_or(u32::MAX);
+            entry.command.resources().for_each(|r| bank.pace(r, ticks));
         }
     }
 
@@ -95,14 +103,14 @@ impl Core {
             });
         }
         match (follows, successor) {
-            (Some(next), _) => self.fire(next, due, result),
+            (Some(next), _) => self.fire(next, due, result, bank),
             (None, Some(next)) => self.orphan(next, false),
             (None, None) => {}
         }
     }
 
-    fn fire(&mut self, place: usize, due: u64, result: Option<i64>) {
-        self.begin(place, due, Event::Fire);
+    fn fire(&mut self, place: usize, due: u64, result: Option<i64>, bank: &mut dyn DeviceBank) {
+        self.begin(place, due, Event::Fire, bank);
         if let Some(entry) = self.entries[place].as_mut() {
             entry.command.moment.predecessor = result;
         }

@@ -91,6 +91,19 @@ const EDGES: &[(&str, &[&str])] = &[
     ),
     ("rpi-testkit", &[]),
     (
+        "rpi-bench",
+        &[
+            "rpi-core",
+            "rpi-device",
+            "rpi-diag",
+            "rpi-image",
+            "rpi-lower",
+            "rpi-net",
+            "rpi-prims",
+            "rpi-testkit",
+        ],
+    ),
+    (
         "rpi-house",
         &[
             "rpi-diag",

@@ -1,0 +1,206 @@
+//! Building nets by hand, with the defaults that the declarations give.
+
+use rpi_diag::Span;
+use rpi_image::desc::ShapeArgs;
+use rpi_image::{Need, ParamType, PortType, Presence, Role, Scalar, Type, Value};
+use rpi_net::{
+    Absent, Activation, Driver, ExportPort, Fragment, FragmentId, Input, Net, Node, NodeId, Origin,
+    PortRef, Restart,
+};
+use rpi_prims::PrimId;
+
+/// A net under construction. Wrong names and types panic: this is for tests.
+#[derive(Clone, Debug)]
+pub struct Build {
+    /// The net so far.
+    pub net: Net,
+}
+
+impl Build {
+    /// An empty net.
+    #[must_use]
+    pub fn new(name: &str) -> Self {
+        Build {
+            net: Net::new(name),
+        }
+    }
+
+    /// Adds a node whose in-ports are wired in declaration order as far as `inputs` goes; the rest and the parameters
+    /// take their defaults. Gives its first out-port.
+    ///
+    /// # Panics
+    /// If there is no such primitive, or the inputs do not fit it.
+    pub fn add(&mut self, fragment: FragmentId, prim: &str, inputs: &[Input]) -> PortRef {
+        self.add_with(fragment, prim, inputs, &[])
+    }
+
+    /// [`Build::add`] with parameters by name.
+    ///
+    /// # Panics
+    /// If there is no such primitive, or inputs or parameters do not fit it.
+    pub fn add_with(
+        &mut self,
+        fragment: FragmentId,
+        prim: &str,
+        inputs: &[Input],
+        params: &[(&str, Value)],
+    ) -> PortRef {
+        let id = PrimId::of(prim).unwrap_or_else(|| panic!("no primitive {prim}"));
+        let name = format!("n{}", self.net.nodes.len());
+        self.node(fragment, &name, id, inputs, params)
+    }
+
+    /// [`Build::add_with`] with a name.
+    ///
+    /// # Panics
+    /// If inputs or parameters do not fit the primitive.
+    pub fn node(
+        &mut self,
+        fragment: FragmentId,
+        name: &str,
+        prim: PrimId,
+        inputs: &[Input],
+        params: &[(&str, Value)],
+    ) -> PortRef {
+        let desc = prim.desc();
+        let given = |name: &str| params.iter().find(|p| p.0 == name).map(|p| p.1.clone());
+        let params: Vec<Value> = desc
+            .params
+            .iter()
+            .map(|p| given(p.name).unwrap_or_else(|| default_param(p)))
+            .collect();
+        let wired = |k: usize| inputs.get(k).cloned();
+        let inputs: Vec<Input> = (0..desc.inputs.len())
+            .map(|k| wired(k).unwrap_or_else(|| default_input(&desc.inputs[k])))
+            .collect();
+        let types: Vec<Option<Type>> = inputs.iter().map(|i| self.ty(i)).collect();
+        let args = ShapeArgs {
+            inputs: &types,
+            params: &params,
+        };
+        let outputs = (0..desc.outputs.len())
+            .map(|k| desc.out_type(k, &args).expect("sizes fit"))
+            .collect();
+        let node = self.net.add_node(Node {
+            name: name.into(),
+            prim,
+            fragment,
+            inputs,
+            params,
+            outputs,
+            origin: nowhere(),
+        });
+        PortRef { node, port: 0 }
+    }
+
+    /// A delay that is present from its first cycle on, to be wired later; none if the registry has none for the type.
+    pub fn total_delay(&mut self, fragment: FragmentId, scalar: Scalar) -> Option<PortRef> {
+        let fits = |p: &rpi_prims::Prim| {
+            p.desc.role == Role::Delay
+                && p.desc.outputs[0].presence == Presence::IfAll
+                && p.desc.outputs[0].ty == PortType::One(scalar)
+        };
+        let prim = rpi_prims::registry().iter().find(|p| fits(p))?;
+        Some(self.add(fragment, prim.desc.name, &[]))
+    }
+
+    /// Type of what an input reads.
+    #[must_use]
+    pub fn ty(&self, input: &Input) -> Option<Type> {
+        match input {
+            Input::Open => None,
+            Input::Const(value) => value.ty(),
+            Input::Port(p) => Some(self.net.node(p.node).outputs[usize::from(p.port)]),
+        }
+    }
+
+    /// A fragment inside of another, active when the flow says so.
+    pub fn fragment(
+        &mut self,
+        parent: FragmentId,
+        name: &str,
+        when: PortRef,
+        restart: Restart,
+    ) -> FragmentId {
+        self.net.add_fragment(Fragment {
+            name: name.into(),
+            parent: Some(parent),
+            activation: Activation::When {
+                condition: when,
+                absent: Absent::Inactive,
+            },
+            restart,
+            inputs: Vec::new(),
+            outputs: Vec::new(),
+            budget_ns: None,
+            origin: nowhere(),
+        })
+    }
+
+    /// Wires an in-port afterwards: feedback.
+    pub fn wire(&mut self, node: NodeId, port: usize, source: PortRef) {
+        self.net.nodes[node.index()].inputs[port] = Input::Port(source);
+    }
+
+    /// Publishes a flow.
+    pub fn export(&mut self, key: &str, source: PortRef) {
+        self.net.exports.push(ExportPort {
+            key: key.into(),
+            source,
+            origin: nowhere(),
+        });
+    }
+
+    /// Ends the command when the flow says so.
+    pub fn terminate(&mut self, when: PortRef) {
+        self.net.driver = Driver::Ports {
+            terminate: Some(Input::Port(when)),
+            fail: None,
+        };
+    }
+}
+
+/// A real constant.
+#[must_use]
+pub fn real(v: f64) -> Input {
+    Input::Const(Value::real(v))
+}
+
+/// A Boolean constant.
+#[must_use]
+pub fn boolean(v: bool) -> Input {
+    Input::Const(Value::bool(v))
+}
+
+fn nowhere() -> Origin {
+    Origin {
+        span: Span::NONE,
+        flow: None,
+    }
+}
+
+fn default_param(p: &rpi_image::Param) -> Value {
+    let ty = match p.ty {
+        ParamType::One(s) => Type::One(s),
+        ParamType::Array(s) => Type::Array(s, 0),
+        ParamType::Str => {
+            return p
+                .default
+                .value(Type::One(Scalar::Bool))
+                .unwrap_or(Value::Str(String::new()));
+        }
+    };
+    p.default.value(ty).unwrap_or_else(|| Value::neutral(ty))
+}
+
+fn default_input(p: &rpi_image::InPort) -> Input {
+    match (p.need, p.ty) {
+        (Need::Param(_, default), PortType::One(s)) => {
+            Input::Const(default.value(Type::One(s)).expect("a default"))
+        }
+        (Need::Params(names, make), _) => {
+            Input::Const(make(&names.iter().map(|n| n.1).collect::<Vec<_>>()))
+        }
+        _ => Input::Open,
+    }
+}

@@ -1,0 +1,166 @@
+//! Irregular: a random graph of primitives of all kinds, such as no repetition helps to predict.
+
+use super::biquad::delayed;
+use crate::build::{Build, real};
+use crate::rng::Rng;
+use rpi_net::{FragmentId, Input, Net, NodeId, PortRef};
+
+const ROOT: FragmentId = FragmentId::ROOT;
+
+/// About `size` primitives: a third sums and differences, a third products, the rest choices, comparisons, logic and
+/// delays, in random order. Inputs prefer what was made lately, so that chains are long; everything is used. Values stay
+/// bounded. The sum of what is left over is exported as `y`.
+#[must_use]
+pub fn mixed(size: usize, seed: u64) -> Net {
+    let mut net = Mixed::new(seed);
+    while net.build.net.nodes.len() < size {
+        net.grow();
+    }
+    net.close()
+}
+
+struct Mixed {
+    build: Build,
+    rng: Rng,
+    reals: Vec<PortRef>,
+    booleans: Vec<PortRef>,
+    unused: Vec<PortRef>,
+    delays: Vec<NodeId>,
+}
+
+impl Mixed {
+    fn new(seed: u64) -> Self {
+        let mut build = Build::new("mixed");
+        let clock = build.add(ROOT, "Core::Clock", &[real(0.0)]);
+        let wave = build.add(ROOT, "Core::DoubleSin", &[Input::Port(clock)]);
+        let first = build.add(ROOT, "Core::DoubleGreater", &[Input::Port(wave), real(0.3)]);
+        Mixed {
+            build,
+            rng: Rng::new(seed),
+            reals: vec![wave],
+            booleans: vec![first],
+            unused: Vec::new(),
+            delays: Vec::new(),
+        }
+    }
+
+    fn grow(&mut self) {
+        match self.rng.below(100) {
+            0..28 => self.add_scaled(),
+            28..56 => self.product(),
+            56..68 => self.choice(),
+            68..80 => self.comparison(),
+            80..86 => self.logic(),
+            86..94 => self.delay(),
+            _ => self.largest(),
+        }
+    }
+
+    /// Something that nobody uses yet, or something of the last hundred.
+    fn real(&mut self) -> PortRef {
+        if self.rng.below(2) == 0
+            && let Some(port) = self.unused.pop()
+        {
+            return port;
+        }
+        let from = self.reals.len().saturating_sub(100);
+        self.reals[from + self.rng.below(self.reals.len() - from)]
+    }
+
+    fn boolean(&mut self) -> PortRef {
+        let from = self.booleans.len().saturating_sub(30);
+        self.booleans[from + self.rng.below(self.booleans.len() - from)]
+    }
+
+    fn made(&mut self, port: PortRef) {
+        self.reals.push(port);
+        self.unused.push(port);
+    }
+
+    /// a + b, halved by a factor on one side so that values stay bounded.
+    fn add_scaled(&mut self) {
+        let (a, b) = (self.real(), self.real());
+        let factor = self.rng.real(-0.5, 0.5);
+        let half = self.build.add(
+            ROOT,
+            "Core::DoubleMultiply",
+            &[Input::Port(a), real(factor)],
+        );
+        let sum = self.build.add(
+            ROOT,
+            "Core::DoubleAdd",
+            &[Input::Port(half), Input::Port(b)],
+        );
+        let bounded = self.build.add(
+            ROOT,
+            "Core::DoubleMultiply",
+            &[Input::Port(sum), real(0.66)],
+        );
+        self.made(bounded);
+    }
+
+    fn product(&mut self) {
+        let (a, factor) = (self.real(), self.rng.real(-1.0, 1.0));
+        let inputs = match self.rng.below(2) {
+            0 => [Input::Port(a), real(factor)],
+            _ => [Input::Port(a), Input::Port(self.real())],
+        };
+        let product = self.build.add(ROOT, "Core::DoubleMultiply", &inputs);
+        self.made(product);
+    }
+
+    fn choice(&mut self) {
+        let inputs = [self.boolean(), self.real(), self.real()].map(Input::Port);
+        let choice = self.build.add(ROOT, "Core::DoubleConditional", &inputs);
+        self.made(choice);
+    }
+
+    fn comparison(&mut self) {
+        let (a, limit) = (self.real(), self.rng.real(-0.5, 0.5));
+        let inputs = [Input::Port(a), real(limit)];
+        let greater = self.build.add(ROOT, "Core::DoubleGreater", &inputs);
+        self.booleans.push(greater);
+    }
+
+    fn logic(&mut self) {
+        let (a, b) = (self.boolean(), self.boolean());
+        let name = ["Core::BooleanAnd", "Core::BooleanOr", "Core::BooleanNot"][self.rng.below(3)];
+        let inputs = [Input::Port(a), Input::Port(b)];
+        let inputs = if name == "Core::BooleanNot" {
+            &inputs[..1]
+        } else {
+            &inputs[..]
+        };
+        let result = self.build.add(ROOT, name, inputs);
+        self.booleans.push(result);
+    }
+
+    fn delay(&mut self) {
+        let (port, node) = delayed(&mut self.build);
+        self.delays.push(node);
+        self.made(port);
+    }
+
+    fn largest(&mut self) {
+        let (a, b) = (self.real(), self.real());
+        let inputs = [Input::Port(a), Input::Port(b)];
+        let greater = self.build.add(ROOT, "Core::DoubleGreater", &inputs);
+        let inputs = [greater, a, b].map(Input::Port);
+        let largest = self.build.add(ROOT, "Core::DoubleConditional", &inputs);
+        self.made(largest);
+    }
+
+    fn close(mut self) -> Net {
+        for delay in std::mem::take(&mut self.delays) {
+            let source = self.reals[self.rng.below(self.reals.len())];
+            self.build.wire(delay, 0, source);
+        }
+        let mut total = self.reals[self.reals.len() - 1];
+        for port in std::mem::take(&mut self.unused) {
+            let inputs = [Input::Port(total), Input::Port(port)];
+            total = self.build.add(ROOT, "Core::DoubleAdd", &inputs);
+        }
+        self.build.export("y", total);
+        self.build.net
+    }
+}

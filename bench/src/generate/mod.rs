@@ -1,0 +1,9 @@
+//! Nets by the thousand.
+
+mod biquad;
+mod mixed;
+mod pid;
+
+pub use biquad::biquad;
+pub use mixed::mixed;
+pub use pid::pid;

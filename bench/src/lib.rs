@@ -1,0 +1,12 @@
+//! Nets to measure and to test with: a builder, generators of regular and irregular nets, and a cell that has every
+//! device.
+//!
+//! Only tests and benches depend on this crate.
+
+pub mod build;
+pub mod generate;
+pub mod puppet;
+pub mod rng;
+
+pub use build::Build;
+pub use puppet::Puppet;

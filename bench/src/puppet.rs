@@ -1,0 +1,136 @@
+//! A cell that has every device: sensors give numbers that differ from cycle to cycle, functions answer something that
+//! depends on their arguments, and all set-points are kept as one running hash.
+
+use rpi_device::{DeviceBank, PortId, PortName, Refusal, ResolveError};
+use rpi_image::hash::Fnv;
+use rpi_image::{Scalar, Type};
+
+/// Every device there could be. Two puppets of one age that are asked the same answer the same.
+#[derive(Clone, Debug, Default)]
+pub struct Puppet {
+    names: Vec<(String, Type)>,
+    cycle: u64,
+    written: Fnv,
+    /// Number of set-points handed over.
+    pub writes: u64,
+}
+
+impl Puppet {
+    /// A cell of age 0.
+    #[must_use]
+    pub fn new() -> Self {
+        Puppet::default()
+    }
+
+    /// The next cycle begins: sensors change.
+    pub fn advance(&mut self) {
+        self.cycle += 1;
+    }
+
+    /// Hash of all set-points so far, in order.
+    #[must_use]
+    pub fn written(&self) -> u64 {
+        self.written.finish()
+    }
+
+    fn name(&self, port: PortId) -> &str {
+        self.names.get(port.0 as usize).map_or("", |n| &n.0)
+    }
+}
+
+/// Fills cells with something of the right type.
+fn fill(cells: &mut [u64], ty: Type, seed: u64) {
+    let scalar = match ty {
+        Type::One(s) | Type::Array(s, _) => s,
+        Type::Matrix(..) => Scalar::Real,
+    };
+    let width = scalar.cells() as usize;
+    for (k, cell) in cells.iter_mut().enumerate() {
+        let x = (seed.wrapping_add(k as u64) % 628) as f64 / 100.0;
+        *cell = match (scalar, k % width) {
+            (Scalar::Bool, _) => (seed >> 3) & 1,
+            (Scalar::Int, _) => 0,
+            (Scalar::Time, _) => seed % 1_000_000_000,
+            (Scalar::Rotation, 3) | (Scalar::Pose, 6) => 1f64.to_bits(),
+            (Scalar::Rotation, _) | (Scalar::Pose, 3..6) => 0,
+            _ => (0.8 * wave(x)).to_bits(),
+        };
+    }
+}
+
+/// A wave between -1 and 1 in plain arithmetic, so that it is the same everywhere.
+fn wave(x: f64) -> f64 {
+    let t = (x / 3.2).fract() * 2.0 - 1.0;
+    4.0 * t * (1.0 - t.abs())
+}
+
+impl DeviceBank for Puppet {
+    fn resolve(&mut self, name: &PortName<'_>) -> Result<PortId, ResolveError> {
+        let text = format!(
+            "{}.{}[{}]{:?}",
+            name.device, name.port, name.index, name.kind
+        );
+        let known = self
+            .names
+            .iter()
+            .position(|n| n.0 == text && n.1 == name.ty);
+        let place = known.unwrap_or_else(|| {
+            self.names.push((text, name.ty));
+            self.names.len() - 1
+        });
+        Ok(PortId(u32::try_from(place).unwrap_or(u32::MAX)))
+    }
+
+    fn resource(&self, port: PortId) -> u32 {
+        port.0
+    }
+
+    fn read(&mut self, port: PortId, value: &mut [u64]) -> bool {
+        let Some((name, ty)) = self.names.get(port.0 as usize) else {
+            return false;
+        };
+        let phase = Fnv::new().bytes(name.as_bytes()).finish() % 1000;
+        fill(value, *ty, phase + self.cycle);
+        true
+    }
+
+    fn check(&mut self, _: PortId, value: &[u64]) -> Refusal {
+        match value.iter().any(|v| f64::from_bits(*v).is_nan()) {
+            true => Refusal::ILLEGAL_VALUE,
+            false => Refusal::NONE,
+        }
+    }
+
+    fn error(&self, _: PortId) -> i64 {
+        0
+    }
+
+    fn write(&mut self, port: PortId, value: &[u64]) {
+        self.writes += 1;
+        let mut hash = self.written.bytes(self.name(port).as_bytes());
+        for cell in value {
+            hash = hash.bytes(&cell.to_le_bytes());
+        }
+        self.written = hash;
+    }
+
+    fn call(&mut self, port: PortId, arguments: &[u64], result: &mut [u64]) -> bool {
+        let Some((_, ty)) = self.names.get(port.0 as usize) else {
+            return false;
+        };
+        let sum: f64 = arguments.iter().map(|a| f64::from_bits(*a)).sum();
+        let seed = if sum.is_finite() {
+            (sum.abs() * 100.0) as u64
+        } else {
+            7
+        };
+        fill(result, *ty, seed);
+        true
+    }
+
+    fn moving(&self, _: u32) -> bool {
+        false
+    }
+
+    fn stop(&mut self, _: u32) {}
+}
