@@ -17,6 +17,7 @@ pub mod operand;
 pub mod registry;
 mod ring;
 mod run;
+pub mod travel;
 mod window;
 
 pub use cx::{Clock, Cx, Fault, FaultCode};

@@ -22,6 +22,7 @@ mod logic;
 mod lwr;
 mod matrix;
 mod otg;
+mod own;
 mod real;
 mod rotation;
 mod spatial;
@@ -61,6 +62,21 @@ const FAMILIES: &[&[Prim]] = &[
     lwr::ALL,
     matrix::ALL,
     otg::ALL,
+    own::commands::ALL,
+    own::int::ALL,
+    own::logic::ALL,
+    own::profile::ALL,
+    own::real::ALL,
+    own::spatial::ALL,
+    own::typed::boolean::ALL,
+    own::typed::double::ALL,
+    own::typed::frame::ALL,
+    own::typed::int::ALL,
+    own::typed::rotation::ALL,
+    own::typed::time::ALL,
+    own::typed::twist::ALL,
+    own::typed::vector::ALL,
+    own::typed::wrench::ALL,
     real::ALL,
     rotation::ALL,
     stamps::ALL,

@@ -1,0 +1,37 @@
+//! Boolean operators that the reference system builds from others.
+
+use crate::macros::primitive;
+use crate::registry::Prim;
+
+pub(in crate::catalogue) const ALL: &[Prim] = &[XOR, IMPLIES, EQUALS];
+
+primitive! {
+    /// True if exactly one operand is.
+    XOR = "Rpi::BooleanXor";
+    in { inFirst: bool = First(Bool(false)); inSecond: bool = Second(Bool(false)) }
+    out { outValue: bool }
+    presence strict work 1;
+    pure |(a, b): (bool, bool)| (a ^ b,)
+}
+
+primitive! {
+    /// False only if the first operand is true and the second false; three-valued as `not first or second` is.
+    IMPLIES = "Rpi::BooleanImplies";
+    in { inFirst: bool = First(Bool(false)); inSecond: bool = Second(Bool(false)) }
+    out { outValue: bool }
+    presence if_all work 1;
+    pure |(a, b)| (match (a, b) {
+        (Some(false), _) | (_, Some(true)) => Some(true),
+        (Some(true), Some(false)) => Some(false),
+        _ => None,
+    },)
+}
+
+primitive! {
+    /// True if both operands are equal.
+    EQUALS = "Rpi::BooleanEquals";
+    in { inFirst: bool = First(Bool(false)); inSecond: bool = Second(Bool(false)) }
+    out { outValue: bool }
+    presence strict work 1;
+    pure |(a, b): (bool, bool)| (a == b,)
+}

@@ -1,0 +1,10 @@
+//! What the language needs beyond the reference system's catalogue, in the namespace `Rpi`.
+
+pub(super) mod commands;
+mod devices;
+pub(super) mod int;
+pub(super) mod logic;
+pub(super) mod profile;
+pub(super) mod real;
+pub(super) mod spatial;
+pub(super) mod typed;

@@ -1,0 +1,65 @@
+//! Operators that exist for each value type, from one definition each.
+
+use super::devices::ports;
+use crate::macros::{interface, primitive};
+use crate::operand::Text;
+use crate::registry::Prim;
+use rpi_image::Role;
+
+/// `Coalesce`, `Hold`, `Pre`, and device ports of one type.
+macro_rules! operators {
+    ($module:ident, $name:literal, $t:ty) => {
+        pub(in crate::catalogue) mod $module {
+            use super::*;
+
+            primitive! {
+                /// `first ?? second`: the first of the two that is present.
+                COALESCE = concat!("Rpi::", $name, "Coalesce");
+                in { inFirst: $t; inSecond: $t }
+                out { outValue: $t }
+                presence if_any work 1;
+                pure |(first, second)| (first.or(second),)
+            }
+
+            primitive! {
+                /// `hold(x, init)`: the value when it was last present, `init` before that.
+                HOLD = concat!("Rpi::", $name, "Hold");
+                in { inValue: $t; inInitial: $t }
+                out { outValue: $t }
+                state { bool, $t }
+                presence if_any work 2;
+                full |_, _, (seen, last), (), (value, initial)| {
+                    if let Some(value) = value {
+                        (*seen, *last) = (true, value);
+                    }
+                    (if *seen { Some(*last) } else { initial },)
+                }
+            }
+
+            interface! {
+                /// The value of the previous cycle in which the surrounding fragment was active. Its first value is neutral;
+                /// the compiler has proved that nobody reads it.
+                PRE = concat!("Rpi::", $name, "Pre");
+                in { inValue: $t }
+                out { outValue: $t }
+                presence if_all work 1;
+                role Role::Delay
+            }
+
+            ports!($name, $t);
+
+            pub(in crate::catalogue) const ALL: &[Prim] =
+                &[COALESCE, HOLD, PRE, READ, SAMPLE, WRITE];
+        }
+    };
+}
+
+operators!(boolean, "Boolean", bool);
+operators!(int, "Int", i64);
+operators!(double, "Double", f64);
+operators!(time, "Time", crate::flow::Time);
+operators!(vector, "Vector", crate::flow::Vector);
+operators!(rotation, "Rotation", crate::flow::Rotation);
+operators!(frame, "Frame", crate::flow::Pose);
+operators!(twist, "Twist", crate::flow::Twist);
+operators!(wrench, "Wrench", crate::flow::Wrench);

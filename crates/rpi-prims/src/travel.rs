@@ -1,0 +1,339 @@
+//! Travelling a distance in the shortest time with bounded speed, acceleration and jerk (double-S profile).
+//!
+//! After Biagiotti and Melchiorri, Trajectory Planning for Automatic Machines and Robots (2008), section 3.4, but with the peak
+//! speed found by bisection: the distance of a profile grows with its peak, so that a fixed number of halvings finds it.
+
+/// Bounds of a motion: all positive.
+#[derive(Clone, Copy, PartialEq, Debug)]
+pub struct Bounds {
+    /// Greatest speed, m/s (or rad/s).
+    pub speed: f64,
+    /// Greatest acceleration, m/s².
+    pub acceleration: f64,
+    /// Greatest jerk, m/s³.
+    pub jerk: f64,
+}
+
+/// A way of given length with given speeds at its ends, planned.
+#[derive(Clone, Copy, PartialEq, Debug)]
+pub struct Travel {
+    /// Length, m.
+    pub distance: f64,
+    /// Speed at its start, m/s.
+    pub entry: f64,
+    /// Speed at its end, m/s.
+    pub leave: f64,
+    /// Greatest speed on the way, m/s; negative if the way is too short for the bounds: then it is a polynomial.
+    pub peak: f64,
+    /// The bounds.
+    pub bounds: Bounds,
+}
+
+/// Where a travel is at a time.
+#[derive(Clone, Copy, PartialEq, Debug)]
+pub struct State {
+    /// Travelled so far, m.
+    pub position: f64,
+    /// Speed, m/s.
+    pub speed: f64,
+    /// Acceleration, m/s².
+    pub acceleration: f64,
+}
+
+/// Halvings that find the peak speed to the last bit of a double.
+const HALVINGS: u32 = 64;
+
+impl Travel {
+    /// Plans the fastest travel. Speeds at the ends are cut to the bounds, a negative distance counts as none.
+    #[must_use]
+    pub fn plan(distance: f64, entry: f64, leave: f64, bounds: Bounds) -> Travel {
+        let cut = |v: f64| libm::fmin(libm::fmax(v, 0.0), bounds.speed);
+        let mut travel = Travel {
+            distance: libm::fmax(distance, 0.0),
+            entry: cut(entry),
+            leave: cut(leave),
+            peak: bounds.speed,
+            bounds,
+        };
+        if travel.ramps(bounds.speed) > travel.distance {
+            travel.peak = travel.highest_peak();
+        }
+        travel
+    }
+
+    /// The greatest peak whose ramps still fit; negative if not even the lowest does.
+    fn highest_peak(&self) -> f64 {
+        let mut low = libm::fmax(self.entry, self.leave);
+        if self.ramps(low) > self.distance {
+            return -1.0;
+        }
+        let mut high = self.bounds.speed;
+        for _ in 0..HALVINGS {
+            let middle = 0.5 * (low + high);
+            if self.ramps(middle) > self.distance {
+                high = middle;
+            } else {
+                low = middle;
+            }
+        }
+        low
+    }
+
+    /// Length of both ramps for a peak speed.
+    fn ramps(&self, peak: f64) -> f64 {
+        self.bounds.ramp(self.entry, peak).length() + self.bounds.ramp(peak, self.leave).length()
+    }
+
+    /// Seconds from start to end.
+    #[must_use]
+    pub fn duration(&self) -> f64 {
+        if self.peak < 0.0 {
+            return 2.0 * self.distance / (self.entry + self.leave);
+        }
+        let (up, down) = (
+            self.bounds.ramp(self.entry, self.peak),
+            self.bounds.ramp(self.peak, self.leave),
+        );
+        up.duration() + self.cruise(&up, &down) + down.duration()
+    }
+
+    fn cruise(&self, up: &Ramp, down: &Ramp) -> f64 {
+        let rest = self.distance - up.length() - down.length();
+        if rest > 0.0 && self.peak > 0.0 {
+            rest / self.peak
+        } else {
+            0.0
+        }
+    }
+
+    /// Where it is `t` seconds after its start; before and after it goes on with the speed of its end.
+    #[must_use]
+    pub fn at(&self, t: f64) -> State {
+        if self.peak < 0.0 {
+            return self.polynomial(t);
+        }
+        let (up, down) = (
+            self.bounds.ramp(self.entry, self.peak),
+            self.bounds.ramp(self.peak, self.leave),
+        );
+        let brakes = up.duration() + self.cruise(&up, &down);
+        if t < up.duration() {
+            return up.at(t);
+        }
+        if t < brakes {
+            let position = up.length() + self.peak * (t - up.duration());
+            return State {
+                position,
+                speed: self.peak,
+                acceleration: 0.0,
+            };
+        }
+        let state = down.at(t - brakes);
+        State {
+            position: self.distance - down.length() + state.position,
+            ..state
+        }
+    }
+
+    /// Quartic without acceleration at its ends, for ways too short for the bounds.
+    fn polynomial(&self, t: f64) -> State {
+        let duration = self.duration();
+        if t >= duration {
+            let position = self.distance + self.leave * (t - duration);
+            return State {
+                position,
+                speed: self.leave,
+                acceleration: 0.0,
+            };
+        }
+        let (u, rise) = (t / duration, self.leave - self.entry);
+        // The speed is entry + rise · (3u² - 2u³): its integral over the duration is the distance.
+        State {
+            position: duration * (self.entry * u + rise * (u * u * u - 0.5 * u * u * u * u)),
+            speed: self.entry + rise * u * u * (3.0 - 2.0 * u),
+            acceleration: rise * 6.0 * u * (1.0 - u) / duration,
+        }
+    }
+}
+
+impl Bounds {
+    /// The fastest change from one speed to another without acceleration at its ends.
+    fn ramp(&self, from: f64, to: f64) -> Ramp {
+        let change = libm::fabs(to - from);
+        let jerk_time = libm::fmin(
+            libm::sqrt(change / self.jerk),
+            self.acceleration / self.jerk,
+        );
+        let hold_time = if jerk_time > 0.0 {
+            libm::fmax(change / (self.jerk * jerk_time) - jerk_time, 0.0)
+        } else {
+            0.0
+        };
+        let jerk = libm::copysign(self.jerk, to - from);
+        Ramp {
+            from,
+            to,
+            jerk,
+            jerk_time,
+            hold_time,
+        }
+    }
+}
+
+/// A change of speed: jerk up, constant acceleration, jerk down.
+struct Ramp {
+    from: f64,
+    to: f64,
+    jerk: f64,
+    jerk_time: f64,
+    hold_time: f64,
+}
+
+impl Ramp {
+    fn duration(&self) -> f64 {
+        2.0 * self.jerk_time + self.hold_time
+    }
+
+    /// It is point symmetric, so that its mean speed is that of its ends.
+    fn length(&self) -> f64 {
+        0.5 * (self.from + self.to) * self.duration()
+    }
+
+    fn at(&self, t: f64) -> State {
+        if t <= 0.0 {
+            return State {
+                position: self.from * t,
+                speed: self.from,
+                acceleration: 0.0,
+            };
+        }
+        if 2.0 * t <= self.duration() {
+            return self.first_half(t);
+        }
+        let left = self.duration() - t;
+        if left <= 0.0 {
+            return State {
+                position: self.length() - self.to * left,
+                speed: self.to,
+                acceleration: 0.0,
+            };
+        }
+        let mirror = Ramp {
+            from: 0.0,
+            to: 0.0,
+            ..*self
+        }
+        .first_half(left);
+        State {
+            position: self.length() - (self.to * left - mirror.position),
+            speed: self.to - mirror.speed,
+            acceleration: mirror.acceleration,
+        }
+    }
+
+    fn first_half(&self, t: f64) -> State {
+        let (rising, held) = (
+            libm::fmin(t, self.jerk_time),
+            libm::fmax(t - self.jerk_time, 0.0),
+        );
+        let acceleration = self.jerk * rising;
+        let speed = self.from + 0.5 * acceleration * rising;
+        State {
+            position: self.from * rising
+                + acceleration * rising * rising / 6.0
+                + (speed + 0.5 * acceleration * held) * held,
+            speed: speed + acceleration * held,
+            acceleration,
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{Bounds, Travel};
+
+    const BOUNDS: Bounds = Bounds {
+        speed: 0.25,
+        acceleration: 1.0,
+        jerk: 10.0,
+    };
+
+    /// Distances and end speeds over five orders of magnitude.
+    fn cases() -> impl Iterator<Item = Travel> {
+        let distances = [0.0, 1e-6, 1e-3, 0.01, 0.05, 0.2, 1.0, 5.0];
+        let speeds = [0.0, 0.01, 0.1, 0.25, 0.4];
+        distances.into_iter().flat_map(move |d| {
+            speeds.into_iter().flat_map(move |v| {
+                speeds
+                    .into_iter()
+                    .map(move |w| Travel::plan(d, v, w, BOUNDS))
+            })
+        })
+    }
+
+    #[test]
+    fn ends_at_its_distance_with_its_speed() {
+        for travel in cases().filter(|t| t.distance > 0.0) {
+            let end = travel.at(travel.duration());
+            assert!(
+                (end.position - travel.distance).abs() < 1e-9,
+                "{travel:?} {end:?}"
+            );
+            assert!(
+                (end.speed - travel.leave).abs() < 1e-9,
+                "{travel:?} {end:?}"
+            );
+        }
+    }
+
+    #[test]
+    fn holds_its_bounds_where_they_can_be_held() {
+        for travel in cases().filter(|t| t.distance > 0.0 && t.peak >= 0.0) {
+            let step = travel.duration() / 1000.0;
+            for k in 0..=1000 {
+                let now = travel.at(step * f64::from(k));
+                assert!(
+                    now.speed <= BOUNDS.speed + 1e-9 && now.speed >= -1e-9,
+                    "{travel:?} {now:?}"
+                );
+                assert!(
+                    now.acceleration.abs() <= BOUNDS.acceleration + 1e-9,
+                    "{travel:?} {now:?}"
+                );
+            }
+        }
+    }
+
+    #[test]
+    fn speed_is_the_slope_of_the_way_and_jerk_is_bounded() {
+        for travel in cases().filter(|t| t.distance > 0.0) {
+            let h = travel.duration() * 1e-4;
+            for k in 1..10_000 {
+                let [a, b, c] = [k - 1, k, k + 1].map(|k| travel.at(h * f64::from(k)));
+                let slope = (c.position - a.position) / (2.0 * h);
+                let rounding = BOUNDS.jerk * h * h + 1e-12 / h;
+                let curved = if travel.peak < 0.0 {
+                    1e-3 * b.acceleration.abs()
+                } else {
+                    0.0
+                };
+                assert!(
+                    (slope - b.speed).abs() < 1e-9 + rounding + curved,
+                    "{travel:?} at {k}"
+                );
+                let jerk = (c.acceleration - a.acceleration) / (2.0 * h);
+                assert!(
+                    travel.peak < 0.0 || jerk.abs() <= BOUNDS.jerk * (1.0 + 1e-6),
+                    "{travel:?} at {k}: {jerk}"
+                );
+            }
+        }
+    }
+
+    #[test]
+    fn rest_to_rest_takes_the_time_of_the_textbook() {
+        // 1 m with 0.25 m/s, 1 m/s², 10 m/s³: D/v + v/a + a/j.
+        let travel = Travel::plan(1.0, 0.0, 0.0, BOUNDS);
+        assert!((travel.duration() - (4.0 + 0.25 + 0.1)).abs() < 1e-9);
+    }
+}
