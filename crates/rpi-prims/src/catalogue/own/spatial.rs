@@ -60,10 +60,7 @@ primitive! {
     in { inValue: Rotation }
     out { outValue: Vector }
     presence strict work 60;
-    pure |(r,): (Rotation,)| {
-        let (axis, angle) = geometry::to_axis_angle(r);
-        (axis * angle,)
-    }
+    pure |(r,): (Rotation,)| (geometry::log(r),)
 }
 
 primitive! {
@@ -72,7 +69,7 @@ primitive! {
     in { inValue: Vector }
     out { outValue: Rotation }
     presence strict work 90;
-    pure |(v,): (Vector,)| (geometry::from_axis_angle(v, geometry::norm(v)),)
+    pure |(v,): (Vector,)| (geometry::exp(v),)
 }
 
 primitive! {
