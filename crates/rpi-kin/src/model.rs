@@ -1,7 +1,7 @@
 //! An arm as the rest of the system sees it: a chain, limits and, where one is known, a closed-form inverse.
 
 use crate::srs;
-use crate::{AxisLimits, Chain, NoSolution, Pose, Transform, pose_of, transform_of};
+use crate::{AxisLimits, Chain, NoSolution, Pose, pose_of, transform_of};
 
 /// No arm here has more axes.
 pub const MAX_AXES: usize = 7;
@@ -56,7 +56,31 @@ impl ArmModel {
         hint: &[f64],
         limits: &[AxisLimits],
     ) -> Result<[f64; MAX_AXES], NoSolution> {
-        self.solve(&transform_of(flange), hint, limits)
+        self.inverse_with_elbow(flange, hint, hint, limits)
+    }
+
+    /// As [`inverse`](Self::inverse), with the elbow of a redundant arm as in the joints `elbow`. Arms of six axes have no
+    /// elbow to choose and do not look at it.
+    ///
+    /// # Errors
+    /// As [`inverse`](Self::inverse).
+    pub fn inverse_with_elbow(
+        &self,
+        flange: &Pose,
+        hint: &[f64],
+        elbow: &[f64],
+        limits: &[AxisLimits],
+    ) -> Result<[f64; MAX_AXES], NoSolution> {
+        let flange = transform_of(flange);
+        match self.inverse {
+            Inverse::Srs(geometry) => {
+                let (hint, elbow) = (first(hint)?, first(elbow)?);
+                let ranges = first(limits)?.map(|axis: AxisLimits| axis.position);
+                let choice = geometry.inverse_with_elbow(&flange, &hint, &elbow, &ranges)?;
+                Ok(choice.joints)
+            }
+            Inverse::Unknown => Err(NoSolution::NoClosedForm),
+        }
     }
 
     /// As [`inverse`](Self::inverse), with NaN for every joint when there is no solution.
@@ -69,24 +93,6 @@ impl ArmModel {
     ) -> [f64; MAX_AXES] {
         self.inverse(flange, hint, limits)
             .unwrap_or([f64::NAN; MAX_AXES])
-    }
-
-    fn solve(
-        &self,
-        flange: &Transform,
-        hint: &[f64],
-        limits: &[AxisLimits],
-    ) -> Result<[f64; MAX_AXES], NoSolution> {
-        match self.inverse {
-            Inverse::Srs(geometry) => {
-                let (hint, ranges) = (
-                    first(hint)?,
-                    first(limits)?.map(|axis: AxisLimits| axis.position),
-                );
-                Ok(geometry.inverse(flange, &hint, &ranges)?.joints)
-            }
-            Inverse::Unknown => Err(NoSolution::NoClosedForm),
-        }
     }
 }
 

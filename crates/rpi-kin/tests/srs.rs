@@ -208,6 +208,30 @@ fn the_arm_angle_is_moved_no_farther_than_needed() {
 }
 
 #[test]
+fn the_elbow_can_be_that_of_other_joints_than_the_hint() {
+    let mut random = Random(9);
+    for arm in ARMS {
+        let (geometry, ranges) = (geometry(arm), ranges(arm));
+        let mut kept = 0;
+        for _ in 0..2_000 {
+            let (joints, elbow): (Joints, Joints) =
+                (random.joints(arm.limits), random.joints(arm.limits));
+            let flange = arm.chain.flange(&joints);
+            let choice = geometry
+                .inverse_with_elbow(&flange, &joints, &elbow, &ranges)
+                .expect("reachable");
+            assert!(distance(&arm.forward(&choice.joints), &pose_of(&flange)) < EXACT);
+            if choice.moved == 0.0 {
+                let off = geometry.arm_angle(&choice.joints) - geometry.arm_angle(&elbow);
+                assert!(rpi_kin::angle::wrap(off).abs() < 1e-6, "{}: {off}", arm.id);
+                kept += 1;
+            }
+        }
+        assert!(kept > 100, "{}: kept {kept}", arm.id);
+    }
+}
+
+#[test]
 fn all_eight_branches_reach_the_pose_and_differ() {
     let mut random = Random(7);
     for arm in ARMS {

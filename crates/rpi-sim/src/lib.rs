@@ -1,1 +1,21 @@
 //! Simulated devices and the description of a cell.
+//!
+//! [`Cell`] is what `cell.toml` says; [`SimBank`] is the devices it describes, as the core sees devices. The host calls
+//! [`SimBank::step`] once per tick, after all commands have handed over their set-points. Everything is a function of the
+//! cell, the set-points and the number of ticks: no clock, no randomness but seeded noise, no allocation in a tick.
+//!
+//! This crate must not know commands, nets or programs.
+
+pub mod arm;
+pub mod cell;
+
+mod bank;
+mod device;
+mod fault;
+mod io;
+mod noise;
+
+pub use bank::{DeviceStatus, SimBank};
+pub use cell::{Cell, CellError, CellErrors};
+pub use device::Report;
+pub use fault::{Fault, Trouble};

@@ -44,13 +44,27 @@ impl Geometry {
         hint: &Joints,
         ranges: &[Range; 7],
     ) -> Result<Choice, NoSolution> {
-        if hint.iter().any(|joint| !joint.is_finite()) {
+        self.inverse_with_elbow(flange, hint, hint, ranges)
+    }
+
+    /// As [`inverse`](Self::inverse), with the arm angle of other joints, `elbow`, than the hint's.
+    ///
+    /// # Errors
+    /// As [`inverse`](Self::inverse).
+    pub fn inverse_with_elbow(
+        &self,
+        flange: &Transform,
+        hint: &Joints,
+        elbow: &Joints,
+        ranges: &[Range; 7],
+    ) -> Result<Choice, NoSolution> {
+        if hint.iter().chain(elbow).any(|joint| !joint.is_finite()) {
             return Err(NoSolution::NotFinite);
         }
         let reach = self.reach(flange)?;
-        let hint = self.counted(hint);
+        let (hint, elbow) = (self.counted(hint), Elbow::of(self, &self.counted(elbow)));
         let ranges = canonical_ranges(ranges, &self.sense);
-        let search = Search::new(self, &reach, &hint, &ranges);
+        let search = Search::new(&reach, elbow, &hint, &ranges);
         let found = search
             .kept()
             .or_else(|| search.moved())
@@ -92,13 +106,13 @@ struct Search<'a> {
 
 impl<'a> Search<'a> {
     fn new(
-        geometry: &Geometry,
         reach: &'a Reach,
+        elbow: Option<Elbow>,
         hint: &'a Joints,
         ranges: &'a [Range; 7],
     ) -> Self {
         let circle = Circle::about(reach.axis);
-        let kept = Elbow::of(geometry, hint).map_or(SinCos { sin: 0.0, cos: 1.0 }, |elbow| {
+        let kept = elbow.map_or(SinCos { sin: 0.0, cos: 1.0 }, |elbow| {
             elbow.kept_on(&circle)
         });
         let first = first_branch(reach, &circle.direction(kept), hint);

@@ -1,0 +1,95 @@
+//! What the arm's sensors give: measured states, late and noisy where the cell says so.
+
+use super::guard::State;
+use rpi_kin::MAX_AXES;
+
+/// The measured states of all axes at one tick.
+pub(super) type Sample = [State; MAX_AXES];
+
+/// The last samples, of which one is read.
+#[derive(Clone, Debug)]
+pub(super) struct History {
+    ring: Vec<Sample>,
+    newest: usize,
+    /// How many ticks old the sample is that is read.
+    age: usize,
+}
+
+/// No sample is older than this many ticks.
+const OLDEST: usize = 100_000;
+
+impl History {
+    /// All samples alike, with room for samples of this age in ticks.
+    pub(super) fn new(sample: Sample, oldest: usize) -> Self {
+        Self {
+            ring: vec![sample; oldest.min(OLDEST) + 1],
+            newest: 0,
+            age: 0,
+        }
+    }
+
+    /// Adds a sample; from now on the one `age` ticks older is read, or the oldest there is.
+    pub(super) fn add(&mut self, sample: Sample, age: usize) {
+        self.newest = (self.newest + 1) % self.ring.len();
+        self.ring[self.newest] = sample;
+        self.age = age.min(self.ring.len() - 1);
+    }
+
+    /// The sample that is read.
+    pub(super) fn read(&self) -> &Sample {
+        &self.ring[(self.newest + self.ring.len() - self.age) % self.ring.len()]
+    }
+
+    /// Makes room for samples of this age; those in between are filled with the oldest.
+    pub(super) fn reserve(&mut self, oldest: usize) {
+        let wanted = oldest.min(OLDEST) + 1;
+        if wanted > self.ring.len() {
+            self.ring.rotate_left(self.newest + 1);
+            let missing = wanted - self.ring.len();
+            let first = self.ring[0];
+            self.ring.splice(0..0, core::iter::repeat_n(first, missing));
+            self.newest = self.ring.len() - 1;
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn at(position: f64) -> Sample {
+        [State::standing(position); MAX_AXES]
+    }
+
+    #[test]
+    fn samples_are_read_at_their_age() {
+        let mut history = History::new(at(0.0), 2);
+        for tick in 1..=10 {
+            history.add(at(f64::from(tick)), 2);
+            assert_eq!(history.read()[0].position, f64::from(tick - 2).max(0.0));
+        }
+        history.add(at(11.0), 0);
+        assert_eq!(history.read()[0].position, 11.0);
+        history.add(at(12.0), 99);
+        assert_eq!(
+            history.read()[0].position,
+            10.0,
+            "no older than there is room for"
+        );
+    }
+
+    #[test]
+    fn room_can_be_added_while_running() {
+        let mut history = History::new(at(0.0), 1);
+        (1..=5).for_each(|tick| history.add(at(f64::from(tick)), 1));
+        history.reserve(4);
+        history.add(at(6.0), 2);
+        assert_eq!(history.read()[0].position, 4.0);
+        history.add(at(7.0), 4);
+        assert_eq!(
+            history.read()[0].position,
+            4.0,
+            "the oldest stands in for what was not kept"
+        );
+    }
+}

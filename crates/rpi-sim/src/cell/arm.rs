@@ -1,0 +1,210 @@
+//! `kind = "arm"`.
+
+use super::faults;
+use super::quantity::Dimension::{
+    Angle, AngularAcceleration, AngularJerk, AngularVelocity, Length, Number, Time,
+};
+use super::reader::{Reader, did_you_mean};
+use crate::fault::Fault;
+use nalgebra::{Isometry3, Quaternion, Translation3, UnitQuaternion};
+use rpi_kin::{ArmModel, AxisLimits, models};
+
+/// What is known of an arm before it is switched on.
+#[derive(Clone, Debug, PartialEq)]
+pub struct ArmSpec {
+    /// Its type.
+    pub model: &'static ArmModel,
+    /// Where its axes stand at first, in rad.
+    pub joints: Vec<f64>,
+    /// Where its base stands in the cell.
+    pub base: Isometry3<f64>,
+    /// The tool in the flange.
+    pub tool: Isometry3<f64>,
+    /// The model's limits with the cell's overrides.
+    pub limits: Vec<AxisLimits>,
+    /// Which limits a set-point is held against.
+    pub enforced: Enforced,
+    /// Time constant with which the measured position follows the commanded one, in s; 0 for at once.
+    pub lag: f64,
+    /// How old a sample is when it is read, in s.
+    pub latency: f64,
+    /// Standard deviation of a measured joint position, in rad.
+    pub noise: f64,
+    /// What will go wrong, and when.
+    pub faults: Vec<Fault>,
+}
+
+/// Which limits a set-point is held against. Reach, range of numbers and joining where the arm stands always are.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Enforced {
+    /// Joint ranges.
+    pub position: bool,
+    /// Joint velocities.
+    pub velocity: bool,
+    /// Joint accelerations.
+    pub acceleration: bool,
+    /// Joint jerks.
+    pub jerk: bool,
+}
+
+const ENFORCEABLE: &[&str] = &["position", "velocity", "acceleration", "jerk"];
+
+pub(super) fn read(reader: &mut Reader<'_>) -> Option<ArmSpec> {
+    let model = read_model(reader);
+    let shown = model.unwrap_or(models::ALL[0]);
+    let axes = shown.axes();
+    let spec = ArmSpec {
+        model: shown,
+        joints: reader
+            .reals("joints", Angle, axes)
+            .unwrap_or_else(|| vec![0.0; axes]),
+        base: read_pose(reader, "base"),
+        tool: read_pose(reader, "tool"),
+        limits: read_limits(reader, shown.limits),
+        enforced: read_enforced(reader),
+        lag: reader.magnitude("lag", Time).unwrap_or(0.0),
+        latency: reader.magnitude("latency", Time).unwrap_or(0.0),
+        noise: reader.magnitude("noise", Angle).unwrap_or(0.0),
+        faults: faults::read(reader, axes),
+    };
+    check_start(reader, &spec);
+    model.map(|_| spec)
+}
+
+fn read_model(reader: &mut Reader<'_>) -> Option<&'static ArmModel> {
+    let known: Vec<&'static str> = models::ALL.iter().map(|model| model.id).collect();
+    let given = reader.word("model", &known);
+    if given.is_none() && !reader.has("model") {
+        let help = did_you_mean("", &known);
+        reader.fault_at("model", "an arm needs a `model`".to_owned(), Some(help));
+    }
+    given.and_then(models::by_id)
+}
+
+fn check_start(reader: &Reader<'_>, spec: &ArmSpec) {
+    for (axis, (joint, limits)) in spec.joints.iter().zip(&spec.limits).enumerate() {
+        if spec.enforced.position && !limits.position.contains(*joint) {
+            let (lower, upper) = (limits.position.lower, limits.position.upper);
+            reader.fault_at(
+                "joints",
+                format!("joint {axis} stands at {joint} rad, outside of its range"),
+                Some(format!("its range is {lower:.4} to {upper:.4} rad")),
+            );
+        }
+    }
+}
+
+/// `{ position = [x, y, z], rpy = [roll, pitch, yaw] }` or with `quaternion = [x, y, z, w]`.
+fn read_pose(reader: &mut Reader<'_>, key: &'static str) -> Isometry3<f64> {
+    let Some(mut pose) = reader.table(key) else {
+        return Isometry3::identity();
+    };
+    let position = pose
+        .reals("position", Length, 3)
+        .unwrap_or_else(|| vec![0.0; 3]);
+    let rpy = pose.reals("rpy", Angle, 3);
+    let quaternion = pose.reals("quaternion", Number, 4);
+    if rpy.is_some() && quaternion.is_some() {
+        pose.fault_at(
+            "rpy",
+            "both `rpy` and `quaternion` are given".to_owned(),
+            None,
+        );
+    }
+    let rotation = match (rpy.as_deref(), quaternion.as_deref()) {
+        (Some([roll, pitch, yaw]), _) => turned(*roll, *pitch, *yaw),
+        (_, Some([x, y, z, w])) => unit(&pose, Quaternion::new(*w, *x, *y, *z)),
+        _ => UnitQuaternion::identity(),
+    };
+    pose.finish();
+    Isometry3::from_parts(
+        Translation3::new(position[0], position[1], position[2]),
+        rotation,
+    )
+}
+
+/// `Rz(yaw) Ry(pitch) Rx(roll)`, by arithmetic that is the same everywhere.
+fn turned(roll: f64, pitch: f64, yaw: f64) -> UnitQuaternion<f64> {
+    let about = |angle: f64, x: f64, y: f64, z: f64| {
+        let (sin, cos) = libm::sincos(angle / 2.0);
+        UnitQuaternion::new_unchecked(Quaternion::new(cos, x * sin, y * sin, z * sin))
+    };
+    about(yaw, 0.0, 0.0, 1.0) * about(pitch, 0.0, 1.0, 0.0) * about(roll, 1.0, 0.0, 0.0)
+}
+
+fn unit(reader: &Reader<'_>, quaternion: Quaternion<f64>) -> UnitQuaternion<f64> {
+    let length = quaternion.norm();
+    if (length - 1.0).abs() > 1e-3 {
+        let message = format!("`quaternion` has length {length:.4}, expected 1");
+        let help = "its order is x, y, z, w".to_owned();
+        reader.fault_at("quaternion", message, Some(help));
+        return UnitQuaternion::identity();
+    }
+    UnitQuaternion::new_unchecked(quaternion / length)
+}
+
+/// The model's limits, each key of `limits` replacing one of them for all axes or for each.
+fn read_limits(reader: &mut Reader<'_>, own: &[AxisLimits]) -> Vec<AxisLimits> {
+    let mut limits = own.to_vec();
+    let Some(mut table) = reader.table("limits") else {
+        return limits;
+    };
+    let mut set = |key, dimension, place: fn(&mut AxisLimits) -> &mut f64| {
+        let given = table.each(key, dimension, own.len()).unwrap_or_default();
+        limits
+            .iter_mut()
+            .zip(given)
+            .for_each(|(axis, value)| *place(axis) = value);
+    };
+    set("lower", Angle, |axis| &mut axis.position.lower);
+    set("upper", Angle, |axis| &mut axis.position.upper);
+    set("velocity", AngularVelocity, |axis| &mut axis.velocity);
+    set("acceleration", AngularAcceleration, |axis| {
+        &mut axis.acceleration
+    });
+    set("jerk", AngularJerk, |axis| &mut axis.jerk);
+    for (axis, limits) in limits.iter().enumerate() {
+        check_limits(&table, axis, limits);
+    }
+    table.finish();
+    limits
+}
+
+fn check_limits(table: &Reader<'_>, axis: usize, limits: &AxisLimits) {
+    let checks = [
+        (
+            "upper",
+            "has an empty range",
+            limits.position.lower < limits.position.upper,
+        ),
+        (
+            "velocity",
+            "has a velocity limit that is not positive",
+            limits.velocity > 0.0,
+        ),
+        (
+            "acceleration",
+            "has an acceleration limit that is not positive",
+            limits.acceleration > 0.0,
+        ),
+        (
+            "jerk",
+            "has a jerk limit that is not positive",
+            limits.jerk > 0.0,
+        ),
+    ];
+    for (key, what, _) in checks.into_iter().filter(|(_, _, good)| !good) {
+        table.fault_at(key, format!("axis {axis} {what}"), None);
+    }
+}
+
+fn read_enforced(reader: &mut Reader<'_>) -> Enforced {
+    let words = reader.words("enforce", ENFORCEABLE);
+    let has = |word: &str| words.as_ref().is_none_or(|words| words.contains(&word));
+    Enforced {
+        position: has("position"),
+        velocity: has("velocity"),
+        acceleration: has("acceleration"),
+        jerk: has("jerk"),
+    }
+}

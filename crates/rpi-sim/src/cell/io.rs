@@ -1,0 +1,174 @@
+//! `kind = "digital-io"`, `"analogue-io"` and `"io"`, which has both.
+
+use super::quantity::Dimension::{Number, Time};
+use super::reader::{Reader, integer};
+
+/// A terminal of inputs and outputs.
+#[derive(Clone, Debug, PartialEq)]
+pub struct IoSpec {
+    /// Truth values.
+    pub digital: Signal<bool>,
+    /// Reals, in whatever unit is wired to them.
+    pub analogue: Signal<f64>,
+}
+
+/// The inputs and outputs of one type.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Signal<T> {
+    /// What the inputs read at first.
+    pub inputs: Vec<T>,
+    /// What the outputs are set to at first.
+    pub outputs: Vec<T>,
+    /// How the inputs change, in the order of time.
+    pub script: Vec<Change<T>>,
+    /// After how many seconds the script starts again; infinity if never.
+    pub repeat: f64,
+}
+
+/// One change of an input.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Change<T> {
+    /// When, in s of the cell's time (or since the script last started).
+    pub at: f64,
+    /// Which input, from 0.
+    pub input: usize,
+    /// What it reads from then on.
+    pub value: T,
+}
+
+/// A value that an input can have.
+pub(super) trait Read: Sized + Copy + Default {
+    const WANTED: &'static str;
+    fn list(reader: &mut Reader<'_>, key: &'static str, count: usize) -> Option<Vec<Self>>;
+    fn one(reader: &mut Reader<'_>, key: &'static str) -> Option<Self>;
+}
+
+impl Read for bool {
+    const WANTED: &'static str = "true or false";
+
+    fn list(reader: &mut Reader<'_>, key: &'static str, _count: usize) -> Option<Vec<Self>> {
+        let nodes = reader.list(key)?;
+        let values = nodes.iter().map(|node| node.get_ref().as_bool());
+        let values: Option<Vec<bool>> = values.collect();
+        if values.is_none() {
+            reader.fault_at(
+                key,
+                format!("`{key}` is a number of ports or a list of true and false"),
+                None,
+            );
+        }
+        values
+    }
+
+    fn one(reader: &mut Reader<'_>, key: &'static str) -> Option<Self> {
+        reader.boolean(key)
+    }
+}
+
+impl Read for f64 {
+    const WANTED: &'static str = "a number";
+
+    fn list(reader: &mut Reader<'_>, key: &'static str, count: usize) -> Option<Vec<Self>> {
+        reader.reals(key, Number, count)
+    }
+
+    fn one(reader: &mut Reader<'_>, key: &'static str) -> Option<Self> {
+        reader.real(key, Number)
+    }
+}
+
+/// No terminal has more ports than this.
+const MOST: u64 = 4096;
+
+pub(super) fn read_digital(reader: &mut Reader<'_>) -> Option<IoSpec> {
+    Some(IoSpec {
+        digital: read_signal(reader),
+        analogue: Signal::none(),
+    })
+}
+
+pub(super) fn read_analogue(reader: &mut Reader<'_>) -> Option<IoSpec> {
+    Some(IoSpec {
+        digital: Signal::none(),
+        analogue: read_signal(reader),
+    })
+}
+
+pub(super) fn read_both(reader: &mut Reader<'_>) -> Option<IoSpec> {
+    Some(IoSpec {
+        digital: read_inner(reader, "digital"),
+        analogue: read_inner(reader, "analogue"),
+    })
+}
+
+fn read_inner<T: Read>(reader: &mut Reader<'_>, key: &'static str) -> Signal<T> {
+    let Some(mut inner) = reader.table(key) else {
+        return Signal::none();
+    };
+    let signal = read_signal(&mut inner);
+    inner.finish();
+    signal
+}
+
+impl<T> Signal<T> {
+    fn none() -> Self {
+        Self {
+            inputs: Vec::new(),
+            outputs: Vec::new(),
+            script: Vec::new(),
+            repeat: f64::INFINITY,
+        }
+    }
+}
+
+fn read_signal<T: Read>(reader: &mut Reader<'_>) -> Signal<T> {
+    let inputs: Vec<T> = read_ports(reader, "inputs");
+    let outputs = read_ports(reader, "outputs");
+    let changes = reader.tables("script").into_iter();
+    let mut script: Vec<Change<T>> = changes
+        .filter_map(|change| read_change(change, inputs.len()))
+        .collect();
+    script.sort_by(|one, other| one.at.total_cmp(&other.at));
+    let repeat = reader.magnitude("repeat", Time).unwrap_or(f64::INFINITY);
+    if script.last().is_some_and(|last| last.at >= repeat) {
+        let message = "`repeat` starts the script again before its last change".to_owned();
+        reader.fault_at("repeat", message, None);
+    }
+    Signal {
+        inputs,
+        outputs,
+        script,
+        repeat,
+    }
+}
+
+/// A number of ports, all at rest, or a list of what they are at first.
+fn read_ports<T: Read>(reader: &mut Reader<'_>, key: &'static str) -> Vec<T> {
+    let count = match reader.peek(key) {
+        Some(node) if integer(node).is_some() => {
+            let count = reader.index(key, MOST + 1).unwrap_or(0);
+            return vec![T::default(); usize::try_from(count).unwrap_or(0)];
+        }
+        Some(node) => node.get_ref().as_array().map_or(0, |list| list.len()),
+        None => 0,
+    };
+    T::list(reader, key, count).unwrap_or_default()
+}
+
+fn read_change<T: Read>(mut reader: Reader<'_>, inputs: usize) -> Option<Change<T>> {
+    let at = reader.magnitude("at", Time);
+    let input = reader.index("input", inputs as u64);
+    let value = T::one(&mut reader, "value");
+    for key in ["at", "input", "value"] {
+        if !reader.has(key) {
+            let help = (key == "value").then(|| format!("it is {}", T::WANTED));
+            reader.fault_at(key, format!("`{key}` is missing"), help);
+        }
+    }
+    reader.finish();
+    Some(Change {
+        at: at?,
+        input: usize::try_from(input?).ok()?,
+        value: value?,
+    })
+}

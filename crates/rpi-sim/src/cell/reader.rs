@@ -1,0 +1,358 @@
+//! Reading one table of a cell description: typed keys, every fault noted with its place, unknown keys found at the end.
+
+use super::error::CellError;
+use super::nearest::nearest;
+use super::quantity::{self, Dimension};
+use core::ops::Range;
+use std::cell::RefCell;
+use toml::Spanned;
+use toml::de::{DeTable, DeValue};
+
+/// Where faults are collected while reading goes on.
+#[derive(Default)]
+pub(super) struct Faults(RefCell<Vec<CellError>>);
+
+impl Faults {
+    pub(super) fn add(&self, span: Range<usize>, message: String, help: Option<String>) {
+        self.0.borrow_mut().push(CellError {
+            span,
+            message,
+            help,
+        });
+    }
+
+    /// All of them, in the order of their places.
+    pub(super) fn sorted(self) -> Vec<CellError> {
+        let mut all = self.0.into_inner();
+        all.sort_by_key(|fault| (fault.span.start, fault.span.end));
+        all
+    }
+}
+
+/// One table. Which keys it may have follows from those that are asked for.
+pub(super) struct Reader<'a> {
+    table: Option<&'a DeTable<'a>>,
+    span: Range<usize>,
+    asked: Vec<&'static str>,
+    faults: &'a Faults,
+}
+
+pub(super) type Node<'a> = &'a Spanned<DeValue<'a>>;
+
+impl<'a> Reader<'a> {
+    pub(super) fn new(table: &'a DeTable<'a>, span: Range<usize>, faults: &'a Faults) -> Self {
+        Self {
+            table: Some(table),
+            span,
+            asked: Vec::new(),
+            faults,
+        }
+    }
+
+    /// A table without entries, to learn which keys are asked for.
+    pub(super) fn empty(faults: &'a Faults) -> Self {
+        Self {
+            table: None,
+            span: 0..0,
+            asked: Vec::new(),
+            faults,
+        }
+    }
+
+    pub(super) fn span(&self) -> Range<usize> {
+        self.span.clone()
+    }
+
+    pub(super) fn faults(&self) -> &'a Faults {
+        self.faults
+    }
+
+    /// The keys that were asked for so far.
+    pub(super) fn asked(self) -> Vec<&'static str> {
+        self.asked
+    }
+
+    /// The entries in the order of the text, for a table whose keys are names.
+    pub(super) fn entries(&self) -> Vec<(&'a str, Range<usize>, Node<'a>)> {
+        let entries = self.table.into_iter().flatten();
+        let mut all: Vec<_> = entries
+            .map(|(key, value)| (key.get_ref().as_ref(), key.span(), value))
+            .collect();
+        all.sort_by_key(|(_, span, _)| span.start);
+        all
+    }
+
+    /// Whether the text has this key, whatever its value.
+    pub(super) fn has(&self, key: &str) -> bool {
+        self.peek(key).is_some()
+    }
+
+    /// The value of a key as it stands in the text.
+    pub(super) fn peek(&self, key: &str) -> Option<Node<'a>> {
+        self.table?.get(key)
+    }
+
+    fn get(&mut self, key: &'static str) -> Option<Node<'a>> {
+        self.asked.push(key);
+        self.peek(key)
+    }
+
+    /// Notes a fault at the value of `key`, or at the table's head if it is not there.
+    pub(super) fn fault_at(&self, key: &str, message: String, help: Option<String>) {
+        let place = self.peek(key).map_or(self.span(), Spanned::span);
+        self.faults.add(place, message, help);
+    }
+
+    fn wrong_type(&self, key: &str, node: Node<'a>, wanted: &str) {
+        let found = node.get_ref().type_str();
+        self.faults.add(
+            node.span(),
+            format!("`{key}` is {wanted}, found {found}"),
+            None,
+        );
+    }
+
+    pub(super) fn text(&mut self, key: &'static str) -> Option<&'a str> {
+        let node = self.get(key)?;
+        let text = node.get_ref().as_str();
+        if text.is_none() {
+            self.wrong_type(key, node, "a text");
+        }
+        text
+    }
+
+    pub(super) fn boolean(&mut self, key: &'static str) -> Option<bool> {
+        let node = self.get(key)?;
+        let value = node.get_ref().as_bool();
+        if value.is_none() {
+            self.wrong_type(key, node, "true or false");
+        }
+        value
+    }
+
+    /// A whole number from 0 on, below `bound`.
+    pub(super) fn index(&mut self, key: &'static str, bound: u64) -> Option<u64> {
+        let node = self.get(key)?;
+        let Some(value) = integer(node) else {
+            self.wrong_type(key, node, "a whole number");
+            return None;
+        };
+        let inside = u64::try_from(value).ok().filter(|index| *index < bound);
+        if inside.is_none() {
+            let help = match bound {
+                0 => "there is none".to_owned(),
+                _ => format!("it counts from 0 to {}", bound - 1),
+            };
+            self.faults.add(
+                node.span(),
+                format!("`{key}` is {value}, out of range"),
+                Some(help),
+            );
+        }
+        inside
+    }
+
+    /// A finite number in SI units.
+    pub(super) fn real(&mut self, key: &'static str, dimension: Dimension) -> Option<f64> {
+        let node = self.get(key)?;
+        self.number(key, node, dimension)
+    }
+
+    /// As [`real`](Self::real), not negative.
+    pub(super) fn magnitude(&mut self, key: &'static str, dimension: Dimension) -> Option<f64> {
+        let node = self.get(key)?;
+        let value = self.number(key, node, dimension)?;
+        if value < 0.0 {
+            self.faults
+                .add(node.span(), format!("`{key}` is negative"), None);
+            return None;
+        }
+        Some(value)
+    }
+
+    /// A list of exactly `count` numbers.
+    pub(super) fn reals(
+        &mut self,
+        key: &'static str,
+        dimension: Dimension,
+        count: usize,
+    ) -> Option<Vec<f64>> {
+        let node = self.get(key)?;
+        let Some(list) = node.get_ref().as_array() else {
+            self.wrong_type(key, node, &format!("a list of {count} numbers"));
+            return None;
+        };
+        if list.len() != count {
+            let message = format!("`{key}` has {} entries, expected {count}", list.len());
+            self.faults.add(node.span(), message, None);
+            return None;
+        }
+        list.iter()
+            .map(|entry| self.number(key, entry, dimension))
+            .collect()
+    }
+
+    /// One number for all, or a list of exactly `count`.
+    pub(super) fn each(
+        &mut self,
+        key: &'static str,
+        dimension: Dimension,
+        count: usize,
+    ) -> Option<Vec<f64>> {
+        let is_list = self.peek(key).is_some_and(|node| node.get_ref().is_array());
+        if is_list {
+            return self.reals(key, dimension, count);
+        }
+        self.real(key, dimension).map(|value| vec![value; count])
+    }
+
+    fn number(&self, key: &str, node: Node<'a>, dimension: Dimension) -> Option<f64> {
+        let value = match node.get_ref() {
+            DeValue::String(text) => quantity::parse(text, dimension),
+            DeValue::Float(float) => float
+                .as_str()
+                .replace('_', "")
+                .parse()
+                .map_err(|_| String::new()),
+            DeValue::Integer(_) => integer(node)
+                .map(|value| value as f64)
+                .ok_or_else(String::new),
+            _ => {
+                let unit = quantity::si(dimension);
+                let wanted = if unit.is_empty() {
+                    "a number".to_owned()
+                } else {
+                    format!("a number (in {unit})")
+                };
+                self.wrong_type(key, node, &wanted);
+                return None;
+            }
+        };
+        match value {
+            Ok(value) if value.is_finite() => Some(value),
+            Ok(_) => {
+                self.faults
+                    .add(node.span(), format!("`{key}` is not a finite number"), None);
+                None
+            }
+            Err(help) => {
+                let help = Some(help).filter(|help| !help.is_empty());
+                self.faults.add(
+                    node.span(),
+                    format!("`{key}` cannot be read as a number"),
+                    help,
+                );
+                None
+            }
+        }
+    }
+
+    /// One word of a list of them.
+    pub(super) fn word(
+        &mut self,
+        key: &'static str,
+        known: &[&'static str],
+    ) -> Option<&'static str> {
+        let node = self.get(key)?;
+        self.known(key, node, known)
+    }
+
+    /// A list of words.
+    pub(super) fn words(
+        &mut self,
+        key: &'static str,
+        known: &[&'static str],
+    ) -> Option<Vec<&'static str>> {
+        let node = self.get(key)?;
+        let Some(list) = node.get_ref().as_array() else {
+            self.wrong_type(key, node, "a list of words");
+            return None;
+        };
+        Some(
+            list.iter()
+                .filter_map(|entry| self.known(key, entry, known))
+                .collect(),
+        )
+    }
+
+    fn known(&self, key: &str, node: Node<'a>, known: &[&'static str]) -> Option<&'static str> {
+        let Some(text) = node.get_ref().as_str() else {
+            self.wrong_type(key, node, "a word in quotes");
+            return None;
+        };
+        let found = known.iter().copied().find(|word| *word == text);
+        if found.is_none() {
+            let help = did_you_mean(text, known);
+            self.faults.add(
+                node.span(),
+                format!("`{key}` knows no \"{text}\""),
+                Some(help),
+            );
+        }
+        found
+    }
+
+    /// A list of entries of any type, for the caller to read one by one.
+    pub(super) fn list(&mut self, key: &'static str) -> Option<Vec<Node<'a>>> {
+        let node = self.get(key)?;
+        let list = node.get_ref().as_array().map(|list| list.iter().collect());
+        if list.is_none() {
+            self.wrong_type(key, node, "a list");
+        }
+        list
+    }
+
+    /// A table inside of this one.
+    pub(super) fn table(&mut self, key: &'static str) -> Option<Reader<'a>> {
+        let node = self.get(key)?;
+        let inner = Self::of(node, self.faults);
+        if inner.is_none() {
+            self.wrong_type(key, node, "a table");
+        }
+        inner
+    }
+
+    /// A list of tables, `[[...]]`.
+    pub(super) fn tables(&mut self, key: &'static str) -> Vec<Reader<'a>> {
+        let nodes = self.list(key).unwrap_or_default();
+        let readers = nodes.into_iter().filter_map(|node| {
+            let inner = Self::of(node, self.faults);
+            if inner.is_none() {
+                self.wrong_type(key, node, "a list of tables");
+            }
+            inner
+        });
+        readers.collect()
+    }
+
+    /// The table that a node is, if it is one.
+    pub(super) fn of(node: Node<'a>, faults: &'a Faults) -> Option<Self> {
+        let table = node.get_ref().as_table()?;
+        Some(Self::new(table, node.span(), faults))
+    }
+
+    /// Notes every key that nobody asked for.
+    pub(super) fn finish(self) {
+        for (key, span, _) in self.entries() {
+            if !self.asked.contains(&key) {
+                let help = did_you_mean(key, &self.asked);
+                self.faults
+                    .add(span, format!("unknown key `{key}`"), Some(help));
+            }
+        }
+    }
+}
+
+pub(super) fn did_you_mean(word: &str, known: &[&str]) -> String {
+    match nearest(word, known) {
+        Some(near) => format!("did you mean `{near}`?"),
+        None => format!("known are {}", known.join(", ")),
+    }
+}
+
+/// The value of a whole number, in whatever base it is written.
+pub(super) fn integer(node: Node<'_>) -> Option<i64> {
+    let integer = node.get_ref().as_integer()?;
+    let digits = integer.as_str().replace('_', "");
+    i64::from_str_radix(&digits, integer.radix()).ok()
+}

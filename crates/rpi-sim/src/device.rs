@@ -1,0 +1,212 @@
+//! One simulated device, as the bank of devices sees it.
+
+use crate::arm::code::Code;
+use crate::fault::Fault;
+use core::ops::Range;
+use rpi_device::{PortKind, PortName, Refusal, ResolveError};
+use rpi_image::{Scalar, Type};
+
+/// A port of one device: its line in the device's table, and which of several equal ones.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) struct Slot {
+    pub(crate) line: u16,
+    pub(crate) index: u16,
+}
+
+/// The part of [`rpi_device::DeviceBank`] that concerns one device; resources are counted from 0 within it.
+pub(crate) trait Device: Send {
+    /// Finds a port.
+    fn resolve(&self, name: &PortName<'_>) -> Result<Slot, ResolveError>;
+    /// How many actuators (resources) it has.
+    fn resources(&self) -> u32;
+    /// The actuators that a port belongs to; empty for a port that is none.
+    fn resources_of(&self, slot: Slot) -> Range<u32>;
+    /// See [`rpi_device::DeviceBank::read`].
+    fn read(&self, slot: Slot, value: &mut [u64]) -> bool;
+    /// See [`rpi_device::DeviceBank::check`].
+    fn check(&mut self, slot: Slot, value: &[u64]) -> Refusal;
+    /// See [`rpi_device::DeviceBank::error`].
+    fn error(&self, slot: Slot) -> i64;
+    /// See [`rpi_device::DeviceBank::write`].
+    fn write(&mut self, slot: Slot, value: &[u64]);
+    /// See [`rpi_device::DeviceBank::call`].
+    fn call(&self, slot: Slot, arguments: &[u64], result: &mut [u64]) -> bool {
+        let _ = (slot, arguments, result);
+        false
+    }
+    /// See [`rpi_device::DeviceBank::moving`].
+    fn moving(&self, resource: u32) -> bool {
+        let _ = resource;
+        false
+    }
+    /// See [`rpi_device::DeviceBank::stop`].
+    fn stop(&mut self, resource: u32) {
+        let _ = resource;
+    }
+    /// See [`rpi_device::DeviceBank::pace`].
+    fn pace(&mut self, resource: u32, ticks: u32) {
+        let _ = (resource, ticks);
+    }
+    /// Lets one tick pass, which ends at `time` (s).
+    fn step(&mut self, time: f64);
+    /// Adds a fault to those that are planned; false if the device knows no such trouble.
+    fn inject(&mut self, fault: Fault) -> bool {
+        let _ = fault;
+        false
+    }
+    /// What is wrong with it now.
+    fn code(&self) -> Code {
+        Code::OK
+    }
+    /// Gives the reports since the last call, and how many did not fit.
+    fn reports(&mut self, each: &mut dyn FnMut(Report)) -> u64 {
+        let _ = each;
+        0
+    }
+}
+
+/// Something that a device had against its commands.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Report {
+    /// When, in s of the cell's time.
+    pub time: f64,
+    /// Which axis, from 0; `None` if it concerns the whole device.
+    pub axis: Option<usize>,
+    /// What.
+    pub code: Code,
+    /// The value that was refused, in SI units; 0 where there is none.
+    pub value: f64,
+    /// The limit that it broke; 0 where there is none.
+    pub limit: f64,
+}
+
+/// What a port carries, before the device's size is known.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Carries {
+    /// One value.
+    One(Scalar),
+    /// A real for each axis.
+    PerAxis,
+    /// This many cells of reals, the in-ports or out-ports of a primitive one after the other.
+    Reals(u32),
+}
+
+impl Carries {
+    /// Whether a command that sees the port as `ty` can use it. Values put together of several ports are compared by
+    /// their size, for their parts are laid out in a row whatever they are.
+    pub(crate) fn fits(self, ty: Type, axes: usize) -> bool {
+        let real = |ty: Type| match ty {
+            Type::One(scalar) | Type::Array(scalar, _) => {
+                !matches!(scalar, Scalar::Bool | Scalar::Int | Scalar::Time)
+            }
+            Type::Matrix(..) => true,
+        };
+        match self {
+            Self::One(scalar) => ty == Type::One(scalar),
+            Self::PerAxis => real(ty) && ty.cells() as usize == axes,
+            Self::Reals(cells) => real(ty) && ty.cells() == cells,
+        }
+    }
+}
+
+/// What every line of a device's table of ports has.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Head {
+    pub(crate) name: &'static str,
+    pub(crate) kind: PortKind,
+    pub(crate) carries: Carries,
+    /// Whether there is one for each axis or terminal.
+    pub(crate) indexed: bool,
+}
+
+/// Finds a port in a table. `count` tells how many of an indexed port there are, `axes` how many axes the device has.
+pub(crate) fn find<'a>(
+    table: impl Iterator<Item = &'a Head>,
+    name: &PortName<'_>,
+    count: impl Fn(&Head) -> usize,
+    axes: usize,
+) -> Result<Slot, ResolveError> {
+    let named = table
+        .enumerate()
+        .filter(|(_, head)| head.name == name.port && head.kind == name.kind);
+    let mut error = ResolveError::NoPort;
+    for (line, head) in named {
+        let index = usize::try_from(name.index).unwrap_or(usize::MAX);
+        let many = if head.indexed {
+            count(head)
+        } else {
+            usize::MAX
+        };
+        if index >= many {
+            error = ResolveError::NoIndex;
+        } else if !head.carries.fits(name.ty, axes) {
+            error = ResolveError::WrongType;
+        } else {
+            let index = if head.indexed { index } else { 0 };
+            let narrow = |number: usize| u16::try_from(number).map_err(|_| ResolveError::NoIndex);
+            return Ok(Slot {
+                line: narrow(line)?,
+                index: narrow(index)?,
+            });
+        }
+    }
+    Err(error)
+}
+
+/// Puts values into cells, one after the other; what does not fit is dropped.
+pub(crate) struct Put<'a> {
+    cells: &'a mut [u64],
+    at: usize,
+}
+
+impl<'a> Put<'a> {
+    pub(crate) fn into(cells: &'a mut [u64]) -> Self {
+        Self { cells, at: 0 }
+    }
+
+    pub(crate) fn bits(&mut self, bits: u64) {
+        if let Some(cell) = self.cells.get_mut(self.at) {
+            *cell = bits;
+        }
+        self.at += 1;
+    }
+
+    pub(crate) fn real(&mut self, value: f64) {
+        self.bits(value.to_bits());
+    }
+
+    pub(crate) fn reals(&mut self, values: impl IntoIterator<Item = f64>) {
+        values.into_iter().for_each(|value| self.real(value));
+    }
+
+    pub(crate) fn pose(&mut self, pose: &rpi_kin::Pose) {
+        self.reals(pose.translation.vector.iter().copied());
+        // Stored as x, y, z, w, which is the order of the cells too.
+        self.reals(pose.rotation.coords.iter().copied());
+    }
+}
+
+/// The pose in seven cells; NaN where there are too few.
+pub(crate) fn pose_from(cells: &[u64]) -> rpi_kin::Pose {
+    let part = |at: usize| cells.get(at).map_or(f64::NAN, |bits| f64::from_bits(*bits));
+    let quaternion = nalgebra::Quaternion::new(part(6), part(3), part(4), part(5));
+    rpi_kin::Pose::from_parts(
+        nalgebra::Translation3::new(part(0), part(1), part(2)),
+        nalgebra::UnitQuaternion::new_normalize(quaternion),
+    )
+}
+
+/// A name with the index that it carries in itself taken out: `joint3.torque` is `joint.torque` of index 2.
+pub(crate) fn spelled_out(port: &str) -> Option<(&'static str, u32)> {
+    const NUMBERED: &[(&str, &str)] = &[
+        ("measured_torque", "joint.measured_torque"),
+        ("external_torque", "joint.external_torque"),
+    ];
+    let (number, rest) = port.strip_prefix("joint")?.split_once('.')?;
+    let number: u32 = number.parse().ok()?;
+    let name = NUMBERED
+        .iter()
+        .find(|(own, _)| *own == rest)
+        .map(|(_, name)| *name)?;
+    Some((name, number.checked_sub(1)?))
+}

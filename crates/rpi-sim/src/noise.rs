@@ -1,0 +1,60 @@
+//! Seeded noise: the same seed gives the same bits, on every machine.
+
+use core::f64::consts::TAU;
+
+/// A stream of random numbers: SplitMix64 (Steele, Lea, Flood 2014).
+#[derive(Clone, Debug)]
+pub(crate) struct Noise(u64);
+
+impl Noise {
+    /// The stream of one device of a cell.
+    pub(crate) fn new(seed: u64, device: usize) -> Self {
+        Self(seed ^ (device as u64).wrapping_mul(0xd1b5_4a32_d192_ed03))
+    }
+
+    fn bits(&mut self) -> u64 {
+        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
+        let mut mixed = self.0;
+        mixed = (mixed ^ (mixed >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+        mixed = (mixed ^ (mixed >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
+        mixed ^ (mixed >> 31)
+    }
+
+    /// Uniform in (0, 1].
+    fn unit(&mut self) -> f64 {
+        ((self.bits() >> 11) + 1) as f64 / (1_u64 << 53) as f64
+    }
+
+    /// Normal with this standard deviation (Box and Muller 1958). Without deviation the stream does not advance.
+    pub(crate) fn normal(&mut self, deviation: f64) -> f64 {
+        if deviation == 0.0 {
+            return 0.0;
+        }
+        let radius = libm::sqrt(-2.0 * libm::log(self.unit()));
+        deviation * radius * libm::cos(TAU * self.unit())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn noise_has_its_deviation_and_repeats() {
+        let mut noise = Noise::new(7, 0);
+        let all: Vec<f64> = (0..20_000).map(|_| noise.normal(0.5)).collect();
+        let mean = all.iter().sum::<f64>() / all.len() as f64;
+        let variance = all
+            .iter()
+            .map(|one| (one - mean) * (one - mean))
+            .sum::<f64>()
+            / all.len() as f64;
+        assert!(
+            mean.abs() < 0.02 && (variance - 0.25).abs() < 0.01,
+            "{mean} {variance}"
+        );
+        let mut again = Noise::new(7, 0);
+        assert!(all.iter().all(|one| *one == again.normal(0.5)));
+        assert_ne!(Noise::new(7, 1).normal(1.0), Noise::new(7, 0).normal(1.0));
+    }
+}
