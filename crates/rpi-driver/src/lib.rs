@@ -1,1 +1,13 @@
-//! From a file name to findings and an image: the pipeline that the tools share.
+//! From a file name to findings, nets and an image: the pipeline that the tools share.
+//!
+//! [`read`] opens a file, [`compile`] takes it as far as its kind and its faults allow, [`Compiled::image`] lowers one
+//! of its commands. This crate knows files and the order of the stages; it must not know what any of them finds, nor
+//! what a command does once it runs.
+
+mod compile;
+mod input;
+mod period;
+
+pub use compile::{Compiled, Program, compile};
+pub use input::{Input, InputError, Kind, read};
+pub use period::{parse_period, period_text};

@@ -10,7 +10,7 @@ const OWNERS: &[(&str, &[&str])] = &[
     ("clap", &["rpi", "rpic"]),
     ("clap_complete", &["rpi", "rpic"]),
     ("clap_mangen", &["rpi", "rpic"]),
-    ("flate2", &["rpi-host", "rpi-testkit"]),
+    ("flate2", &["rpi-driver", "rpi-host", "rpi-testkit"]),
     ("hdrhistogram", &["rpi-host"]),
     ("lalrpop", &["rpi-syntax"]),
     ("lalrpop-util", &["rpi-syntax"]),
