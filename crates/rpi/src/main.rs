@@ -1,2 +1,30 @@
-//! The control core on the command line.
-fn main() {}
+//! The control core on the command line: `rpi run`, `rpi replay`, `rpi trace`.
+//!
+//! Exit status: 0 for a good end, 1 for a command's error or a differing trace, 2 for bad input, 3 for a fault while
+//! running.
+
+mod args;
+mod exit;
+mod program;
+mod replay;
+mod shell;
+
+use std::process::ExitCode;
+
+use args::{Cli, Task};
+use clap::Parser;
+use exit::Exit;
+
+fn main() -> ExitCode {
+    let cli = Cli::parse();
+    let done = match cli.task {
+        Task::Replay(args) => replay::replay(&args),
+        Task::Completions { shell } => shell::completions(shell),
+        Task::Man { folder } => shell::man(&folder),
+    };
+    done.unwrap_or_else(|error| {
+        eprintln!("error: {error}");
+        Exit::BadInput
+    })
+    .into()
+}

@@ -29,6 +29,13 @@ impl fmt::Display for Report {
 }
 
 impl Report {
+    /// The report for programs: one JSON object, indented.
+    #[must_use]
+    pub fn to_json(&self) -> String {
+        // Strings, numbers and lists of these cannot fail to be written; not-a-number becomes null.
+        serde_json::to_string_pretty(self).unwrap_or_default()
+    }
+
     fn counts(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let compared = self.compared;
         writeln!(

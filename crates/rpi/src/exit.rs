@@ -1,0 +1,27 @@
+//! How the tool ends.
+
+use std::process::ExitCode;
+
+/// Exit statuses.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub enum Exit {
+    /// As asked for.
+    Good,
+    /// The command ended with its error, or a trace differs.
+    CommandError,
+    /// A file, an option or a program is wrong.
+    BadInput,
+}
+
+impl From<Exit> for ExitCode {
+    fn from(exit: Exit) -> ExitCode {
+        ExitCode::from(match exit {
+            Exit::Good => 0,
+            Exit::CommandError => 1,
+            Exit::BadInput => 2,
+        })
+    }
+}
+
+/// A task's end; the error text is for people.
+pub type Outcome = Result<Exit, Box<dyn std::error::Error>>;

@@ -1,0 +1,45 @@
+//! From a file on the command line to something that runs.
+
+use std::path::Path;
+
+use rpi_diag::{Style, render};
+use rpi_driver::Compiled;
+use rpi_net::Net;
+
+/// Compiles a file and shows what was found; an error if it cannot run.
+pub fn load(path: &Path) -> Result<Compiled, Box<dyn std::error::Error>> {
+    let compiled = rpi_driver::compile(&rpi_driver::read(path)?)?;
+    let style = Style::of(&std::io::stderr());
+    eprint!("{}", render(&compiled.findings, &compiled.sources, style));
+    if compiled.has_errors() {
+        return Err(format!("{} does not compile", path.display()).into());
+    }
+    Ok(compiled)
+}
+
+/// The command of this name, or the only one.
+pub fn choose<'a>(nets: &'a [Net], name: Option<&str>) -> Result<&'a Net, String> {
+    let names = || nets.iter().map(|n| n.name.as_str());
+    match (nets, name) {
+        ([], _) => Err("there is no command in it".to_owned()),
+        ([only], None) => Ok(only),
+        (_, None) => Err(format!(
+            "which command? There are {}; say --command NAME",
+            list(names())
+        )),
+        (_, Some(name)) => nets.iter().find(|n| n.name == name).ok_or_else(|| {
+            let meant = rpi_diag::suggest(name, names());
+            let meant = meant
+                .map(|m| format!("; did you mean {m}?"))
+                .unwrap_or_default();
+            format!(
+                "there is no command {name}, there are {}{meant}",
+                list(names())
+            )
+        }),
+    }
+}
+
+fn list<'a>(names: impl Iterator<Item = &'a str>) -> String {
+    names.collect::<Vec<_>>().join(", ")
+}

@@ -1,0 +1,127 @@
+//! The tool as its users meet it: arguments in, text and exit status out.
+
+use std::path::Path;
+use std::process::{Command, Output};
+
+const NET: &str = "{a=Core::Clock(Increment='1'),b=Core::DoubleAdd(inFirst=a.outValue,Second='1')}";
+const TRACE: &str = "0\t#t0\t0\tcycle=1\n1\ta.outValue\t0.025\n1\tb.outValue\t1.025\n\
+    2\ta.outValue\t0.05\n2\tb.outValue\t1.05\n";
+
+fn rpi(args: &[&str]) -> Output {
+    Command::new(env!("CARGO_BIN_EXE_rpi"))
+        .args(args)
+        .env("NO_COLOR", "1")
+        .output()
+        .unwrap()
+}
+
+/// A folder with the net and the trace above.
+fn folder() -> tempfile::TempDir {
+    let dir = tempfile::tempdir().unwrap();
+    std::fs::write(dir.path().join("small.rpinet"), NET).unwrap();
+    std::fs::write(dir.path().join("small.trace"), TRACE).unwrap();
+    dir
+}
+
+fn path(dir: &tempfile::TempDir, name: &str) -> String {
+    dir.path().join(name).display().to_string()
+}
+
+fn out(output: &Output) -> String {
+    String::from_utf8_lossy(&output.stdout).into_owned()
+}
+
+fn err(output: &Output) -> String {
+    String::from_utf8_lossy(&output.stderr).into_owned()
+}
+
+#[test]
+fn a_replay_that_agrees_ends_with_0() {
+    let dir = folder();
+    let output = rpi(&[
+        "replay",
+        &path(&dir, "small.rpinet"),
+        "--trace",
+        &path(&dir, "small.trace"),
+    ]);
+    assert_eq!(output.status.code(), Some(0), "{}", err(&output));
+    assert!(out(&output).contains("4 values"), "{}", out(&output));
+}
+
+#[test]
+fn a_replay_that_differs_ends_with_1_and_says_where() {
+    let dir = folder();
+    let wrong = TRACE.replace("1.05\n", "1.06\n");
+    std::fs::write(dir.path().join("wrong.trace"), wrong).unwrap();
+    let args = [
+        "replay",
+        &path(&dir, "small.rpinet"),
+        "--trace",
+        &path(&dir, "wrong.trace"),
+    ];
+    let output = rpi(&args);
+    assert_eq!(output.status.code(), Some(1));
+    assert!(
+        out(&output).contains("first divergence, in cycle 2"),
+        "{}",
+        out(&output)
+    );
+    let json = out(&rpi(&[&args[..], &["--json"]].concat()));
+    assert!(json.contains("\"differing\": 1"), "{json}");
+    let wide = rpi(&[&args[..], &["--tolerance", "0.1"]].concat());
+    assert_eq!(wide.status.code(), Some(0));
+}
+
+#[test]
+fn the_period_matters() {
+    let dir = folder();
+    let args = [
+        "replay",
+        &path(&dir, "small.rpinet"),
+        "--trace",
+        &path(&dir, "small.trace"),
+        "--period",
+        "1ms",
+    ];
+    assert_eq!(rpi(&args).status.code(), Some(1));
+}
+
+#[test]
+fn bad_input_ends_with_2_and_a_way_out() {
+    let dir = folder();
+    let trace = path(&dir, "small.trace");
+    let output = rpi(&["replay", &path(&dir, "smal.rpinet"), "--trace", &trace]);
+    assert_eq!(output.status.code(), Some(2));
+    assert!(err(&output).contains("small.rpinet"), "{}", err(&output));
+    std::fs::write(dir.path().join("bad.trace"), "1 a b").unwrap();
+    let output = rpi(&[
+        "replay",
+        &path(&dir, "small.rpinet"),
+        "--trace",
+        &path(&dir, "bad.trace"),
+    ]);
+    assert_eq!(output.status.code(), Some(2));
+    assert!(err(&output).contains("bad.trace:1"), "{}", err(&output));
+    std::fs::write(dir.path().join("bad.rpinet"), "{a=Core::Clok()}").unwrap();
+    let output = rpi(&["replay", &path(&dir, "bad.rpinet"), "--trace", &trace]);
+    assert_eq!(output.status.code(), Some(2));
+    assert!(err(&output).contains("Core::Clock"), "{}", err(&output));
+    assert_eq!(rpi(&["replay"]).status.code(), Some(2));
+}
+
+#[test]
+fn completions_and_manual_pages_are_made() {
+    let bash = rpi(&["completions", "bash"]);
+    assert!(out(&bash).contains("replay"));
+    let dir = folder();
+    let pages = path(&dir, "man");
+    assert_eq!(rpi(&["man", &pages]).status.code(), Some(0));
+    assert!(Path::new(&pages).join("rpi-replay.1").is_file());
+}
+
+#[test]
+fn a_bad_period_is_told() {
+    let output = rpi(&["replay", "x.rpinet", "--trace", "y", "--period", "5"]);
+    assert_eq!(output.status.code(), Some(2));
+    assert!(err(&output).contains("units"), "{}", err(&output));
+}
