@@ -10,6 +10,7 @@ extern crate alloc;
 pub mod bulk;
 pub mod catalogue;
 pub mod cx;
+pub mod differences;
 pub mod flow;
 pub mod geometry;
 mod macros;

@@ -13,6 +13,10 @@ use nalgebra::Quaternion;
 pub(crate) trait Summand: Copy + Add<Output = Self> + Sub<Output = Self> {
     /// Number of cells.
     const CELLS: u32;
+    /// What the all-zero cells hold.
+    fn zero() -> Self {
+        Self::load(&[0; 4], 0)
+    }
     /// Reads it from `cells[at..]`.
     fn load(cells: &[u64], at: usize) -> Self;
     /// Writes it to `cells[at..]`.
@@ -109,7 +113,7 @@ impl<T: Summand> Window<T> {
         let running = T::load(cells, sum_at) + value - leaving;
         let complete = next + 1 == self.capacity;
         let sum = if complete { turn } else { running };
-        let turn = if complete { turn - turn } else { turn };
+        let turn = if complete { T::zero() } else { turn };
         sum.store(cells, sum_at);
         turn.store(cells, turn_at);
         cells[self.at] = ((next + 1) % self.capacity) as u64;

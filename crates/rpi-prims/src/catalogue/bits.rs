@@ -36,9 +36,9 @@ primitive! {
     mixed |cx, _, (_, signed), (value,), (array, _)| {
         let bits = array.len().min(63);
         for k in 0..array.len() {
-            array.set(cx.cells, k as i64, value >> k.min(63) & 1 == 1);
+            array.set(cx.cells, k as i64, (value >> k.min(63)) & 1 == 1);
         }
-        let (least, beyond) = if signed { (-(1 << bits >> 1), 1 << bits >> 1) } else { (0, 1 << bits) };
+        let (least, beyond) = if signed { (-((1 << bits) >> 1), (1 << bits) >> 1) } else { (0, 1 << bits) };
         (array, !(least..beyond).contains(&value))
     }
 }
@@ -74,7 +74,7 @@ primitive! {
         let mut rest = value.unsigned_abs();
         for first in (0..digits).step_by(4) {
             for k in first..digits.min(first + 4) {
-                array.set(cx.cells, k as i64, rest % 10 >> (k - first) & 1 == 1);
+                array.set(cx.cells, k as i64, ((rest % 10) >> (k - first)) & 1 == 1);
             }
             let room = 1 << (digits - first).min(4);
             rest = if rest % 10 < room { rest / 10 } else { u64::MAX };

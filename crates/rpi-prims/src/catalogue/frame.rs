@@ -109,7 +109,7 @@ pub(super) fn between(from: Pose, to: Pose, amount: f64) -> Pose {
 }
 
 /// The pose after `dt` seconds of a velocity in base coordinates.
-pub(super) fn moved(frame: Pose, twist: Twist, dt: f64) -> Pose {
+pub(crate) fn moved(frame: Pose, twist: Twist, dt: f64) -> Pose {
     let position = frame.translation.vector + twist.linear * dt;
     pose(position, geometry::exp(twist.angular * dt) * frame.rotation)
 }

@@ -42,13 +42,16 @@ primitive! {
 }
 
 /// Position, velocity and acceleration after one period (no acceleration where a full step of it could be too fast) `dt`, from (position, velocity) to a goal of both.
-fn step(
+pub(crate) fn step(
     from: (f64, f64),
     to: (f64, f64),
     max_velocity: f64,
     max_acceleration: f64,
     dt: f64,
 ) -> (f64, f64, f64) {
+    if max_acceleration == 0.0 {
+        return (from.0 + from.1 * dt, from.1, 0.0);
+    }
     let sigma = sliding(from, to, max_acceleration, dt);
     let room = max_velocity - max_acceleration * dt + from.1 * libm::copysign(1.0, sigma);
     let acceleration = if room < 0.0 {
