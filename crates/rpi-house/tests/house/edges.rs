@@ -202,7 +202,7 @@ fn the_real_time_side_is_no_std() {
 
 #[test]
 fn only_tests_use_the_test_kit() {
-    let tools = ["rpi-house", "xtask"];
+    let tools = ["rpi-bench", "rpi-house", "xtask"];
     for package in packages()
         .iter()
         .filter(|p| !tools.contains(&p.name.as_str()))

@@ -2,6 +2,7 @@
 
 mod codes;
 mod cycle;
+mod docs;
 mod edges;
 mod generated;
 mod links;
