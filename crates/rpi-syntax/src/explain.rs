@@ -119,17 +119,15 @@ fn open_bracket(cx: &Context<'_>, lexemes: &[Lexeme], open: usize, at: usize) ->
     )
 }
 
-/// Whether a reserved word stands where nothing but a name would fit.
+/// Whether a reserved word stands where a name is wanted: neither an expression nor an equation.
 fn reserved_as_name(cx: &Context<'_>, lexeme: Lexeme, fault: &Fault) -> bool {
-    let names_only = fault
-        .expected
-        .iter()
-        .all(|t| matches!(t, Token::Ident | Token::Path | Token::Broken));
+    let wants = |token| fault.expected.contains(&token);
+    let wants_name = wants(Token::Ident) && !wants(Token::Int) && !wants(Token::Tel);
     let is_reserved = lexeme
         .token
         .keyword()
         .is_some_and(|word| word.is_reserved_in(cx.mode));
-    names_only
+    wants_name
         && is_reserved
         && !matches!(
             lexeme.token,

@@ -5,7 +5,7 @@ use crate::context::Context;
 use crate::lexer::{Lexed, lex};
 use crate::split::{Chunk, Head, split};
 use crate::{Mode, Parse, mend, nesting, outside};
-use rpi_diag::{FileId, Finding};
+use rpi_diag::{Code, FileId, Finding, Span};
 
 /// Parses a whole file. Never fails and never panics: every text has a tree.
 ///
@@ -15,13 +15,31 @@ pub fn parse(file: FileId, text: &str, mode: Mode) -> Parse {
     let lexed = lex(file, text, mode);
     let (items, found) = items(file, text, mode, &lexed);
     let mut findings = lexed.findings;
-    findings.extend(found);
+    let (unknown, found) = (unknown_spans(&findings), found.into_iter());
+    findings.extend(found.filter(|finding| !follows_from(&unknown, finding, text)));
     findings.sort_by_key(|finding| finding.span());
     Parse {
         file: File { items },
         comments: lexed.comments,
         findings,
     }
+}
+
+/// Where characters are that no token was made of.
+fn unknown_spans(findings: &[Finding]) -> Vec<Span> {
+    let unknown = findings
+        .iter()
+        .filter(|finding| finding.code == Code::RPI0002);
+    unknown.map(Finding::span).collect()
+}
+
+/// Whether what did not fit stands right behind an unknown character: one fault, one message.
+fn follows_from(unknown: &[Span], finding: &Finding, text: &str) -> bool {
+    let place = finding.span();
+    unknown.iter().any(|span| {
+        let between = text.get(span.end as usize..place.start as usize);
+        between.is_some_and(|between| between.trim().is_empty())
+    })
 }
 
 fn items(file: FileId, text: &str, mode: Mode, lexed: &Lexed) -> (Vec<Item>, Vec<Finding>) {
