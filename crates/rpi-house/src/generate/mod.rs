@@ -2,6 +2,7 @@
 //!
 //! `cargo xtask gen` writes them; a test compares what is checked in with what would be written.
 
+mod differences;
 mod findings;
 mod primitives;
 mod textmate;
@@ -48,6 +49,10 @@ pub fn generated() -> Vec<Generated> {
         Generated {
             path: "docs/src/language/words.md",
             text: words::chapter(),
+        },
+        Generated {
+            path: "docs/src/differences.md",
+            text: differences::chapter(),
         },
         Generated {
             path: "docs/src/findings.md",

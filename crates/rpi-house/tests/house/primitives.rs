@@ -2,9 +2,11 @@
 
 use std::collections::BTreeMap;
 
-use rpi_house::source_files;
+use rpi_house::{functions, source_files};
 use rpi_image::Role;
+use rpi_prims::differences::DIFFERENCES;
 use rpi_prims::{PrimId, registry};
+use rpi_testkit::files_below;
 
 #[test]
 fn names_are_declared_once() {
@@ -57,6 +59,24 @@ fn names_in_other_crates_are_registered() {
                 file.path.display()
             );
         }
+    }
+}
+
+#[test]
+fn every_difference_to_the_reference_names_a_test_that_exists() {
+    let files = files_below("crates/rpi-prims", &[".rs"]);
+    let text: String = files
+        .iter()
+        .filter_map(|path| std::fs::read_to_string(path).ok())
+        .collect();
+    let tests: Vec<&str> = functions(&text).iter().map(|f| f.name).collect();
+    for difference in DIFFERENCES {
+        assert!(
+            tests.contains(&difference.test),
+            "{}: no test {}",
+            difference.name,
+            difference.test
+        );
     }
 }
 

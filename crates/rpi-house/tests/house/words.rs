@@ -1,5 +1,7 @@
 //! What must not stand in any file: the machine it was written on, and where it gets its packages.
 
+use std::collections::BTreeSet;
+
 use rpi_house::tracked_files;
 use rpi_testkit::workspace_root;
 
@@ -40,6 +42,44 @@ fn no_file_names_a_machine_or_a_registry() {
         }
     }
     assert!(found.is_empty(), "{}", found.join("\n"));
+}
+
+/// What lies at the root, as `ARCHITECTURE.md` says it.
+const ROOT: &[&str] = &[
+    ".cargo",
+    ".ci",
+    ".gitignore",
+    "ARCHITECTURE.md",
+    "CHANGELOG.md",
+    "CONTRIBUTING.md",
+    "Cargo.lock",
+    "Cargo.toml",
+    "LICENSE-APACHE",
+    "LICENSE-MIT",
+    "README.md",
+    "bench",
+    "clippy.toml",
+    "crates",
+    "docs",
+    "editor-support",
+    "examples",
+    "grammar",
+    "stdlib",
+    "tests",
+    "xtask",
+];
+
+#[test]
+fn nothing_lies_about_at_the_root() {
+    let top: BTreeSet<String> = tracked_files()
+        .iter()
+        .filter_map(|path| Some(path.iter().next()?.to_string_lossy().into_owned()))
+        .collect();
+    let stray: Vec<&String> = top
+        .iter()
+        .filter(|name| !ROOT.contains(&name.as_str()))
+        .collect();
+    assert!(stray.is_empty(), "what are these for? {stray:?}");
 }
 
 #[test]
