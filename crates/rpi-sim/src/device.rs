@@ -119,6 +119,35 @@ pub(crate) struct Head {
     pub(crate) indexed: bool,
 }
 
+/// A port of a kind of device, for people.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct PortInfo {
+    /// Its name.
+    pub name: &'static str,
+    /// What it is for.
+    pub kind: PortKind,
+    /// What it carries: `real`, `Pose`, `real^n` with n the number of axes.
+    pub carries: String,
+    /// Whether there is one for each axis or terminal.
+    pub indexed: bool,
+}
+
+impl Head {
+    pub(crate) fn info(&self) -> PortInfo {
+        let carries = match self.carries {
+            Carries::One(scalar) => scalar.name().to_owned(),
+            Carries::PerAxis => "real^n".to_owned(),
+            Carries::Reals(cells) => format!("real^{cells}"),
+        };
+        PortInfo {
+            name: self.name,
+            kind: self.kind,
+            carries,
+            indexed: self.indexed,
+        }
+    }
+}
+
 /// Finds a port in a table. `count` tells how many of an indexed port there are, `axes` how many axes the device has.
 pub(crate) fn find<'a>(
     table: impl Iterator<Item = &'a Head>,

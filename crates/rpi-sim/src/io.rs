@@ -57,6 +57,11 @@ const PORTS: &[Line] = &[
     line("out.real", PortKind::Actuator, Scalar::Real, 1, true),
 ];
 
+/// The ports of a terminal, for people.
+pub(crate) fn ports() -> impl Iterator<Item = crate::device::PortInfo> {
+    PORTS.iter().map(|line| line.head.info())
+}
+
 impl Io {
     pub(crate) fn new(spec: &IoSpec) -> Self {
         let mut io = Self {

@@ -17,5 +17,11 @@ mod noise;
 
 pub use bank::{DeviceStatus, SimBank};
 pub use cell::{Cell, CellError, CellErrors};
-pub use device::Report;
+pub use device::{PortInfo, Report};
 pub use fault::{Fault, Trouble};
+
+/// The ports of every arm, then those of terminals: what the manual has to tell.
+#[must_use]
+pub fn ports() -> Vec<PortInfo> {
+    arm::ports().chain(io::ports()).collect()
+}

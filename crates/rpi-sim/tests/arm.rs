@@ -295,8 +295,8 @@ fn a_stop_on_request_keeps_the_straight_line() {
     while rig.bank.moving(0) {
         rig.bank.step();
         let along = rig.position(3);
-        for axis in 0..7 {
-            let off = rig.position(axis) - direction[axis] * along;
+        for (axis, part) in direction.iter().enumerate() {
+            let off = rig.position(axis) - part * along;
             assert!(off.abs() < 1e-12, "axis {axis} is {off} off the line");
         }
     }

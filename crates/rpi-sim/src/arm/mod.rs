@@ -157,6 +157,11 @@ impl Arm {
     }
 }
 
+/// The ports of an arm, for people.
+pub(crate) fn ports() -> impl Iterator<Item = crate::device::PortInfo> {
+    table::PORTS.iter().map(|line| line.head.info())
+}
+
 fn sample_of(axes: &[Axis]) -> sample::Sample {
     let mut sample = sample::Sample::default();
     sample

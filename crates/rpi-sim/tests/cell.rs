@@ -1,0 +1,266 @@
+//! Cell descriptions: what they may say, and how every fault in one is told.
+
+use rpi_sim::cell::{ArmSpec, Kind};
+use rpi_sim::{Cell, Trouble};
+
+fn good(text: &str) -> Cell {
+    Cell::parse("cell.toml", text).unwrap_or_else(|errors| panic!("{errors}"))
+}
+
+fn faults(text: &str) -> String {
+    Cell::parse("cell.toml", text)
+        .expect_err("a fault")
+        .to_string()
+}
+
+fn arm(cell: &Cell, name: &str) -> ArmSpec {
+    match &cell.device(name).expect("a device").kind {
+        Kind::Arm(arm) => arm.clone(),
+        other => panic!("an arm, not {other:?}"),
+    }
+}
+
+const EVERYTHING: &str = r#"
+name = "workbench"
+seed = 42
+
+[devices.left]
+kind = "arm"
+model = "kuka-iiwa-7"
+joints = [0, 0.5, 0, "-1.2 rad", 0, "50[deg]", 0]
+base = { position = [0, "300 mm", 0], rpy = [0, 0, "90 deg"] }
+tool = { position = [0, 0, 0.1], quaternion = [0, 0, 0, 1] }
+enforce = ["position", "velocity"]
+lag = "5 ms"
+latency = 0.002
+noise = 1e-5
+
+[devices.left.limits]
+velocity = 1.0
+acceleration = [1, 2, 3, 4, 5, 6, 7]
+jerk = "600 deg/s^3"
+upper = 2.0
+lower = -2.0
+
+[[devices.left.faults]]
+at = 1.5
+for = "200 ms"
+trouble = "joint-failure"
+axis = 3
+
+[[devices.left.faults]]
+trouble = "contact"
+force = [0, 0, -5]
+
+[devices.valves]
+kind = "digital-io"
+inputs = [true, false]
+outputs = 8
+repeat = "2 s"
+script = [{ at = 1, input = 1, value = true }, { at = 0.5, input = 0, value = false }]
+
+[devices.gauges]
+kind = "analogue-io"
+inputs = 2
+outputs = [0.5]
+
+[devices.box]
+kind = "io"
+digital = { inputs = 1, outputs = 1 }
+analogue = { inputs = [1.5], script = [{ at = "10 ms", input = 0, value = -1 }] }
+"#;
+
+#[test]
+fn everything_that_may_be_said_is_understood() {
+    let cell = good(EVERYTHING);
+    assert_eq!((cell.name.as_str(), cell.seed), ("workbench", 42));
+    let names: Vec<&str> = cell
+        .devices
+        .iter()
+        .map(|device| device.name.as_str())
+        .collect();
+    assert_eq!(
+        names,
+        ["left", "valves", "gauges", "box"],
+        "in the order of the text"
+    );
+    let left = arm(&cell, "left");
+    assert_eq!(left.model.id, "kuka-iiwa-7");
+    assert_eq!(left.joints[3], -1.2);
+    assert!((left.joints[5] - 50_f64.to_radians()).abs() < 1e-15);
+    assert!(
+        (left.base * nalgebra::Point3::new(1.0, 0.0, 0.0) - nalgebra::Point3::new(0.0, 1.3, 0.0))
+            .norm()
+            < 1e-15
+    );
+    assert_eq!(left.tool.translation.z, 0.1);
+    assert!(left.enforced.velocity && !left.enforced.jerk);
+    assert_eq!(left.limits[6].acceleration, 7.0);
+    assert_eq!(left.limits[2].velocity, 1.0);
+    assert!((left.limits[0].jerk - 600_f64.to_radians()).abs() < 1e-12);
+    assert_eq!((left.lag, left.latency, left.noise), (0.005, 0.002, 1e-5));
+    assert_eq!(left.faults[0].trouble, Trouble::JointFailure(3));
+    assert!(left.faults[0].is_on(1.6) && !left.faults[0].is_on(1.75) && left.faults[1].is_on(1e9));
+    let Kind::Io(valves) = &cell.devices[1].kind else {
+        panic!("valves are terminals")
+    };
+    assert_eq!(valves.digital.outputs.len(), 8);
+    assert_eq!(valves.digital.script[0].at, 0.5, "in the order of time");
+}
+
+#[test]
+fn what_is_not_said_is_the_models() {
+    let cell = good("[devices.a]\nkind = \"arm\"\nmodel = \"kuka-iiwa-14\"\n");
+    let arm = arm(&cell, "a");
+    assert_eq!(arm.joints, [0.0; 7]);
+    assert_eq!(arm.limits, arm.model.limits);
+    assert!(
+        arm.enforced.position
+            && arm.enforced.velocity
+            && arm.enforced.acceleration
+            && arm.enforced.jerk
+    );
+    assert!(arm.faults.is_empty() && arm.lag == 0.0);
+    assert!(good("").devices.is_empty());
+}
+
+#[test]
+fn every_fault_is_told_in_one_run() {
+    let text = "[devices.left]\nkind = \"arm\"\nmodel = \"kuka-iiwa-77\"\njoint = [1]\n[devices.right]\nkind = \"leg\"\n";
+    let expected = "\
+cell.toml:3:9: `model` knows no \"kuka-iiwa-77\"
+ 3 | model = \"kuka-iiwa-77\"
+   |         ^^^^^^^^^^^^^^
+   = did you mean `kuka-iiwa-7`?
+cell.toml:4:1: unknown key `joint`
+ 4 | joint = [1]
+   | ^^^^^
+   = did you mean `joints`?
+cell.toml:6:8: `kind` knows no \"leg\"
+ 6 | kind = \"leg\"
+   |        ^^^^^
+   = known are arm, digital-io, analogue-io, io
+";
+    assert_eq!(faults(text), expected);
+}
+
+/// A description, and what its message must say.
+const BROKEN: &[(&str, &str)] = &[
+    ("devices = 3", "1:11: `devices` is a table, found integer"),
+    (
+        "[devices]\narm = 3",
+        "2:1: `arm` is a device and needs a table of its own",
+    ),
+    ("[device.arm]\nkind = \"arm\"", "1:2: unknown key `device`"),
+    (
+        "[devices.a]\nmodel = \"kuka-lwr4+\"",
+        "1:1: device `a` has no `kind`",
+    ),
+    ("[devices.a]\nkind = \"arm\"", "1:1: an arm needs a `model`"),
+    (
+        "[devices.a]\nkind = 7",
+        "2:8: `kind` is a word in quotes, found integer",
+    ),
+    ("seed = -1", "1:8: `seed` is -1, out of range"),
+    ("name = \"a", "1:10: invalid basic string"),
+    (
+        "[devices.a]\nkind = \"arm\"\nmodel = \"kuka-lwr4+\"\njoints = [0, 0]",
+        "4:10: `joints` has 2 entries, expected 7",
+    ),
+    (
+        "[devices.a]\nkind = \"arm\"\nmodel = \"kuka-lwr4+\"\njoints = [0, 0, \"3 mm\", 0, 0, 0, 0]",
+        "4:17: `joints` cannot be read as a number",
+    ),
+    (
+        "[devices.a]\nkind = \"arm\"\nmodel = \"kuka-lwr4+\"\njoints = [0, 0, nan, 0, 0, 0, 0]",
+        "4:17: `joints` is not a finite number",
+    ),
+    (
+        "[devices.a]\nkind = \"arm\"\nmodel = \"kuka-lwr4+\"\njoints = [0, 2.5, 0, 0, 0, 0, 0]",
+        "4:10: joint 1 stands at 2.5 rad, outside of its range",
+    ),
+    (
+        "[devices.a]\nkind = \"arm\"\nmodel = \"kuka-lwr4+\"\nlag = -1",
+        "4:7: `lag` is negative",
+    ),
+    (
+        "[devices.a]\nkind = \"arm\"\nmodel = \"kuka-lwr4+\"\nenforce = [\"speed\"]",
+        "4:12: `enforce` knows no \"speed\"",
+    ),
+    (
+        "[devices.a]\nkind = \"arm\"\nmodel = \"kuka-lwr4+\"\nlimits = { velocity = 0 }",
+        "4:23: axis 0 has a velocity limit that is not positive",
+    ),
+    (
+        "[devices.a]\nkind = \"arm\"\nmodel = \"kuka-lwr4+\"\ntool = { quaternion = [1, 1, 0, 0] }",
+        "4:23: `quaternion` has length 1.4142, expected 1",
+    ),
+    (
+        "[devices.a]\nkind = \"arm\"\nmodel = \"kuka-lwr4+\"\ntool = { rpy = [0, 0, 0], quaternion = [0, 0, 0, 1] }",
+        "4:16: both `rpy` and `quaternion` are given",
+    ),
+    (
+        "[devices.a]\nkind = \"arm\"\nmodel = \"kuka-lwr4+\"\nfaults = [{ trouble = \"joint-failure\" }]",
+        "4:11: `axis` is missing",
+    ),
+    (
+        "[devices.a]\nkind = \"arm\"\nmodel = \"kuka-lwr4+\"\nfaults = [{ trouble = \"joint-failure\", axis = 7 }]",
+        "4:47: `axis` is 7, out of range",
+    ),
+    (
+        "[devices.a]\nkind = \"digital-io\"\ninputs = [1]",
+        "3:10: `inputs` is a number of ports or a list of true and false",
+    ),
+    (
+        "[devices.a]\nkind = \"analogue-io\"\ninputs = [true]",
+        "3:11: `inputs` is a number, found boolean",
+    ),
+    (
+        "[devices.a]\nkind = \"digital-io\"\ninputs = 1\nscript = [{ at = 0, input = 1, value = true }]",
+        "4:29: `input` is 1, out of range",
+    ),
+    (
+        "[devices.a]\nkind = \"digital-io\"\ninputs = 1\nscript = [{ at = 0, input = 0 }]",
+        "4:11: `value` is missing",
+    ),
+    (
+        "[devices.a]\nkind = \"digital-io\"\ninputs = 1\nrepeat = 1\nscript = [{ at = 1, input = 0, value = true }]",
+        "4:10: `repeat` starts the script again before its last change",
+    ),
+];
+
+#[test]
+fn each_fault_has_its_place_and_its_words() {
+    for (text, expected) in BROKEN {
+        let told = faults(text);
+        assert!(
+            told.contains(&format!("cell.toml:{expected}")),
+            "{text}\n--- expected {expected}, told\n{told}"
+        );
+    }
+}
+
+#[test]
+fn no_prefix_of_a_description_panics() {
+    for end in 0..EVERYTHING.len() {
+        let text = &EVERYTHING[..end];
+        if let Err(errors) = Cell::parse("cell.toml", text) {
+            assert!(!errors.errors.is_empty() && !errors.to_string().is_empty());
+        }
+    }
+}
+
+#[test]
+fn the_cells_of_the_examples_are_good() {
+    let cells = rpi_testkit::files_below("examples", &["cell.toml"]);
+    assert!(!cells.is_empty());
+    for path in cells {
+        let text = std::fs::read_to_string(&path).expect("a readable file");
+        let cell = Cell::parse(&path.to_string_lossy(), &text);
+        assert!(
+            cell.is_ok_and(|cell| !cell.devices.is_empty()),
+            "{}",
+            path.display()
+        );
+    }
+}
