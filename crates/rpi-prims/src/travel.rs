@@ -40,6 +40,9 @@ pub struct State {
     pub acceleration: f64,
 }
 
+/// Share of a period by which a duration may be over a whole number of them.
+const ROUNDING: f64 = 1e-6;
+
 /// Halvings that find the peak speed to the last bit of a double.
 const HALVINGS: u32 = 64;
 
@@ -59,6 +62,42 @@ impl Travel {
             travel.peak = travel.highest_peak();
         }
         travel
+    }
+
+    /// Plans a travel that takes a whole number of periods: the fastest one with a peak lowered until it fits.
+    /// Gives the number of periods, too.
+    #[must_use]
+    pub fn plan_periods(
+        distance: f64,
+        entry: f64,
+        leave: f64,
+        bounds: Bounds,
+        dt: f64,
+    ) -> (Travel, f64) {
+        let mut travel = Travel::plan(distance, entry, leave, bounds);
+        if !(travel.distance > 0.0) {
+            return (travel, 0.0);
+        }
+        let periods = libm::ceil(travel.duration() / dt - ROUNDING);
+        if travel.peak > 0.0 {
+            travel.peak = travel.slower_peak(periods * dt);
+        }
+        (travel, periods)
+    }
+
+    /// The greatest peak with which it takes at least `duration`.
+    fn slower_peak(&self, duration: f64) -> f64 {
+        let (mut low, mut high) = (0.5 * self.peak, self.peak);
+        for _ in 0..HALVINGS {
+            let peak = 0.5 * (low + high);
+            let middle = Travel { peak, ..*self };
+            if middle.ramps(peak) <= self.distance && middle.duration() < duration {
+                high = peak;
+            } else {
+                low = peak;
+            }
+        }
+        high
     }
 
     /// The greatest peak whose ramps still fit; negative if not even the lowest does.
@@ -157,6 +196,12 @@ impl Travel {
 }
 
 impl Bounds {
+    /// True if each is more than 0.
+    #[must_use]
+    pub fn are_positive(&self) -> bool {
+        self.speed > 0.0 && self.acceleration > 0.0 && self.jerk > 0.0
+    }
+
     /// The fastest change from one speed to another without acceleration at its ends.
     fn ramp(&self, from: f64, to: f64) -> Ramp {
         let change = libm::fabs(to - from);
@@ -327,6 +372,20 @@ mod tests {
                     "{travel:?} at {k}: {jerk}"
                 );
             }
+        }
+    }
+
+    #[test]
+    fn whole_periods_are_hit() {
+        let dt = 1e-3;
+        for fast in cases().filter(|t| t.distance > 0.0 && t.peak > 0.0) {
+            let (slow, periods) =
+                Travel::plan_periods(fast.distance, fast.entry, fast.leave, BOUNDS, dt);
+            let left = periods * dt - slow.duration();
+            assert!((-1e-8..dt).contains(&left), "{slow:?} {periods}");
+            // Ways of a few periods leave no room for another speed: they are stretched where they are used.
+            assert!(left < 1e-8 || slow.distance < 0.05, "{slow:?} {periods}");
+            assert!(slow.duration() - fast.duration() < dt, "{slow:?} {fast:?}");
         }
     }
 

@@ -1,17 +1,18 @@
-//! Motion along a way.
+//! Motion along a way. Inputs are read in the first cycle; the first output is one period along the way, so that a switch
+//! repeats no set-point; durations are rounded up to whole periods, and `outDone` holds from the cycle after the end on, in
+//! which whatever comes next gives the set-point.
 
 use crate::cx::FaultCode;
 use crate::macros::primitive;
 use crate::registry::Prim;
-use crate::travel::{Bounds, Travel};
+use crate::travel::{Bounds, State, Travel};
 
-pub(in crate::catalogue) const ALL: &[Prim] = &[TRAVEL, FADE];
+pub(in crate::catalogue) const ALL: &[Prim] = &[TRAVEL, TRANSITION];
 
 primitive! {
-    /// Travels a distance in the shortest time that speed, acceleration and jerk allow (double-S profile). Inputs are read in
-    /// the first cycle; the first output is one period along the way, so that a switch repeats no set-point.
-    /// Speeds at the ends are cut to the bounds; a way too short for them is travelled by a polynomial.
-    /// After the end position and speed stay those of the end. Bounds that are not positive are a fault.
+    /// Travels a distance in the shortest time that speed, acceleration and jerk allow (double-S profile).
+    /// Speeds at the ends are cut to the bounds; a way too short for them is travelled by a polynomial. At the end position and
+    /// speed stay. Bounds that are not positive are a fault.
     TRAVEL = "Rpi::Travel";
     in {
         inDistance: f64 = Distance(Real(0.0));
@@ -22,53 +23,59 @@ primitive! {
         inJerk: f64 = Jerk(Real(10.0))
     }
     out { outTravelled: f64; outSpeed: f64; outAcceleration: f64; outDuration: f64; outDone: bool }
-    state { f64, f64, f64, f64, f64, f64, f64, f64 }
-    presence strict work 120 faults;
-    full |cx, place, state, _, (distance, entry, leave, speed, acceleration, jerk)| {
-        let elapsed = state.0 + cx.clock.dt;
-        let travel = if state.0 > 0.0 {
-            recall(state)
+    state { f64, f64, f64, f64, f64, f64, f64, f64, f64 }
+    presence strict work 150 faults;
+    full |cx, place, memory, _, (distance, entry, leave, speed, acceleration, jerk)| {
+        let dt = cx.clock.dt;
+        let cycle = memory.0 + 1.0;
+        let (travel, periods) = if memory.0 > 0.0 {
+            recall(memory)
         } else {
-            Travel::plan(distance, entry, leave, Bounds { speed, acceleration, jerk })
+            Travel::plan_periods(distance, entry, leave, Bounds { speed, acceleration, jerk }, dt)
         };
-        if !(travel.bounds.speed > 0.0 && travel.bounds.acceleration > 0.0 && travel.bounds.jerk > 0.0) {
+        if !travel.bounds.are_positive() {
             cx.fault(FaultCode::AssertionFailed, place);
         }
-        keep(state, elapsed, &travel);
-        let duration = travel.duration();
-        let done = elapsed >= duration || travel.distance <= 0.0;
-        let now = travel.at(elapsed);
-        if done {
-            (travel.distance, travel.leave, 0.0, duration, true)
-        } else {
-            (now.position, now.speed, now.acceleration, duration, false)
-        }
+        *memory = keep(cycle, &travel, periods);
+        let now = travelled(&travel, cycle, periods, dt);
+        (now.position, now.speed, now.acceleration, periods * dt, cycle > periods)
     }
 }
 
 primitive! {
-    /// A way that starts with speed 1 and comes back to 0 at rest after `Duration`: what is left of a foreign speed at the start
-    /// of a motion. Times a speed it is the way to add. First output one period after its start; 0 from `Duration` on.
-    FADE = "Rpi::Fade";
+    /// Weights of a transition between two states of motion (quintic Hermite basis, no acceleration at its ends): a way from
+    /// `p0` with velocity `v0` to `p1` with velocity `v1` is `p0 + (p1 - p0) * outTo + v0 * outEntry + v1 * outLeave`, its velocity
+    /// the same with the rates.
+    TRANSITION = "Rpi::Transition";
     in { inDuration: f64 = Duration(Real(0.0)) }
-    out { outWay: f64; outSpeed: f64 }
+    out {
+        outTo: f64;
+        outEntry: f64;
+        outLeave: f64;
+        outToRate: f64;
+        outEntryRate: f64;
+        outLeaveRate: f64;
+        outDone: bool
+    }
     state { f64, f64 }
-    presence strict work 20;
-    full |cx, _, (elapsed, duration), (), (wanted,)| {
-        if *elapsed <= 0.0 {
-            *duration = wanted;
+    presence strict work 40;
+    full |cx, _, (cycle, periods), (), (duration,)| {
+        let dt = cx.clock.dt;
+        if *cycle < 1.0 {
+            *periods = libm::fmax(libm::ceil(duration / dt - 1e-6), 1.0);
         }
-        *elapsed += cx.clock.dt;
-        fade(*elapsed, *duration)
+        *cycle += 1.0;
+        let (way, rate) = hermite(libm::fmin(*cycle / *periods, 1.0), *periods * dt);
+        (way.0, way.1, way.2, rate.0, rate.1, rate.2, *cycle > *periods)
     }
 }
 
-type Memory = (f64, f64, f64, f64, f64, f64, f64, f64);
+type Memory = (f64, f64, f64, f64, f64, f64, f64, f64, f64);
 
-fn keep(state: &mut Memory, elapsed: f64, t: &Travel) {
+fn keep(cycle: f64, t: &Travel, periods: f64) -> Memory {
     let b = t.bounds;
-    *state = (
-        elapsed,
+    (
+        cycle,
         t.distance,
         t.entry,
         t.leave,
@@ -76,31 +83,83 @@ fn keep(state: &mut Memory, elapsed: f64, t: &Travel) {
         b.speed,
         b.acceleration,
         b.jerk,
-    );
+        periods,
+    )
 }
 
-fn recall(s: &Memory) -> Travel {
+fn recall(m: &Memory) -> (Travel, f64) {
     let bounds = Bounds {
-        speed: s.5,
-        acceleration: s.6,
-        jerk: s.7,
+        speed: m.5,
+        acceleration: m.6,
+        jerk: m.7,
     };
-    Travel {
-        distance: s.1,
-        entry: s.2,
-        leave: s.3,
-        peak: s.4,
-        bounds,
-    }
+    (
+        Travel {
+            distance: m.1,
+            entry: m.2,
+            leave: m.3,
+            peak: m.4,
+            bounds,
+        },
+        m.8,
+    )
 }
 
-/// Quintic Hermite basis of the initial slope: value, slope and curvature are 0 at its end, value and curvature at its start.
-fn fade(t: f64, duration: f64) -> (f64, f64) {
-    if t >= duration {
-        return (0.0, 0.0);
+fn travelled(travel: &Travel, cycle: f64, periods: f64, dt: f64) -> State {
+    if cycle >= periods {
+        return State {
+            position: travel.distance,
+            speed: travel.leave,
+            acceleration: 0.0,
+        };
     }
-    let u = t / duration;
-    let way = u * (1.0 - u * u * (6.0 - u * (8.0 - 3.0 * u)));
-    let speed = 1.0 - u * u * (18.0 - u * (32.0 - 15.0 * u));
-    (way * duration, speed)
+    // The plan may end a rounding error before or after the whole period: stretch it to that.
+    travel.at(cycle / periods * libm::fmin(travel.duration(), periods * dt))
+}
+
+/// Weights (goal, entry, leave) and their rates at the share `u` of a duration.
+fn hermite(u: f64, duration: f64) -> ((f64, f64, f64), (f64, f64, f64)) {
+    let (u2, u3) = (u * u, u * u * u);
+    let way = (
+        u3 * (10.0 - u * (15.0 - 6.0 * u)),
+        duration * u * (1.0 - u2 * (6.0 - u * (8.0 - 3.0 * u))),
+        duration * u3 * (u * (7.0 - 3.0 * u) - 4.0),
+    );
+    let rate = (
+        30.0 * u2 * (1.0 - u) * (1.0 - u) / duration,
+        1.0 - u2 * (18.0 - u * (32.0 - 15.0 * u)),
+        u2 * (u * (28.0 - 15.0 * u) - 12.0),
+    );
+    (way, rate)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::hermite;
+
+    #[test]
+    fn weights_join_both_ends() {
+        assert_eq!(hermite(0.0, 2.0), ((0.0, 0.0, 0.0), (0.0, 1.0, 0.0)));
+        assert_eq!(hermite(1.0, 2.0), ((1.0, 0.0, 0.0), (0.0, 0.0, 1.0)));
+    }
+
+    #[test]
+    fn rates_are_the_slopes_of_the_weights() {
+        let (duration, h) = (0.7, 1e-5);
+        for k in 1..100 {
+            let u = f64::from(k) / 100.0;
+            let ((a, b), (_, rate)) = (
+                (hermite(u - h, duration).0, hermite(u + h, duration).0),
+                hermite(u, duration),
+            );
+            let slope = |a: f64, b: f64| (b - a) / (2.0 * h * duration);
+            for (slope, rate) in [
+                (slope(a.0, b.0), rate.0),
+                (slope(a.1, b.1), rate.1),
+                (slope(a.2, b.2), rate.2),
+            ] {
+                assert!((slope - rate).abs() < 1e-7, "at {u}: {slope} {rate}");
+            }
+        }
+    }
 }
