@@ -383,8 +383,9 @@ mod tests {
                 Travel::plan_periods(fast.distance, fast.entry, fast.leave, BOUNDS, dt);
             let left = periods * dt - slow.duration();
             assert!((-1e-8..dt).contains(&left), "{slow:?} {periods}");
-            // Ways of a few periods leave no room for another speed: they are stretched where they are used.
-            assert!(left < 1e-8 || slow.distance < 0.05, "{slow:?} {periods}");
+            // Where the ends leave no room for another speed it is stretched where it is used: hardly, on all but tiny ways.
+            let share = left / (periods * dt);
+            assert!(share < 3e-3 || slow.distance < 0.05, "{slow:?} {periods}");
             assert!(slow.duration() - fast.duration() < dt, "{slow:?} {fast:?}");
         }
     }
