@@ -38,6 +38,8 @@ pub enum FaultCode {
     SetPointMissing,
     /// An assertion or contract does not hold.
     AssertionFailed,
+    /// The command itself has asked for an emergency stop.
+    EmergencyStop,
 }
 
 /// The first fault of a cycle.

@@ -1,10 +1,11 @@
 //! Clocks, and the flows that the core gives to a command.
 
+use crate::cx::FaultCode;
 use crate::macros::{interface, primitive};
 use crate::registry::Prim;
 use rpi_image::{CommandFlow, Role};
 
-pub(super) const ALL: &[Prim] = &[CLOCK, CYCLE_TIME, CANCEL, TAKEOVER];
+pub(super) const ALL: &[Prim] = &[CLOCK, CYCLE_TIME, CANCEL, TAKEOVER, ESTOP];
 
 primitive! {
     /// Seconds since start, scaled: adds `Increment` times the period in each cycle, so the first output is one step, not 0.
@@ -45,4 +46,17 @@ interface! {
     out { outTakeover: bool }
     presence always work 0;
     role Role::Flow(CommandFlow::Takeover)
+}
+
+primitive! {
+    /// Emergency stop: while the input is true the cycle faults, which ends the command with a safe stop of its devices.
+    ESTOP = "EStop";
+    in { inEStop: bool }
+    out {}
+    presence strict work 1 faults;
+    full |cx, place, _, _, (stop,)| {
+        if stop {
+            cx.fault(FaultCode::EmergencyStop, place);
+        }
+    }
 }

@@ -2,12 +2,13 @@
 //!
 //! The second-order filter of Zanasi, Guarino Lo Bianco and Tonielli ("Nonlinear filters for the generation of smooth
 //! trajectories", Automatica 36, 2000; Biagiotti and Melchiorri, Trajectory Planning, 2008, 4.6): time-optimal in discrete
-//! time under a bound on the acceleration, without chattering at the goal.
+//! time under a bound on the acceleration. As in the reference system the position follows the velocity at the end of the
+//! period, where the filter is derived for that of its middle: at the goal it goes on to and fro by a part of one step.
 
 use crate::macros::primitive;
 use crate::registry::Prim;
 
-pub(super) const ALL: &[Prim] = &[OTG];
+pub(super) const ALL: &[Prim] = &[OTG, OTG2];
 
 primitive! {
     /// One step of a motion towards position and velocity of a goal with bounded velocity and acceleration. It starts from
@@ -38,6 +39,28 @@ primitive! {
         let (end, velocity, acceleration) = step(from, to, max_velocity, max_acceleration, dt);
         (*known, *started, *ended) = (true, position, end);
         (Some(end), Some(velocity), Some(acceleration))
+    }
+}
+
+primitive! {
+    /// One step of a motion that follows a position with bounded velocity and acceleration: like `OTG`, with the velocity of
+    /// the goal taken from its change since the last cycle.
+    OTG2 = "Core::OTG2";
+    in {
+        inCurPos: f64;
+        inCurVel: f64;
+        inDesPos: f64;
+        inMaxVel: f64 = maxVel(Real(0.0));
+        inMaxAcc: f64 = maxAcc(Real(0.0))
+    }
+    out { outPos: f64; outVel: f64; outAcc: f64 }
+    state { bool, f64 }
+    presence strict work 60;
+    full |cx, _, (known, last), (), (position, velocity, goal, max_velocity, max_acceleration): (f64, f64, f64, f64, f64)| {
+        let dt = cx.clock.dt;
+        let goal_velocity = if *known { (goal - *last) / dt } else { 0.0 };
+        (*known, *last) = (true, goal);
+        step((position, velocity), (goal, goal_velocity), max_velocity, max_acceleration, dt)
     }
 }
 

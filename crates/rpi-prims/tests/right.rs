@@ -1,0 +1,417 @@
+//! What is right where the reference is not: a test for each entry of the table of differences.
+
+mod common;
+
+use common::{Rig, TYPES, array, get, near, of, reals};
+use rpi_image::{Role, Scalar, Type, Value};
+use rpi_prims::differences::DIFFERENCES;
+use rpi_prims::flow::{Pose, Rotation, Time, Twist, Vector};
+use rpi_prims::{FaultCode, PrimId, geometry};
+use std::f64::consts::{FRAC_PI_2, FRAC_PI_4};
+
+rpi_testkit::trap_allocations!();
+
+#[test]
+fn every_difference_has_its_test_here() {
+    let tests = include_str!("right.rs");
+    for entry in DIFFERENCES {
+        let test = format!("fn {}()", entry.test);
+        assert!(
+            tests.contains(&test),
+            "{}: no test {}",
+            entry.name,
+            entry.test
+        );
+        assert!(!entry.fault.is_empty() && !entry.right.is_empty());
+    }
+}
+
+#[test]
+fn differences_name_ports_that_exist() {
+    for entry in DIFFERENCES {
+        let speaks = |desc: &rpi_image::PrimDesc| {
+            (0..desc.outputs.len()).any(|port| rpi_prims::differences::concerns(desc, port))
+        };
+        assert!(
+            rpi_prims::registry().iter().any(|p| speaks(&p.desc)),
+            "{}",
+            entry.name
+        );
+        for name in entry.types.iter().filter(|name| !name.contains('*')) {
+            assert!(PrimId::of(name).is_some(), "{name}");
+        }
+    }
+}
+
+fn one(name: &str, inputs: &[Value]) -> Value {
+    Rig::new(name, &[]).give(inputs).remove(0)
+}
+
+#[test]
+fn sine_of_zero_is_zero() {
+    assert_eq!(get::<f64>(&one("Core::DoubleSin", &[of(0.0)])), 0.0);
+    near(&reals(&one("Core::DoubleSin", &[of(FRAC_PI_2)])), &[1.0]);
+}
+
+#[test]
+fn cosine_of_zero_is_one() {
+    assert_eq!(get::<f64>(&one("Core::DoubleCos", &[of(0.0)])), 1.0);
+    near(&reals(&one("Core::DoubleCos", &[of(FRAC_PI_2)])), &[0.0]);
+}
+
+/// Rotations in all octants, and some about one axis.
+fn rotations() -> Vec<Rotation> {
+    let angles = [-2.9, -1.0, 0.0, 0.3, 1.4];
+    let abc = angles
+        .iter()
+        .flat_map(|a| angles.iter().map(move |b| (*a, *b)));
+    abc.flat_map(|(a, b)| angles.map(|c| geometry::from_abc(a, b, c)))
+        .collect()
+}
+
+fn same_rotation(a: Rotation, b: Rotation) {
+    let sign = if a.coords.dot(&b.coords) < 0.0 {
+        -1.0
+    } else {
+        1.0
+    };
+    near((a.coords * sign).as_slice(), b.coords.as_slice());
+}
+
+#[test]
+fn a_rotation_leaves_its_axis_where_it_is() {
+    for rotation in rotations() {
+        let out = Rig::new("World::RotationToAxisAngle", &[]).give(&[of(rotation)]);
+        let (axis, angle): (Vector, f64) = (get(&out[0]), get(&out[1]));
+        near((rotation * axis).as_slice(), axis.as_slice());
+        same_rotation(geometry::exp(axis * angle), rotation);
+    }
+}
+
+#[test]
+fn a_rotation_goes_through_a_quaternion_unchanged() {
+    for rotation in rotations() {
+        let parts = Rig::new("World::RotationToQuaternion", &[]).give(&[of(rotation)]);
+        let back = one("World::RotationFromQuaternion", &parts);
+        same_rotation(get(&back), rotation);
+    }
+}
+
+fn pose(x: f64, y: f64, z: f64, abc: (f64, f64, f64)) -> Pose {
+    Pose::from_parts(
+        Vector::new(x, y, z).into(),
+        geometry::from_abc(abc.0, abc.1, abc.2),
+    )
+}
+
+fn same_pose(a: Pose, b: Pose) {
+    near(
+        a.translation.vector.as_slice(),
+        b.translation.vector.as_slice(),
+    );
+    same_rotation(a.rotation, b.rotation);
+}
+
+const FROM: (f64, f64, f64) = (0.3, -0.2, 1.0);
+const TO: (f64, f64, f64) = (-1.1, 0.7, 0.4);
+
+#[test]
+fn interpolated_poses_start_and_end_where_they_should() {
+    let (from, to) = (pose(0.1, 0.2, 0.3, FROM), pose(-0.4, 0.5, 0.1, TO));
+    let at = |amount: f64| get::<Pose>(&one("World::FrameLerp", &[of(from), of(to), of(amount)]));
+    same_pose(at(0.0), from);
+    same_pose(at(1.0), to);
+    let half = geometry::to_axis_angle(from.rotation.inverse() * at(0.5).rotation).1;
+    let whole = geometry::to_axis_angle(from.rotation.inverse() * to.rotation).1;
+    near(&[half * 2.0], &[whole]);
+}
+
+#[test]
+fn a_twist_from_two_frames_leads_from_one_to_the_other() {
+    let (from, to) = (pose(0.1, 0.2, 0.3, FROM), pose(-0.4, 0.5, 0.1, TO));
+    let twist = one("World::TwistFromFrames", &[of(from), of(to)]);
+    let end = one("World::FrameAddTwist", &[of(from), twist]);
+    same_pose(get(&end), to);
+}
+
+#[test]
+fn poses_generated_online_arrive() {
+    let goal = pose(-0.4, 0.5, 0.1, TO);
+    let limits = [0.5, 2.0, 1.0, 4.0].map(of);
+    let (mut at, mut velocity) = (pose(0.1, 0.2, 0.3, FROM), Twist::default());
+    let mut rig = Rig::new("World::FrameOTG", &[]);
+    for _ in 0..600 {
+        let mut inputs = vec![of(at), of(velocity), of(goal), of(Twist::default())];
+        inputs.extend(limits.clone());
+        let out = rig.give(&inputs);
+        let next: Twist = get(&out[1]);
+        let change = (next.linear - velocity.linear).norm();
+        assert!(change <= 2.0 * common::DT + 1e-12 && next.linear.norm() <= 0.5 + 1e-12);
+        (at, velocity) = (get(&out[0]), next);
+    }
+    let left = goal.inverse() * at;
+    assert!(left.translation.vector.norm() < 1e-6 && geometry::log(left.rotation).norm() < 1e-6);
+}
+
+#[test]
+fn a_curve_of_rotations_keeps_its_ends_and_velocities() {
+    let (from, to) = (
+        geometry::from_abc(0.3, -0.2, 1.0),
+        geometry::from_abc(-0.1, 0.4, 0.9),
+    );
+    let (v, w) = (Vector::new(0.2, -0.1, 0.4), Vector::new(-0.3, 0.5, 0.1));
+    let at = |t: f64| {
+        get::<Rotation>(&one(
+            "World::RotationBezier",
+            &[of(t), of(from), of(v), of(w), of(to)],
+        ))
+    };
+    same_rotation(at(0.0), from);
+    same_rotation(at(1.0), to);
+    let h = 1e-6;
+    let start = geometry::log(from.inverse() * at(h)) / h;
+    let end = geometry::log(at(1.0 - h).inverse() * to) / h;
+    assert!(
+        (start - v).norm() < 1e-5 && (end - w).norm() < 1e-5,
+        "{start} {end}"
+    );
+}
+
+#[test]
+fn small_and_unscaled_quaternions_are_rotations() {
+    let small = one(
+        "World::RotationFromQuaternion",
+        &[1e-6, 0.0, 0.0, 1.0].map(of),
+    );
+    near(&[geometry::to_axis_angle(get(&small)).1], &[2e-6]);
+    let scaled = one(
+        "World::RotationFromQuaternion",
+        &[0.0, 0.0, 3.0, 3.0].map(of),
+    );
+    same_rotation(get(&scaled), geometry::from_abc(FRAC_PI_2, 0.0, 0.0));
+}
+
+#[test]
+fn the_mean_of_rotations_lies_between_them() {
+    let duration = [("Duration", of(2.0 * common::DT))];
+    let mut rig = Rig::new("World::RotationAverage", &duration);
+    let turned = |a: f64| of(geometry::from_abc(a, 0.0, 0.0));
+    rig.give(&[turned(0.0), of(false)]);
+    same_rotation(
+        get(&rig.give(&[turned(0.4), of(false)])[0]),
+        geometry::from_abc(0.2, 0.0, 0.0),
+    );
+    same_rotation(
+        get(&rig.give(&[turned(0.8), of(false)])[0]),
+        geometry::from_abc(0.6, 0.0, 0.0),
+    );
+    same_rotation(
+        get(&rig.give(&[turned(FRAC_PI_4), of(true)])[0]),
+        geometry::from_abc(FRAC_PI_4, 0.0, 0.0),
+    );
+}
+
+#[test]
+fn a_snapshot_starts_with_its_parameter() {
+    let mut rig = Rig::new("Core::DoubleSnapshot", &[("Value", of(0.65))]);
+    let mut step = |snapshot: bool, value: Option<f64>| {
+        let out = rig.step(&[Some(of(snapshot)), value.map(of)]);
+        get::<f64>(out[0].as_ref().expect("always present"))
+    };
+    assert_eq!(step(false, Some(1.0)), 0.65);
+    assert_eq!(step(true, Some(2.0)), 2.0);
+    assert_eq!(step(true, None), 2.0);
+    assert_eq!(step(false, Some(3.0)), 2.0);
+}
+
+#[test]
+fn conversions_to_integers_are_exact_or_faults() {
+    let convert = |x: f64| {
+        let mut rig = Rig::new("Core::IntFromDouble", &[]);
+        let out = rig.give(&[of(x)]);
+        (get::<i64>(&out[0]), rig.fault)
+    };
+    assert_eq!(convert(1e10), (10_000_000_000, None));
+    assert_eq!(convert(-1.9), (-1, None));
+    for x in [f64::NAN, f64::INFINITY, 9.3e18, -9.3e18] {
+        assert_eq!(convert(x).1, Some(FaultCode::LossyConversion), "{x}");
+    }
+}
+
+#[test]
+fn integer_overflow_is_a_fault() {
+    let run = |name: &str, a: i64, b: i64| {
+        let mut rig = Rig::new(name, &[]);
+        (get::<i64>(&rig.give(&[of(a), of(b)])[0]), rig.fault)
+    };
+    let large = 3_000_000_000;
+    assert_eq!(run("Core::IntAdd", large, large), (2 * large, None));
+    assert_eq!(run("Core::IntMultiply", large, 2), (2 * large, None));
+    assert_eq!(
+        run("Core::IntAdd", i64::MAX, 1).1,
+        Some(FaultCode::IntegerOverflow)
+    );
+    assert_eq!(
+        run("Core::IntMultiply", i64::MIN, -1).1,
+        Some(FaultCode::IntegerOverflow)
+    );
+    assert_eq!(run("Core::IntDivide", 7, -2), (-3, None));
+    assert_eq!(
+        run("Core::IntDivide", 7, 0).1,
+        Some(FaultCode::DivisionByZero)
+    );
+    assert_eq!(
+        run("Core::IntDivide", i64::MIN, -1).1,
+        Some(FaultCode::IntegerOverflow)
+    );
+}
+
+#[test]
+fn times_have_nanoseconds() {
+    let later = one("Core::TimeAdd", &[of(Time(1_000_000_000)), of(0.000_000_5)]);
+    assert_eq!(get::<Time>(&later), Time(1_000_000_500));
+    let between = one("Core::TimeDiff", &[of(Time(1_000_000_000)), later]);
+    assert_eq!(get::<f64>(&between), 0.000_000_5);
+}
+
+fn otg(position: f64, goal: f64, max_velocity: f64, max_acceleration: f64) -> [Option<Value>; 7] {
+    let [p, g, v, a] = [position, goal, max_velocity, max_acceleration].map(|x| Some(of(x)));
+    [p, None, None, g, None, v, a]
+}
+
+#[test]
+fn online_trajectories_start_at_rest() {
+    let mut rig = Rig::new("Core::OTG", &[]);
+    let out = rig.step(&otg(0.2, 0.2, 1.0, 2.0));
+    let out: Vec<f64> = out.into_iter().map(|v| get(&v.expect("present"))).collect();
+    assert_eq!(out, [0.2, 0.0, 0.0]);
+    let mut at = 0.2;
+    for _ in 0..300 {
+        at = get(rig.step(&otg(at, 1.0, 1.0, 2.0))[0]
+            .as_ref()
+            .expect("present"));
+    }
+    assert!((at - 1.0).abs() < 2.0 * common::DT * common::DT, "{at}");
+}
+
+#[test]
+fn online_trajectories_without_acceleration_keep_their_velocity() {
+    let mut inputs = otg(0.2, 1.0, 1.0, 0.0);
+    inputs[1] = Some(of(0.5));
+    let out = Rig::new("Core::OTG", &[]).step(&inputs);
+    let out: Vec<f64> = out.into_iter().map(|v| get(&v.expect("present"))).collect();
+    near(&out, &[0.2 + 0.5 * common::DT, 0.5, 0.0]);
+}
+
+#[test]
+fn curves_take_their_parameters() {
+    for (name, names) in [
+        ("Core::CubicBezier", ["From", "Control1", "Control2", "To"]),
+        ("Core::DoubleBezier", ["From", "FromVel", "ToVel", "To"]),
+    ] {
+        let desc = PrimId::of(name).expect("registered").desc();
+        let stands_in = |param: &str| desc.fallback(param).is_some();
+        assert!(names.into_iter().all(stands_in), "{name}");
+        let ends = |t: f64| get::<f64>(&one(name, &[t, 1.0, 5.0, -7.0, 3.0].map(of)));
+        near(&[ends(0.0), ends(1.0)], &[1.0, 3.0]);
+    }
+    let slope = |t: f64| {
+        get::<f64>(&one(
+            "Core::DoubleBezier",
+            &[t, 1.0, 5.0, -7.0, 3.0].map(of),
+        ))
+    };
+    assert!(((slope(1e-7) - 1.0) / 1e-7 - 5.0).abs() < 1e-5);
+    assert!(((3.0 - slope(1.0 - 1e-7)) / 1e-7 + 7.0).abs() < 1e-5);
+}
+
+#[test]
+fn windows_count_and_average() {
+    let mut last = Rig::new("Core::BooleanLastN", &[("Count", of(3_i64))]);
+    let mut count = |value: bool| {
+        let out = last.give(&[of(value), of(false)]);
+        (
+            get::<bool>(&out[0]),
+            get::<bool>(&out[1]),
+            get::<i64>(&out[2]),
+        )
+    };
+    assert_eq!(count(false), (true, false, 0));
+    assert_eq!(count(true), (false, false, 1));
+    assert_eq!(count(true), (false, false, 2));
+    assert_eq!(count(true), (false, true, 3));
+    assert_eq!(count(false), (false, false, 2));
+
+    let mut history = Rig::new(
+        "Core::BooleanHistory",
+        &[("Duration", of(2.0 * common::DT))],
+    );
+    history.give(&[of(true), of(false)]);
+    assert_eq!(get::<f64>(&history.give(&[of(false), of(false)])[2]), 0.5);
+
+    let mut mean = Rig::new(
+        "World::VectorAverage",
+        &[("Duration", of(2.0 * common::DT))],
+    );
+    let mut push = |x: f64| reals(&mean.give(&[of(Vector::new(x, 0.0, 1.0)), of(false)])[0]);
+    near(&push(1.0), &[1.0, 0.0, 1.0]);
+    near(&push(3.0), &[2.0, 0.0, 1.0]);
+    near(&push(5.0), &[4.0, 0.0, 1.0]);
+}
+
+#[test]
+fn delays_delay_every_type() {
+    for (prefix, scalar) in TYPES {
+        let desc = PrimId::of(&format!("{prefix}Pre"))
+            .expect("registered")
+            .desc();
+        assert_eq!(desc.role, Role::Delay, "{prefix}");
+        let mut rig = Rig::new(
+            &format!("{prefix}AtTime"),
+            &[("MaxAge", of(5.0 * common::DT))],
+        );
+        let value = |k: u64| Value::Cells {
+            ty: Type::One(scalar),
+            cells: (0..u64::from(scalar.cells()))
+                .map(|c| if scalar == Scalar::Bool { k % 2 } else { k + c })
+                .collect(),
+        };
+        for k in 0..20_u64 {
+            let out = rig
+                .step(&[Some(value(k)), Some(of(2.0 * common::DT))])
+                .remove(0);
+            assert_eq!(out, (k >= 3).then(|| value(k - 3)), "{prefix} {k}");
+        }
+    }
+}
+
+#[test]
+fn edges_are_seen() {
+    let mut rig = Rig::new("Core::EdgeDetection", &[]);
+    let seen: Vec<bool> = [false, true, true, false, true]
+        .into_iter()
+        .map(|v| get(&rig.give(&[of(v)])[0]))
+        .collect();
+    assert_eq!(seen, [false, true, false, false, true]);
+}
+
+#[test]
+fn an_array_with_an_absent_value_is_absent() {
+    let mut rig = Rig::new("Core::DoubleArraySet", &[("Index", of(1_i64))]);
+    let start = array(&[1.0, 2.0, 3.0]);
+    assert_eq!(rig.step(&[Some(start.clone()), None]), [None]);
+    assert_eq!(rig.give(&[start, of(7.0)]), [array(&[1.0, 7.0, 3.0])]);
+}
+
+#[test]
+fn absence_is_told() {
+    for (prefix, _) in TYPES {
+        for name in [format!("{prefix}IsNull"), format!("{prefix}ArrayIsNull")] {
+            let desc = PrimId::of(&name).expect("registered").desc();
+            assert_eq!(
+                (desc.role, desc.outputs[0].ty),
+                (Role::IsAbsent, rpi_image::PortType::One(Scalar::Bool))
+            );
+        }
+    }
+}
