@@ -378,7 +378,7 @@ fn delays_delay_every_type() {
         };
         for k in 0..20_u64 {
             let out = rig
-                .step(&[Some(value(k)), Some(of(2.0 * common::DT))])
+                .step(&[Some(value(k)), Some(of(2.5 * common::DT))])
                 .remove(0);
             assert_eq!(out, (k >= 3).then(|| value(k - 3)), "{prefix} {k}");
         }
