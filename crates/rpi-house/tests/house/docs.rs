@@ -44,6 +44,35 @@ fn pages_say_what_the_compiler_says() {
     assert!(wrong.is_empty(), "{}", wrong.join("\n"));
 }
 
+/// The standard library and the examples.
+#[test]
+fn programs_of_the_project_compile() {
+    let files = [
+        files_below("stdlib", &[".rpi"]),
+        files_below("examples", &[".rpi", ".lus"]),
+    ]
+    .concat();
+    assert!(!files.is_empty(), "no standard library and no examples");
+    let mut wrong = Vec::new();
+    for path in files {
+        let code = std::fs::read_to_string(&path).unwrap_or_default();
+        let info = path
+            .extension()
+            .unwrap_or_default()
+            .to_string_lossy()
+            .into_owned();
+        wrong.extend(complaint(
+            &path.display().to_string(),
+            &Fence {
+                info,
+                line: 1,
+                code,
+            },
+        ));
+    }
+    assert!(wrong.is_empty(), "{}", wrong.join("\n"));
+}
+
 /// What the compiler has against a program that should be right.
 fn complaint(place: &str, fence: &Fence) -> Option<String> {
     let (findings, sources) = check(fence);
