@@ -91,6 +91,7 @@ codes! {
     RPI2102 Error "text is no value of the parameter's type";
     RPI2103 Error "in-port not connected";
     RPI2104 Error "sizes that do not fit";
+    RPI4001 Error "dependency cycle";
     RPI4002 Error "port that stands for itself";
 }
 

@@ -16,5 +16,5 @@ pub use net::{
     Absent, Activation, Driver, ExportPort, Fragment, FragmentId, FragmentPort, Input, Net, Node,
     NodeId, Origin, PortRef, Restart, ResultKind, ResultPort,
 };
-pub use tree::Tree;
+pub use tree::{Item, Tree};
 pub use violation::Violation;

@@ -13,6 +13,7 @@ use rpi_prims::geometry;
 mod tree;
 mod write;
 
+pub use angles::angles;
 use tree::Tree;
 pub use write::write;
 

@@ -4,6 +4,15 @@
 
 use crate::net::{FragmentId, Net, NodeId};
 
+/// What stands in a fragment and is ordered there.
+#[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Debug)]
+pub enum Item {
+    /// A node of its own.
+    Node(NodeId),
+    /// A child fragment with all that is in it.
+    Fragment(FragmentId),
+}
+
 /// The fragments of one net as a tree.
 #[derive(Clone, Debug)]
 pub struct Tree {
@@ -11,6 +20,8 @@ pub struct Tree {
     depth: Vec<u32>,
     children: Vec<Vec<FragmentId>>,
     nodes: Vec<Vec<NodeId>>,
+    /// For each fragment the number of the first node inside it.
+    first: Vec<u32>,
 }
 
 impl Tree {
@@ -23,6 +34,7 @@ impl Tree {
             depth: vec![0; count],
             children: vec![Vec::new(); count],
             nodes: vec![Vec::new(); count],
+            first: vec![u32::MAX; count],
         };
         for id in net.fragment_ids() {
             if let Some(parent) = net.fragment(id).parent {
@@ -33,7 +45,20 @@ impl Tree {
         for id in net.node_ids() {
             tree.nodes[net.node(id).fragment.index()].push(id);
         }
+        tree.find_first_nodes();
         tree
+    }
+
+    fn find_first_nodes(&mut self) {
+        for at in (0..self.parent.len()).rev() {
+            let own = self.nodes[at].first().map_or(u32::MAX, |n| n.0);
+            self.first[at] = self.first[at].min(own);
+            if let Some(parent) = self.parent[at] {
+                let inner = self.first[at];
+                let outer = &mut self.first[parent.index()];
+                *outer = inner.min(*outer);
+            }
+        }
     }
 
     /// The nodes that stand directly in a fragment, in declaration order.
@@ -46,6 +71,18 @@ impl Tree {
     #[must_use]
     pub fn children(&self, fragment: FragmentId) -> &[FragmentId] {
         &self.children[fragment.index()]
+    }
+
+    /// Nodes and child fragments of a fragment in declaration order. A fragment's place is that of the first node in it.
+    #[must_use]
+    pub fn items(&self, fragment: FragmentId) -> Vec<Item> {
+        let nodes = self.nodes(fragment).iter();
+        let nodes = nodes.map(|n| (n.0, Item::Node(*n)));
+        let children = self.children(fragment).iter();
+        let children = children.map(|f| (self.first[f.index()], Item::Fragment(*f)));
+        let mut items: Vec<(u32, Item)> = nodes.chain(children).collect();
+        items.sort_unstable();
+        items.into_iter().map(|(_, item)| item).collect()
     }
 
     /// The enclosing fragment; none for the root.

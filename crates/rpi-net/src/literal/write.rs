@@ -28,7 +28,7 @@ fn one(cells: &[u64], scalar: Scalar) -> String {
         Scalar::Real => real(first(cells)),
         Scalar::Time => millis(first(cells).cast_signed()),
         Scalar::Vector => object(["x", "y", "z"], cells),
-        Scalar::Rotation => angles(cells),
+        Scalar::Rotation => rotation(cells),
         Scalar::Pose => format!(
             "{{pos:{},rot:{}}}",
             part(0, Scalar::Vector),
@@ -60,12 +60,25 @@ fn object(names: [&str; 3], cells: &[u64]) -> String {
     format!("{{{}}}", fields.join(","))
 }
 
-fn angles(cells: &[u64]) -> String {
+/// Angles in rad about z, then y, then x of the turned frame for the cells of a rotation (none for too few cells).
+///
+/// Angles worked out from a quaternion are exact only to rounding. If those rounded to 15 digits, as people write them,
+/// turn back as well, they are chosen.
+#[must_use]
+pub fn angles(cells: &[u64]) -> [f64; 3] {
     if cells.len() < Rotation::CELLS {
-        return object(["a", "b", "c"], &[]);
+        return [0.0; 3];
     }
-    let (a, b, c) = geometry::to_abc(Rotation::load(cells, 0));
-    object(["a", "b", "c"], &[a, b, c].map(f64::to_bits))
+    let wanted = Rotation::load(cells, 0);
+    let far = |[a, b, c]: [f64; 3]| (geometry::from_abc(a, b, c).coords - wanted.coords).amax();
+    let (a, b, c) = geometry::to_abc(wanted);
+    let found = [a, b, c];
+    let short = found.map(|angle| format!("{angle:.14e}").parse().unwrap_or(angle));
+    if far(short) <= far(found) { short } else { found }
+}
+
+fn rotation(cells: &[u64]) -> String {
+    object(["a", "b", "c"], &angles(cells).map(f64::to_bits))
 }
 
 /// The shortest text that reads back to the same bits.
@@ -76,16 +89,20 @@ fn real(bits: u64) -> String {
     } else if value.is_infinite() {
         if value > 0.0 { "+inf" } else { "-inf" }.into()
     } else {
-        exponent_written_out(&format!("{value:?}"))
+        finite(value)
     }
 }
 
-/// `1e-5` as `1.0E-5`.
-fn exponent_written_out(text: &str) -> String {
+/// A power of ten stands from 10^7 on and below 10^-3, as Java writes doubles: `1.0E-5`, `2.5E7`.
+fn finite(value: f64) -> String {
+    if value == 0.0 || (1e-3..1e7).contains(&value.abs()) {
+        return format!("{value:?}");
+    }
+    let text = format!("{value:e}");
     match text.split_once('e') {
-        None => text.to_owned(),
         Some((digits, power)) if digits.contains('.') => format!("{digits}E{power}"),
         Some((digits, power)) => format!("{digits}.0E{power}"),
+        None => text,
     }
 }
 

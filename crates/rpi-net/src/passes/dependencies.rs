@@ -6,18 +6,9 @@
 //! waits for nothing: it is latched after the cycle.
 
 use crate::net::{Activation, FragmentId, Input, Net, NodeId, PortRef, Restart};
-use crate::tree::Tree;
+use crate::tree::{Item, Tree};
 use petgraph::graph::{DiGraph, NodeIndex};
 use rpi_image::Role;
-
-/// What stands in a fragment and is ordered there.
-#[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Debug)]
-pub enum Item {
-    /// A node of its own.
-    Node(NodeId),
-    /// A child fragment with all that is in it.
-    Fragment(FragmentId),
-}
 
 /// Who reads a flow.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
@@ -126,23 +117,17 @@ impl<'a> Builder<'a> {
             node_at: vec![NodeIndex::default(); net.nodes.len()],
             fragment_at: vec![NodeIndex::default(); net.fragments.len()],
         };
-        let first = first_nodes(net, tree);
         for fragment in net.fragment_ids() {
-            builder.add_vertices(fragment, &first);
+            builder.add_vertices(fragment);
         }
         builder
     }
 
     /// Adds a fragment's graph, its vertices in declaration order.
-    fn add_vertices(&mut self, fragment: FragmentId, first: &[u32]) {
-        let nodes = self.tree.nodes(fragment).iter();
-        let nodes = nodes.map(|n| (n.0, Item::Node(*n)));
-        let children = self.tree.children(fragment).iter();
-        let children = children.map(|f| (first[f.index()], Item::Fragment(*f)));
-        let mut items: Vec<(u32, Item)> = nodes.chain(children).collect();
-        items.sort_unstable();
+    fn add_vertices(&mut self, fragment: FragmentId) {
+        let items = self.tree.items(fragment);
         let mut graph = Graph::with_capacity(items.len(), 2 * items.len());
-        for (_, item) in items {
+        for item in items {
             let at = graph.add_node(item);
             match item {
                 Item::Node(n) => self.node_at[n.index()] = at,
@@ -184,19 +169,6 @@ impl<'a> Builder<'a> {
             }
         }
     }
-}
-
-/// For each fragment the first node inside it: its place among the nodes around it.
-fn first_nodes(net: &Net, tree: &Tree) -> Vec<u32> {
-    let mut first = vec![u32::MAX; net.fragments.len()];
-    for id in net.fragment_ids().rev() {
-        let own = tree.nodes(id).first().map_or(u32::MAX, |n| n.0);
-        first[id.index()] = first[id.index()].min(own);
-        if let Some(parent) = tree.parent(id) {
-            first[parent.index()] = first[parent.index()].min(first[id.index()]);
-        }
-    }
-    first
 }
 
 impl Input {

@@ -1,11 +1,15 @@
 //! What is found out about a net before it is lowered, one file per question.
 
+pub mod causality;
 pub mod dependencies;
+pub mod hoist;
 pub mod presence;
+mod rings;
 pub mod schedule;
 pub mod users;
 
-pub use dependencies::{Dependence, Dependencies, Item, Reader};
+pub use crate::tree::Item;
+pub use dependencies::{Dependence, Dependencies, Reader};
 pub use presence::{Presences, Sureness, View};
 pub use schedule::Schedule;
 pub use users::Users;

@@ -4,7 +4,8 @@
 //! executor places its primitives, and it is the same in every run.
 
 use crate::net::{FragmentId, Net, NodeId};
-use crate::passes::dependencies::{Dependencies, Graph, Item};
+use crate::passes::dependencies::{Dependencies, Graph};
+use crate::tree::Item;
 use crate::violation::Violation;
 use petgraph::Direction::Incoming;
 use petgraph::graph::NodeIndex;

@@ -20,6 +20,11 @@ pub(super) const TERMINATE: &str = "outTerminate";
 /// The root's out-port that gives its error number.
 pub(super) const FAIL: &str = "outFail";
 
+/// In-port of a fragment that starts its state afresh while it is true: ours, unknown to the reference.
+pub(super) const RESTART: &str = "rpi:restart";
+/// The text at [`RESTART`] for: whenever it becomes active.
+pub(super) const RESTART_ON_ACTIVATION: &str = "activation";
+
 /// Makes the net of a text; of use only if the findings hold no error.
 pub(super) fn build(name: &str, text: &Text<'_>, findings: &mut Vec<Finding>) -> Net {
     let intact = findings.is_empty();
@@ -177,29 +182,34 @@ impl<'t> Connector<'_, '_, 't> {
     }
 
     fn fragment(&mut self, scope: BodyId, body: BodyId, arguments: &'_ [Argument<'t>]) {
-        let mut inputs = Vec::new();
-        let mut activation = Activation::Always;
+        let at = self.fragments[body].index();
         for argument in arguments {
+            if restarts_on_activation(argument) {
+                self.net.fragments[at].restart = Restart::OnActivation;
+                continue;
+            }
             let Some(port) = self.argument(scope, argument) else {
                 continue;
             };
-            if argument.name.text == ACTIVATION {
-                activation = Activation::When {
-                    condition: port,
-                    absent: Absent::Active,
-                };
-                let needed = PortType::One(Scalar::Bool);
-                self.check(port, needed, argument.name);
-            } else {
-                inputs.push(FragmentPort {
-                    name: argument.name.text.to_owned(),
+            let name = argument.name;
+            if matches!(name.text, ACTIVATION | RESTART) {
+                self.check(port, PortType::One(Scalar::Bool), name);
+            }
+            let fragment = &mut self.net.fragments[at];
+            match name.text {
+                ACTIVATION => {
+                    fragment.activation = Activation::When {
+                        condition: port,
+                        absent: Absent::Active,
+                    };
+                }
+                RESTART => fragment.restart = Restart::Every(port),
+                name => fragment.inputs.push(FragmentPort {
+                    name: name.to_owned(),
                     source: Input::Port(port),
-                });
+                }),
             }
         }
-        let fragment = &mut self.net.fragments[self.fragments[body].index()];
-        fragment.inputs = inputs;
-        fragment.activation = activation;
     }
 
     /// What is connected to an in-port of a fragment.
@@ -268,6 +278,11 @@ impl<'t> Connector<'_, '_, 't> {
         let finding = self.links.wrong_type_at(port, needed, name);
         self.findings.extend(finding);
     }
+}
+
+fn restarts_on_activation(argument: &Argument<'_>) -> bool {
+    let whenever = matches!(argument.value, Given::Text(t) if t.text == RESTART_ON_ACTIVATION);
+    whenever && argument.name.text == RESTART
 }
 
 fn unknown_type(text: &Text<'_>, places: &[Word<'_>]) -> Finding {

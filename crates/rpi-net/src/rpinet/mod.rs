@@ -18,15 +18,19 @@
 
 mod arguments;
 mod build;
+mod constants;
 mod links;
 mod names;
 mod parse;
+mod ports;
 mod size;
 mod text;
 mod value;
+mod write;
 
 use crate::net::Net;
 use crate::shape::infer_shapes;
+use crate::tree::Tree;
 use rpi_diag::{FileId, Finding, Severity};
 
 pub use parse::MAX_DEPTH;
@@ -43,6 +47,12 @@ pub fn read(name: &str, file: FileId, text: &str) -> (Option<Net>, Vec<Finding>)
     }
     let net = Some(net).filter(|_| !has_errors(&findings));
     (net, findings)
+}
+
+/// Writes a net. Results, exports and budgets of commands have no place in the text.
+#[must_use]
+pub fn write(net: &Net) -> String {
+    write::write(net, &Tree::new(net))
 }
 
 /// Counts what stands in a text, repetitions included, whether or not it makes a net.

@@ -6,7 +6,7 @@ use rpi_net::Net;
 use std::path::PathBuf;
 
 /// Name and text of every net in a folder beside the project, sorted by name. None (said loudly) where it is missing.
-pub fn nets_in(folder: &str) -> Option<Vec<(String, String)>> {
+pub(crate) fn nets_in(folder: &str) -> Option<Vec<(String, String)>> {
     let dir = rpi_testkit::shared_path(&format!("nets/{folder}"))?;
     let mut paths: Vec<PathBuf> = std::fs::read_dir(dir)
         .expect("the folder can be read")
@@ -24,7 +24,7 @@ pub fn nets_in(folder: &str) -> Option<Vec<(String, String)>> {
 }
 
 /// All recorded nets.
-pub fn all() -> Option<Vec<(String, String)>> {
+pub(crate) fn all() -> Option<Vec<(String, String)>> {
     let folders = ["v1", "v2", "traces", "corpus/nets"].map(nets_in);
     let all: Option<Vec<_>> = folders.into_iter().collect();
     Some(all?.into_iter().flatten().collect())
@@ -34,13 +34,13 @@ pub fn all() -> Option<Vec<(String, String)>> {
 ///
 /// # Panics
 /// If it has one, with all findings.
-pub fn net(name: &str, text: &str) -> Net {
+pub(crate) fn net(name: &str, text: &str) -> Net {
     let (net, findings) = rpi_net::rpinet::read(name, FileId(0), text);
     net.unwrap_or_else(|| panic!("{}", shown(name, text, &findings)))
 }
 
 /// Findings as a reader sees them, errors first.
-pub fn shown(name: &str, text: &str, findings: &[Finding]) -> String {
+pub(crate) fn shown(name: &str, text: &str, findings: &[Finding]) -> String {
     let mut sources = SourceMap::new();
     sources.add(name, text);
     let mut findings = findings.to_vec();

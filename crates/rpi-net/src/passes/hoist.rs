@@ -1,0 +1,105 @@
+//! Delays of the first generation's nets, moved to the level of the ring that they break.
+//!
+//! In a fragment's surroundings the fragment is one vertex that waits for its activation (M6), so a `Pre` inside it
+//! breaks no ring outside. The reference's first generation wrote its nets for another rule: whoever reads a `Pre`, even
+//! through out-ports of fragments, does not wait for it, and gets what the fragment handed over in the cycle before if it
+//! was active then. A `Pre` outside, on the same flow, means exactly that. So where such a reading closes a ring, it is
+//! given one. Rings that remain are faults.
+
+use crate::net::{Activation, Driver, FragmentId, Input, Net, Node, PortRef, Restart};
+use crate::passes::dependencies::{Dependence, Dependencies, Graph, Reader};
+use crate::passes::rings::Rings;
+use crate::tree::{Item, Tree};
+use petgraph::visit::EdgeRef;
+use rpi_image::Role;
+use std::collections::{BTreeMap, BTreeSet};
+
+/// Moves delays of an imported net out of fragments where that breaks a ring; the number of delays added.
+pub fn hoist_delays(net: &mut Net) -> usize {
+    if !matches!(net.driver, Driver::Ports { .. }) {
+        return 0;
+    }
+    let dependencies = Dependencies::new(net, &Tree::new(net));
+    let mut added = 0;
+    for level in net.fragment_ids() {
+        let graph = dependencies.graph(level);
+        for (port, readers) in late_readings(net, graph) {
+            let delay = outside(net, level, port);
+            added += 1;
+            for reader in readers {
+                redirect(net, reader, delay);
+            }
+        }
+    }
+    added
+}
+
+/// Delays inside of child fragments whose reading closes a ring here, with all that read them from here.
+fn late_readings(net: &Net, graph: &Graph) -> BTreeMap<PortRef, Vec<Reader>> {
+    let is_delay = |d: &Dependence| net.node(d.source.node).desc().role == Role::Delay;
+    let from_inside = |v| matches!(graph[v], Item::Fragment(_));
+    let rings = Rings::new(graph);
+    let closing: BTreeSet<PortRef> = rings
+        .edges()
+        .filter(|e| is_delay(&graph[*e]))
+        .filter(|e| {
+            graph
+                .edge_endpoints(*e)
+                .is_some_and(|(v, _)| from_inside(v))
+        })
+        .map(|e| graph[e].source)
+        .collect();
+    let mut readings: BTreeMap<PortRef, Vec<Reader>> = BTreeMap::new();
+    for edge in graph.edge_references() {
+        let Dependence { source, reader } = *edge.weight();
+        if from_inside(edge.source()) && closing.contains(&source) {
+            readings.entry(source).or_default().push(reader);
+        }
+    }
+    readings
+}
+
+/// A delay at `level` of what the delay `port` inside of it delays.
+fn outside(net: &mut Net, level: FragmentId, port: PortRef) -> PortRef {
+    let inside = net.node(port.node);
+    let node = Node {
+        name: free_name(net, level, &inside.name),
+        fragment: level,
+        ..inside.clone()
+    };
+    PortRef {
+        node: net.add_node(node),
+        port: port.port,
+    }
+}
+
+fn redirect(net: &mut Net, reader: Reader, to: PortRef) {
+    match reader {
+        Reader::Input(id, k) => net.nodes[id.index()].inputs[k] = Input::Port(to),
+        Reader::InPort(id, k) => net.fragments[id.index()].inputs[k].source = Input::Port(to),
+        Reader::Restart(id) => net.fragments[id.index()].restart = Restart::Every(to),
+        Reader::Activation(id) => {
+            if let Activation::When { condition, .. } = &mut net.fragments[id.index()].activation {
+                *condition = to;
+            }
+        }
+    }
+}
+
+/// A name like `wanted` that nothing in a fragment has.
+fn free_name(net: &Net, level: FragmentId, wanted: &str) -> String {
+    let nodes = net
+        .nodes
+        .iter()
+        .filter(|n| n.fragment == level)
+        .map(|n| &n.name);
+    let fragments = net
+        .fragments
+        .iter()
+        .filter(|f| f.parent == Some(level))
+        .map(|f| &f.name);
+    let taken: BTreeSet<&String> = nodes.chain(fragments).collect();
+    let numbered = (2..).map(|n| format!("{wanted}_{n}"));
+    let mut names = std::iter::once(wanted.to_owned()).chain(numbered);
+    names.find(|n| !taken.contains(n)).unwrap_or_default()
+}

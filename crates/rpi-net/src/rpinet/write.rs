@@ -1,0 +1,195 @@
+//! From a [`Net`] to its text.
+//!
+//! In a net, links run from primitive to primitive; in the text they go through ports on the borders of fragments.
+//! Declared ports are used where they carry the flow, others are added. What was read from a text reads back equal.
+
+use super::build::{FAIL, RESTART, RESTART_ON_ACTIVATION, TERMINATE};
+use super::constants;
+use super::ports::Ports;
+use super::value;
+use crate::net::Restart;
+use crate::net::{Driver, FragmentId, Input, Net, NodeId, PortRef};
+use crate::tree::{Item, Tree};
+use rpi_image::{InPort, Need, Value};
+use std::fmt::Write;
+
+/// The text of a net. Its driver must be ports ([`super::with_ports`] makes them of results).
+pub(super) fn write(net: &Net, tree: &Tree) -> String {
+    let mut writer = Writer {
+        net,
+        tree,
+        ports: Ports::new(net, tree),
+        out: String::with_capacity(100 * net.nodes.len()),
+        comma: false,
+    };
+    writer.body(FragmentId::ROOT);
+    writer.out
+}
+
+struct Writer<'a> {
+    net: &'a Net,
+    tree: &'a Tree,
+    ports: Ports<'a>,
+    out: String,
+    /// Whether the next entry of the list that is being written needs a comma before it.
+    comma: bool,
+}
+
+impl Writer<'_> {
+    /// `{..}` with all that stands in a fragment.
+    fn body(&mut self, fragment: FragmentId) {
+        self.open('{');
+        for item in self.tree.items(fragment) {
+            match item {
+                Item::Node(node) => self.node(node),
+                Item::Fragment(child) => self.fragment(child),
+            }
+        }
+        for (name, source) in self.ports.outputs(fragment).to_vec() {
+            self.link(&name, fragment, &source);
+        }
+        if fragment == FragmentId::ROOT {
+            self.driver();
+        }
+        self.close('}');
+    }
+
+    fn fragment(&mut self, id: FragmentId) {
+        let scope = self.tree.parent(id).unwrap_or(FragmentId::ROOT);
+        self.key(self.ports.fragment_name(id).to_owned().as_str());
+        self.body(id);
+        self.open('(');
+        for (name, source) in self.ports.inputs(id).to_vec() {
+            self.link(&name, scope, &source);
+        }
+        if matches!(self.net.fragment(id).restart, Restart::OnActivation) {
+            self.setting(RESTART, &Value::Str(RESTART_ON_ACTIVATION.into()));
+        }
+        self.close(')');
+    }
+
+    fn node(&mut self, id: NodeId) {
+        let (net, node) = (self.net, self.net.node(id));
+        self.key(self.ports.node_name(id).to_owned().as_str());
+        self.out.push_str(node.desc().name);
+        self.open('(');
+        let inputs = || node.desc().inputs.iter().zip(&node.inputs);
+        for (port, input) in inputs().filter(|(p, i)| is_linked(p, i)) {
+            self.link(port.name, net.node(id).fragment, input);
+        }
+        for (port, input) in inputs() {
+            if let Input::Const(constant) = input {
+                self.stand_in(port, constant);
+            }
+        }
+        for (param, setting) in node.desc().params.iter().zip(&node.params) {
+            self.setting(param.name, setting);
+        }
+        self.close(')');
+    }
+
+    /// The parameters that stand in for an in-port.
+    fn stand_in(&mut self, port: &InPort, constant: &Value) {
+        match port.need {
+            _ if is_nameless(port) => {}
+            Need::Required | Need::Absent => {}
+            Need::Param(name, _) => self.setting(name, constant),
+            Need::Params(parts, make) => {
+                let reals = constants::parts(constant, parts.len(), make);
+                for ((name, _), real) in parts.iter().zip(reals) {
+                    self.setting(name, &Value::real(real));
+                }
+            }
+        }
+    }
+
+    fn driver(&mut self) {
+        let Driver::Ports { terminate, fail } = &self.net.driver else {
+            return;
+        };
+        for (name, source) in [(TERMINATE, terminate), (FAIL, fail)] {
+            if let Some(source) = source {
+                self.link(name, FragmentId::ROOT, source);
+            }
+        }
+    }
+
+    /// `name=source` for whatever is connected, as seen in the fragment `scope`.
+    fn link(&mut self, name: &str, scope: FragmentId, source: &Input) {
+        match source {
+            Input::Open => {}
+            Input::Port(port) => {
+                self.key(name);
+                self.reference(scope, *port);
+            }
+            Input::Const(constant) => {
+                if let Some(ty) = constants::primitive(constant) {
+                    self.key(name);
+                    let text = value::write(constant);
+                    // Writing to a string cannot fail.
+                    let _ = write!(self.out, "{ty}(Value='{text}').outValue");
+                }
+            }
+        }
+    }
+
+    /// A flow by the name that it has in a fragment.
+    fn reference(&mut self, scope: FragmentId, port: PortRef) {
+        let origin = self.net.node(port.node).fragment;
+        if origin == scope {
+            let output = self.net.node(port.node).desc().outputs[usize::from(port.port)].name;
+            self.out.push_str(self.ports.node_name(port.node));
+            self.out.push('.');
+            self.out.push_str(output);
+        } else if self.tree.common(scope, origin) == scope {
+            let child = self.tree.child_towards(scope, origin).unwrap_or(origin);
+            self.out.push_str(self.ports.fragment_name(child));
+            self.out.push('.');
+            self.out.push_str(self.ports.output(child, port));
+        } else {
+            self.out.push_str("parent.");
+            self.out.push_str(self.ports.input(scope, port));
+        }
+    }
+
+    fn setting(&mut self, name: &str, setting: &Value) {
+        self.key(name);
+        self.out.push('\'');
+        self.out.push_str(&value::write(setting));
+        self.out.push('\'');
+    }
+
+    fn key(&mut self, name: &str) {
+        if std::mem::replace(&mut self.comma, true) {
+            self.out.push(',');
+        }
+        self.out.push_str(name);
+        self.out.push('=');
+    }
+
+    fn open(&mut self, bracket: char) {
+        self.out.push(bracket);
+        self.comma = false;
+    }
+
+    fn close(&mut self, bracket: char) {
+        self.out.push(bracket);
+        self.comma = true;
+    }
+}
+
+/// Whether an input is written as a link: a flow, or a constant that no parameter can give.
+fn is_linked(port: &InPort, input: &Input) -> bool {
+    let Input::Const(constant) = input else {
+        return input.port().is_some();
+    };
+    match port.need {
+        Need::Required | Need::Absent => true,
+        Need::Param(..) | Need::Params(..) => is_nameless(port) && constant.as_bool() == Some(true),
+    }
+}
+
+/// Whether the reference has no parameter that stands in for an in-port, although ours has.
+fn is_nameless(port: &InPort) -> bool {
+    port.name == "inReset"
+}
