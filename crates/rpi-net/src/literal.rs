@@ -13,9 +13,8 @@ use rpi_prims::geometry;
 mod tree;
 mod write;
 
-pub use angles::angles;
 use tree::Tree;
-pub use write::write;
+pub use write::{angles, write};
 
 /// Why a text is no value of the type asked for.
 #[derive(Clone, PartialEq, Eq, Debug)]

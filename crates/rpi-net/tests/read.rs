@@ -37,8 +37,8 @@ fn recorded_size(file: &str) -> Option<Size> {
     let text = rpi_testkit::read_maybe_gz(rpi_testkit::shared_path("nets")?.join(table)).ok()?;
     let row = text.lines().map(|l| l.split('\t').collect::<Vec<_>>());
     let row = row
-        .filter(|r| r[0].parse() == Ok(id) && r[1] == "opt")
-        .next_back()?;
+        .into_iter()
+        .rfind(|r| r[0].parse() == Ok(id) && r[1] == "opt")?;
     let count = |k: usize| row[k].parse().expect("a count");
     Some(Size {
         primitives: count(3),

@@ -72,8 +72,8 @@ fn texts_of_all_kinds_read_back_equal() {
         written,
         "{a=Core::DoubleAdd(inFirst=_2.outValue,Second='-1.0E-7'),_2=Core::Clock(Increment='0.5'),\
         k=Core::BooleanNetcommOut(Value='false',Key='it\\'s \\\\ it\\'s',Report='true'),_1=Cancel(),\
-        f={g={p=Core::Clock(Increment='1.0'),o=parent.i}(i=parent.j,rpi:restart='activation'),x=g.o}\
-        (j=a.outValue,inActive=_1.outCancel,rpi:restart=_1.outCancel),outX=f.x,outTerminate=_1.outCancel}"
+        f={g={p=Core::Clock(Increment='1.0'),o=parent.i}(i=parent.j,rpi:restart='activation'),x=parent.j}\
+        (j=a.outValue,inActive=_1.outCancel,rpi:restart=_1.outCancel),outX=a.outValue,outTerminate=_1.outCancel}"
     );
     let second = nets::net("kinds", &written);
     assert!(comparable(first) == comparable(second));

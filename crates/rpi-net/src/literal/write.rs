@@ -74,7 +74,11 @@ pub fn angles(cells: &[u64]) -> [f64; 3] {
     let (a, b, c) = geometry::to_abc(wanted);
     let found = [a, b, c];
     let short = found.map(|angle| format!("{angle:.14e}").parse().unwrap_or(angle));
-    if far(short) <= far(found) { short } else { found }
+    if far(short) <= far(found) {
+        short
+    } else {
+        found
+    }
 }
 
 fn rotation(cells: &[u64]) -> String {

@@ -54,6 +54,11 @@ impl Dependencies {
         }
     }
 
+    /// The graphs of no net.
+    pub(crate) fn none() -> Self {
+        Dependencies { graphs: Vec::new() }
+    }
+
     /// The items of a fragment in declaration order.
     pub fn items(&self, fragment: FragmentId) -> impl Iterator<Item = Item> + '_ {
         self.graphs[fragment.index()].node_weights().copied()

@@ -91,7 +91,13 @@ impl Presences {
         self.seen_states(net, tree, reader, input).sureness()
     }
 
-    fn unknown(net: &Net) -> Self {
+    /// The presence of all flows, node by node.
+    pub fn iter(&self) -> impl Iterator<Item = Sureness> + '_ {
+        self.states.iter().map(|s| s.sureness())
+    }
+
+    /// Nothing is known of any flow.
+    pub(crate) fn unknown(net: &Net) -> Self {
         let mut first = Vec::with_capacity(net.nodes.len());
         let mut count = 0;
         for node in &net.nodes {
@@ -138,9 +144,8 @@ impl Presences {
     fn inputs(&self, net: &Net, tree: &Tree, node: &Node) -> Inputs {
         let mut seen = Inputs::none();
         for input in &node.inputs {
-            match input {
-                Input::Open => seen.open = true,
-                _ => seen.add(self.seen_states(net, tree, node.fragment, input)),
+            if !matches!(input, Input::Open) {
+                seen.add(self.seen_states(net, tree, node.fragment, input));
             }
         }
         seen
@@ -256,8 +261,6 @@ struct Inputs {
     sure: bool,
     /// Of a connected input nothing is known yet.
     unknown: bool,
-    /// An input is not connected and counts as absent.
-    open: bool,
 }
 
 impl Inputs {
@@ -268,7 +271,6 @@ impl Inputs {
             all: States::EITHER,
             sure: false,
             unknown: false,
-            open: false,
         }
     }
 
@@ -290,7 +292,7 @@ impl Inputs {
             Presence::IfAny if self.sure => States::PRESENT,
             _ if self.unknown => States::UNKNOWN,
             Presence::IfAny => States::EITHER,
-            Presence::IfAll if self.open || self.some.has(States::ABSENT) => States::EITHER,
+            Presence::IfAll if self.some.has(States::ABSENT) => States::EITHER,
             Presence::IfAll => States::PRESENT,
             Presence::Strict => {
                 States::PRESENT.when(self.all.has(States::PRESENT))

@@ -1,0 +1,125 @@
+//! The list of passes and what they find.
+
+use super::{Dependencies, Presences, Schedule, Sureness, Users};
+use super::{causality, hoist, schedule, verify};
+use crate::net::{Net, PortRef};
+use crate::tree::Tree;
+use crate::violation::Violation;
+use rpi_diag::Finding;
+
+/// A net and what the passes found out about it.
+#[derive(Clone, Debug)]
+pub struct Analysis {
+    /// The net, as the passes left it.
+    pub net: Net,
+    /// Its fragments as a tree.
+    pub tree: Tree,
+    /// What is wrong with it, or worth knowing.
+    pub findings: Vec<Finding>,
+    /// What each pass did, in words: its name and a line.
+    pub told: Vec<(&'static str, String)>,
+    /// What waits for what.
+    pub dependencies: Dependencies,
+    /// The order of evaluation; none if something depends on itself.
+    pub schedule: Option<Schedule>,
+    /// Which flows can be absent.
+    pub presences: Presences,
+}
+
+/// One question that is asked of a net.
+pub struct Pass {
+    /// Its name.
+    pub name: &'static str,
+    /// What it establishes.
+    pub about: &'static str,
+    run: fn(&mut Analysis, &Forced<'_>) -> Result<String, Violation>,
+}
+
+/// Ports that count as optional whatever their rule says.
+type Forced<'a> = dyn Fn(PortRef) -> bool + 'a;
+
+/// The passes in the order in which they run.
+pub const PASSES: &[Pass] = &[
+    Pass {
+        name: "structure",
+        about: "indices, arity and types of the net are in order",
+        run: |a, _| {
+            verify::verify(&a.net)?;
+            a.tree = Tree::new(&a.net);
+            Ok(format!(
+                "{} nodes, {} fragments",
+                a.net.nodes.len(),
+                a.net.fragments.len()
+            ))
+        },
+    },
+    Pass {
+        name: "delays",
+        about: "delays of imported nets stand at the level of the ring that they break",
+        run: |a, _| {
+            let added = hoist::hoist_delays(&mut a.net);
+            a.tree = Tree::new(&a.net);
+            Ok(format!("{added} added"))
+        },
+    },
+    Pass {
+        name: "causality",
+        about: "nothing depends on itself within a cycle",
+        run: |a, _| {
+            a.dependencies = Dependencies::new(&a.net, &a.tree);
+            a.schedule = Schedule::new(&a.dependencies);
+            if a.schedule.is_none() {
+                a.findings.extend(causality::check(&a.net, &a.dependencies));
+            }
+            Ok(format!("{} rings", a.findings.len()))
+        },
+    },
+    Pass {
+        name: "schedule",
+        about: "an order of evaluation per fragment, ties broken by declaration",
+        run: |a, _| {
+            if let Some(schedule) = &a.schedule {
+                schedule::verify(&a.net, &a.dependencies, schedule)?;
+            }
+            Ok("each item after all that it reads".into())
+        },
+    },
+    Pass {
+        name: "presence",
+        about: "which flows can be absent",
+        run: |a, forced| {
+            let users = Users::new(&a.net);
+            a.presences = Presences::infer(&a.net, &a.tree, &users, forced);
+            a.presences.verify(&a.net, &a.tree)?;
+            let count = |s| a.presences.iter().filter(|p| *p == s).count();
+            let [total, optional, never] =
+                [Sureness::Total, Sureness::Optional, Sureness::Never].map(count);
+            Ok(format!(
+                "{total} flows total, {optional} optional, {never} never present"
+            ))
+        },
+    },
+];
+
+/// Runs all passes over a net. `forced` names ports that count as optional whatever their rule says: those on which a
+/// replay may force an absent value.
+///
+/// # Errors
+/// If the net is not in order or a pass broke its promise: a fault of the compiler.
+pub fn analyse(net: Net, forced: impl Fn(PortRef) -> bool) -> Result<Analysis, Violation> {
+    let nothing = Net::new("");
+    let mut analysis = Analysis {
+        findings: Vec::new(),
+        told: Vec::with_capacity(PASSES.len()),
+        dependencies: Dependencies::none(),
+        schedule: None,
+        presences: Presences::unknown(&nothing),
+        tree: Tree::new(&nothing),
+        net,
+    };
+    for pass in PASSES {
+        let told = (pass.run)(&mut analysis, &forced)?;
+        analysis.told.push((pass.name, told));
+    }
+    Ok(analysis)
+}

@@ -1,0 +1,193 @@
+//! The passes over small nets with known answers, and over every recorded net.
+
+mod nets;
+
+use rpi_diag::Code;
+use rpi_net::passes::{Analysis, PASSES, Sureness, analyse};
+use rpi_net::{Item, Net, NodeId, PortRef};
+
+fn analysed(text: &str) -> Analysis {
+    analyse(nets::net("test", text), |_| false).expect("the passes keep their promises")
+}
+
+/// An out-port by the name of its node.
+fn port(net: &Net, name: &str, port: u8) -> PortRef {
+    let node = net.node_ids().find(|id| net.node(*id).name == name);
+    PortRef {
+        node: node.expect("a node has this name"),
+        port,
+    }
+}
+
+/// Names of nodes in order of evaluation.
+fn order(analysis: &Analysis) -> Vec<&str> {
+    let schedule = analysis.schedule.as_ref().expect("there is a schedule");
+    let name = |id: NodeId| analysis.net.node(id).name.as_str();
+    schedule.nodes().map(name).collect()
+}
+
+#[test]
+fn declaration_order_breaks_ties() {
+    let analysis = analysed(
+        "{z=Core::DoubleAdd(inFirst=b.outValue),a=Core::Clock(),f={i=Core::Clock()}(),b=Core::Clock()}",
+    );
+    assert_eq!(order(&analysis), ["a", "i", "b", "z"]);
+}
+
+#[test]
+fn a_fragment_waits_for_all_that_is_read_inside_and_for_its_activation() {
+    let analysis = analysed(
+        "{f={i=Core::DoublePre(inValue=parent.x),j=Core::Clock(),o=j.outValue}(x=late.outValue,inActive=on.outValue),\
+        r=Core::DoubleAdd(inFirst=f.o),late=Core::Clock(),on=Core::DoubleGreater(inFirst=late.outValue)}",
+    );
+    assert_eq!(order(&analysis), ["late", "on", "i", "j", "r"]);
+}
+
+#[test]
+fn a_delay_waits_for_nothing_at_its_own_level() {
+    let analysis = analysed(
+        "{a=Core::DoubleAdd(inFirst=p.outValue,Second='1.0'),p=Core::DoublePre(inValue=a.outValue)}",
+    );
+    assert_eq!(order(&analysis), ["p", "a"]);
+}
+
+#[test]
+fn a_ring_is_named_by_its_shortest_way() {
+    let analysis = analysed(
+        "{a=Core::DoubleAdd(inFirst=d.outValue,inSecond=c.outValue),b=Core::DoubleAdd(inFirst=a.outValue),\
+        c=Core::DoubleAdd(inFirst=b.outValue),d=Core::DoubleAdd(inFirst=c.outValue)}",
+    );
+    assert!(analysis.schedule.is_none());
+    let messages: Vec<&str> = analysis
+        .findings
+        .iter()
+        .map(|f| f.message.as_str())
+        .collect();
+    assert_eq!(
+        messages,
+        ["`a` depends on itself in the same cycle: `a` -> `b` -> `c` -> `a`"]
+    );
+    assert_eq!(analysis.findings[0].code, Code::RPI4001);
+    let labels: Vec<&str> = analysis.findings[0]
+        .labels
+        .iter()
+        .map(|l| l.text.as_str())
+        .collect();
+    assert_eq!(
+        labels,
+        [
+            "`b` reads `a` here",
+            "`c` reads `b` here",
+            "`a` reads `c` here"
+        ]
+    );
+}
+
+#[test]
+fn every_ring_has_its_own_finding() {
+    let analysis = analysed(
+        "{a=Core::DoubleAdd(inFirst=a.outValue),f={b=Core::BooleanNot(inValue=c.outValue),\
+        c=Core::BooleanNot(inValue=b.outValue)}(),g={h=Core::BooleanNot(Value='true'),o=h.outValue}(inActive=g.o)}",
+    );
+    let messages: Vec<&str> = analysis
+        .findings
+        .iter()
+        .map(|f| f.message.as_str())
+        .collect();
+    assert_eq!(
+        messages,
+        [
+            "`a` depends on itself in the same cycle: `a` -> `a`",
+            "`g` depends on itself in the same cycle: `g` -> `g`",
+            "`b` depends on itself in the same cycle: `b` -> `c` -> `b`",
+        ]
+    );
+}
+
+#[test]
+fn a_delay_inside_a_fragment_breaks_a_ring_outside_as_one_outside_does() {
+    let analysis = analysed(
+        "{t=Core::Trigger(inOff=f.o),f={n=Core::BooleanNot(inValue=parent.i),p=Core::BooleanPre(inValue=n.outValue),\
+        o=p.outValue}(inActive=t.outActive,i=t.outActive)}",
+    );
+    let net = &analysis.net;
+    assert_eq!(net.nodes.len(), 4);
+    assert_eq!(net.path(net.nodes[3].fragment, &net.nodes[3].name), "p");
+    assert_eq!(net.nodes[3].inputs, net.nodes[2].inputs);
+    assert_eq!(order(&analysis), ["p", "t", "n", "p"]);
+}
+
+#[test]
+fn presence_follows_the_rules_of_the_primitives() {
+    let analysis = analysed(
+        "{c=Core::Clock(),g=Core::DoubleGreater(inFirst=c.outValue),s=Core::DoubleSetNull(inValue=c.outValue,inNull=g.outValue),\
+        a=Core::DoubleAdd(inFirst=s.outValue),n=Core::DoubleIsNull(inValue=s.outValue),\
+        p=Core::DoublePre(inValue=c.outValue),k=Core::BooleanAnd(inFirst=g.outValue,inSecond=n.outValue),\
+        f={i=Core::Clock(),o=i.outValue}(inActive=g.outValue),q=Core::DoubleAdd(inFirst=f.o),\
+        never={i=Core::Clock(),o=i.outValue}(inActive=no.outValue),no=Core::BooleanValue(Value='false'),\
+        r=Core::DoubleAdd(inFirst=never.o),always={i2=Core::Clock(),o=i2.outValue}(inActive=yes.outValue),\
+        yes=Core::BooleanValue(Value='true'),u=Core::DoubleAdd(inFirst=always.o),\
+        same={v=Core::DoubleAdd(inFirst=parent.x)}(inActive=g.outValue,x=f.o)}",
+    );
+    use Sureness::{Never, Optional, Total};
+    let expected = [
+        ("c", Total),
+        ("g", Total),
+        ("s", Optional),
+        ("a", Optional),
+        ("n", Total),
+        ("p", Optional),
+        ("k", Total),
+        ("q", Optional),
+        ("r", Never),
+        ("u", Total),
+        ("v", Total),
+    ];
+    for (name, sureness) in expected {
+        let own = analysis.presences.own(port(&analysis.net, name, 0));
+        assert_eq!(own, sureness, "{name}");
+    }
+}
+
+#[test]
+fn ports_forced_by_a_replay_are_optional() {
+    let net = nets::net(
+        "test",
+        "{c=Core::Clock(),a=Core::DoubleAdd(inFirst=c.outValue)}",
+    );
+    let clock = port(&net, "c", 0);
+    let analysis = analyse(net, |p| p == clock).expect("the passes keep their promises");
+    let own = |name| analysis.presences.own(port(&analysis.net, name, 0));
+    assert_eq!(
+        (own("c"), own("a")),
+        (Sureness::Optional, Sureness::Optional)
+    );
+}
+
+#[test]
+fn every_recorded_net_passes() {
+    let Some(all) = nets::all() else { return };
+    for (name, text) in &all {
+        let analysis = analyse(nets::net(name, text), |_| false).expect("no pass breaks a promise");
+        assert!(
+            analysis.findings.is_empty(),
+            "{}",
+            nets::shown(name, text, &analysis.findings)
+        );
+        let schedule = analysis.schedule.expect("it has no ring");
+        assert_eq!(schedule.nodes().count(), analysis.net.nodes.len());
+        assert!(!matches!(
+            schedule.items(rpi_net::FragmentId::ROOT),
+            [Item::Fragment(_)]
+        ));
+    }
+}
+
+#[test]
+fn each_pass_says_what_it_does() {
+    let analysis = analysed("{c=Core::Clock()}");
+    let told: Vec<&str> = analysis.told.iter().map(|(name, _)| *name).collect();
+    let names: Vec<&str> = PASSES.iter().map(|p| p.name).collect();
+    assert_eq!(told, names);
+    assert!(PASSES.iter().all(|p| !p.about.is_empty()));
+}
