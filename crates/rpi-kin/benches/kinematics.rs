@@ -64,5 +64,24 @@ fn inverse(c: &mut Criterion) {
     });
 }
 
-criterion_group!(kinematics, forward, inverse);
+fn six_axes(c: &mut Criterion) {
+    for arm in [
+        &rpi_kin::models::kr::KR_6_R900,
+        &rpi_kin::models::universal::UR5E,
+    ] {
+        let poses: Vec<(Pose, [f64; 7])> = spread()
+            .into_iter()
+            .map(|joints| (arm.forward(&joints[..6]), joints))
+            .collect();
+        let mut each = poses.iter().cycle();
+        c.bench_function(&format!("inverse, {}", arm.id), |b| {
+            b.iter(|| {
+                each.next()
+                    .map(|(pose, hint)| arm.inverse(black_box(pose), &hint[..6], arm.limits))
+            });
+        });
+    }
+}
+
+criterion_group!(kinematics, forward, inverse, six_axes);
 criterion_main!(kinematics);

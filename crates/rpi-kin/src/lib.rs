@@ -16,13 +16,17 @@
 #![no_std]
 
 pub mod angle;
+mod ball;
 pub mod chain;
 pub mod jacobian;
 pub mod limits;
 pub mod model;
 pub mod models;
+pub mod opw;
+pub mod six;
 pub mod srs;
 pub mod stop;
+pub mod ur;
 
 pub use chain::{Chain, Convention, Link};
 pub use limits::{AxisLimits, Range};

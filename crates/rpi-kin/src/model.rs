@@ -1,7 +1,8 @@
 //! An arm as the rest of the system sees it: a chain, limits and, where one is known, a closed-form inverse.
 
-use crate::srs;
+use crate::six;
 use crate::{AxisLimits, Chain, NoSolution, Pose, pose_of, transform_of};
+use crate::{opw, srs, ur};
 
 /// No arm here has more axes.
 pub const MAX_AXES: usize = 7;
@@ -11,6 +12,10 @@ pub const MAX_AXES: usize = 7;
 pub enum Inverse {
     /// Seven axes, S-R-S, by arm angle.
     Srs(srs::Geometry),
+    /// Six axes, the last three meeting in a point.
+    Opw(opw::Geometry),
+    /// Six axes, the second to fourth parallel.
+    Ur(ur::Geometry),
     /// None known.
     Unknown,
 }
@@ -79,6 +84,12 @@ impl ArmModel {
                 let choice = geometry.inverse_with_elbow(&flange, &hint, &elbow, &ranges)?;
                 Ok(choice.joints)
             }
+            Inverse::Opw(geometry) => {
+                six_axes(hint, limits, |hint| geometry.solutions(&flange, hint))
+            }
+            Inverse::Ur(geometry) => {
+                six_axes(hint, limits, |hint| geometry.solutions(&flange, hint))
+            }
             Inverse::Unknown => Err(NoSolution::NoClosedForm),
         }
     }
@@ -94,6 +105,20 @@ impl ArmModel {
         self.inverse(flange, hint, limits)
             .unwrap_or([f64::NAN; MAX_AXES])
     }
+}
+
+/// The choice of the hint among a six-axis arm's solutions.
+fn six_axes(
+    hint: &[f64],
+    limits: &[AxisLimits],
+    solve: impl FnOnce(&six::Joints) -> Result<six::Solutions, NoSolution>,
+) -> Result<[f64; MAX_AXES], NoSolution> {
+    let hint = first(hint)?;
+    let ranges = first(limits)?.map(|axis: AxisLimits| axis.position);
+    let chosen = six::choose(&solve(&hint)?, &hint, &ranges)?;
+    let mut joints = [0.0; MAX_AXES];
+    joints[..6].copy_from_slice(&chosen);
+    Ok(joints)
 }
 
 /// The first `N` entries, or a refusal if there are fewer.

@@ -58,6 +58,134 @@ fn the_lightweight_arms_follow_the_published_tables() {
     }
 }
 
+#[test]
+fn the_panda_stands_where_recorded_poses_say() {
+    let Some(golden) = golden() else { return };
+    let fk = &golden["fk_panda_link8_pilz"];
+    let cases = fk["cases"].as_array().expect("cases");
+    assert_eq!(cases.len(), 4);
+    let panda = models::by_id("franka-panda").expect("known");
+    for case in cases {
+        let pose = panda.forward(&reals(&case["q"]));
+        let [xyz, quaternion] = [reals(&case["xyz"]), reals(&case["quat"])];
+        let off = pose.translation.vector - nalgebra::Vector3::from_row_slice(&xyz);
+        assert!(off.amax() < 1e-6, "{off:?}");
+        let same = pose
+            .rotation
+            .coords
+            .dot(&nalgebra::Vector4::from_row_slice(&quaternion));
+        assert!(
+            same.abs() > 1.0 - 1e-6,
+            "{} and {quaternion:?}",
+            pose.rotation.coords
+        );
+    }
+    let own = &golden["robots"]["panda_fer"];
+    ranges_agree(panda, &own["q"], 1.0);
+    each_agrees(panda, &reals(&own["v"]), |axis| axis.velocity);
+    each_agrees(panda, &reals(&own["a_max"]), |axis| axis.acceleration);
+    each_agrees(panda, &reals(&own["jerk"]), |axis| axis.jerk);
+}
+
+#[test]
+fn the_ur5e_follows_the_published_table() {
+    let Some(golden) = golden() else { return };
+    let own = &golden["robots"]["ur5e"];
+    let [d, a, alpha] = [reals(&own["d"]), reals(&own["a"]), reals(&own["alpha"])];
+    let arm = models::by_id("ur5e").expect("known");
+    for round in 0..200 {
+        let joints: [f64; 6] =
+            std::array::from_fn(|axis| f64::from((round * (axis as i32 + 3) * 7) % 41 - 20) / 7.0);
+        let rows = (0..6).map(|axis| standard(joints[axis], d[axis], a[axis], alpha[axis]));
+        let expected = rows.fold(Pose::identity(), |so_far, row| so_far * row);
+        assert!(near(&arm.forward(&joints), &expected, 1e-12), "{joints:?}");
+    }
+    limits_agree(arm, &reals(&own["qmax_deg"]), &reals(&own["vmax_deg_s"]));
+}
+
+/// Forward kinematics as the paper of the parameters writes it, not as a chain.
+fn ortho_parallel(robot: &Value, joints: &[f64; 6]) -> Pose {
+    let [sign, offset] = [
+        [-1.0, 1.0, 1.0, -1.0, 1.0, -1.0],
+        [0.0, -90.0_f64.to_radians(), 0.0, 0.0, 0.0, 0.0],
+    ];
+    let length = |name: &str| robot["opw"][name].as_f64().expect("a length");
+    let q: [f64; 6] = std::array::from_fn(|axis| joints[axis] * sign[axis] - offset[axis]);
+    let psi = libm::atan2(length("a2"), length("c3"));
+    let k = libm::hypot(length("a2"), length("c3"));
+    let lean = q[1] + q[2] + psi;
+    let out = length("c2") * libm::sin(q[1]) + k * libm::sin(lean) + length("a1");
+    let up = length("c2") * libm::cos(q[1]) + k * libm::cos(lean) + length("c1");
+    let about = |axis: nalgebra::Vector3<f64>, angle: f64| Pose::rotation(axis * angle);
+    let (y, z) = (nalgebra::Vector3::y(), nalgebra::Vector3::z());
+    let wrist = about(z, q[0]) * Pose::translation(out, length("b"), up) * about(y, q[1] + q[2]);
+    wrist
+        * about(z, q[3])
+        * about(y, q[4])
+        * about(z, q[5])
+        * Pose::translation(0.0, 0.0, length("c4"))
+}
+
+#[test]
+fn the_industrial_arms_follow_the_published_parameters() {
+    let Some(golden) = golden() else { return };
+    for (id, name) in [("kuka-kr6-r900", "kr6r900sixx"), ("kuka-kr16-2", "kr16_2")] {
+        let (arm, own) = (models::by_id(id).expect("known"), &golden["robots"][name]);
+        for round in 0..200 {
+            let joints: [f64; 6] = std::array::from_fn(|axis| {
+                f64::from((round * (axis as i32 + 3) * 7) % 41 - 20) / 7.0
+            });
+            let expected = ortho_parallel(own, &joints);
+            assert!(
+                near(&arm.forward(&joints), &expected, 1e-12),
+                "{id} at {joints:?}"
+            );
+        }
+        ranges_agree(arm, &own["q_deg"], 1_f64.to_radians());
+        let velocities: Vec<f64> = reals(&own["vmax_deg_s"])
+            .into_iter()
+            .map(f64::to_radians)
+            .collect();
+        each_agrees(arm, &velocities, |axis| axis.velocity);
+    }
+}
+
+#[test]
+fn an_industrial_arm_at_zero_is_stretched_out_to_the_front() {
+    let arm = models::by_id("kuka-kr6-r900").expect("known");
+    let flange = arm.forward(&[0.0; 6]).translation.vector;
+    assert!(
+        (flange - nalgebra::Vector3::new(0.980, 0.0, 0.435)).amax() < 1e-12,
+        "{flange}"
+    );
+}
+
+fn ranges_agree(arm: &ArmModel, ranges: &Value, unit: f64) {
+    for (axis, range) in arm.limits.iter().zip(ranges.as_array().expect("ranges")) {
+        let range = reals(range);
+        assert!(
+            (axis.position.lower - range[0] * unit).abs() < 1e-12,
+            "{}",
+            arm.id
+        );
+        assert!(
+            (axis.position.upper - range[1] * unit).abs() < 1e-12,
+            "{}",
+            arm.id
+        );
+    }
+}
+
+fn each_agrees(arm: &ArmModel, expected: &[f64], of: fn(&rpi_kin::AxisLimits) -> f64) {
+    assert_eq!(arm.limits.len(), expected.len());
+    let mut both = arm.limits.iter().map(of).zip(expected);
+    assert!(
+        both.all(|(own, expected)| (own - expected).abs() < 1e-9),
+        "{}",
+        arm.id
+    );
+}
+
 fn limits_agree(arm: &ArmModel, bound: &[f64], velocity: &[f64]) {
     assert_eq!(arm.limits.len(), bound.len());
     for ((axis, bound), velocity) in arm.limits.iter().zip(bound).zip(velocity) {

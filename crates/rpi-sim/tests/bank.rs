@@ -470,3 +470,50 @@ fn every_port_number_is_answered_without_a_panic() {
     bank.stop(u32::MAX);
     assert!(!bank.moving(u32::MAX));
 }
+
+#[test]
+fn arms_of_six_axes_and_without_a_closed_form_work_too() {
+    let text = "[devices.ur]\nkind = \"arm\"\nmodel = \"ur5e\"\njoints = [0, -1.2, 1.4, -1.5, -1.5, 0]\n
+        [devices.panda]\nkind = \"arm\"\nmodel = \"franka-panda\"\njoints = [0, 0, 0, -1.5, 0, 1.5, 0]\n";
+    let mut bank = SimBank::new(
+        &Cell::parse("cell.toml", text).unwrap_or_else(|errors| panic!("{errors}")),
+        1e-3,
+    );
+    for (device, axes) in [("ur", 6), ("panda", 7)] {
+        let pose = sensor(&mut bank, device, "pose", 0, POSE);
+        let tcp = actuator(&mut bank, device, "tcp", 0, POSE);
+        let joints = Type::Array(Scalar::Real, axes);
+        let torque = sensor(&mut bank, device, "torque", 0, joints);
+        assert_eq!(
+            reals(&mut bank, torque, axes as usize),
+            vec![0.0; axes as usize]
+        );
+        let here = reals(&mut bank, pose, 7);
+        let refusal = bank.check(tcp, &bits(&here));
+        assert_eq!(
+            refusal,
+            if device == "ur" {
+                Refusal::NONE
+            } else {
+                Refusal::ILLEGAL_VALUE
+            },
+            "{}",
+            bank.error(tcp)
+        );
+        let joint = actuator(&mut bank, device, "joint.position", axes - 1, REAL);
+        let last = actuator(&mut bank, device, "joint.position", 0, REAL);
+        assert_eq!(bank.check(joint, &bits(&[0.0])), Refusal::NONE);
+        assert_eq!(bank.check(last, &bits(&[1e-10])), Refusal::NONE);
+        assert!(
+            find(
+                &mut bank,
+                device,
+                "joint.position",
+                axes,
+                PortKind::Actuator,
+                REAL
+            )
+            .is_err()
+        );
+    }
+}

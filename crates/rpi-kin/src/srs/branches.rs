@@ -2,11 +2,8 @@
 
 use super::{Joints, Reach};
 use crate::angle::{HALF_TURN, SinCos};
-use nalgebra::{Matrix3, Vector3};
-
-/// Below this sine of its bend a joint counts as straight: only the sum of the turns on both sides of it is defined. Small
-/// enough to move the flange by no more than 1e-10 m and rad, large enough for the turns to stand out from rounding.
-const STRAIGHT: f64 = 1e-10;
+use crate::ball::{self, Ball, STRAIGHT};
+use nalgebra::Vector3;
 
 /// One of the eight: which of shoulder, elbow and wrist bend in the negative sense of the canonical chain.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -95,68 +92,13 @@ pub fn first_branch(reach: &Reach, elbow: &Vector3<f64>, hint: &Joints) -> Joint
         bend: p4,
         bent: reach.bend,
     };
-    let hand = Matrix3::from_columns(&[
-        elbow.undo(&shoulder.undo(&reach.flange.column(0).into())),
-        Vector3::zeros(),
-        elbow.undo(&shoulder.undo(&reach.flange.column(2).into())),
-    ]);
-    let wrist = Ball::towards(&hand.column(2).into(), hint[4]);
-    let x = wrist.undo(&hand.column(0).into());
-    [
-        shoulder.turn,
-        shoulder.bend,
-        p3,
-        p4,
-        wrist.turn,
-        wrist.bend,
-        libm::atan2(x.y, x.x),
-    ]
+    let seen = |column: usize| elbow.undo(&shoulder.undo(&reach.flange.column(column).into()));
+    let [p5, p6, p7] = ball::angles(&seen(0), &seen(2), hint[4]);
+    [shoulder.turn, shoulder.bend, p3, p4, p5, p6, p7]
 }
 
 /// The direction of the forearm: the upper arm's, bent at the elbow back towards the line.
 fn forearm(reach: &Reach, elbow: &Vector3<f64>) -> Vector3<f64> {
     let tilt = reach.lift.minus(reach.bend);
     reach.axis * tilt.cos + elbow * tilt.sin
-}
-
-/// A turn about z and a bend about the new y, not negative, with their sines and cosines.
-struct Ball {
-    turn: f64,
-    turned: SinCos,
-    bend: f64,
-    bent: SinCos,
-}
-
-impl Ball {
-    /// What points z along the unit vector `to`; the turn is `open` if z points there already.
-    fn towards(to: &Vector3<f64>, open: f64) -> Self {
-        let sin = libm::sqrt(to.x * to.x + to.y * to.y);
-        let (turn, turned) = if sin > STRAIGHT {
-            (
-                libm::atan2(to.y, to.x),
-                SinCos {
-                    sin: to.y / sin,
-                    cos: to.x / sin,
-                },
-            )
-        } else {
-            (open, SinCos::of(open))
-        };
-        Self {
-            turn,
-            turned,
-            bend: libm::atan2(sin, to.z),
-            bent: SinCos { sin, cos: to.z },
-        }
-    }
-
-    /// The vector `v` as seen after turn and bend.
-    fn undo(&self, v: &Vector3<f64>) -> Vector3<f64> {
-        let level = self.turned.cos * v.x + self.turned.sin * v.y;
-        Vector3::new(
-            self.bent.cos * level - self.bent.sin * v.z,
-            self.turned.cos * v.y - self.turned.sin * v.x,
-            self.bent.sin * level + self.bent.cos * v.z,
-        )
-    }
 }

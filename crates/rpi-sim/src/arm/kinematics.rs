@@ -60,6 +60,18 @@ impl Arm {
         rpi_kin::angle::wrap(angle(HALF) - angle(-HALF)) / (2.0 * HALF)
     }
 
+    /// The state of one axis as it was last commanded; at rest at 0 if there is no such axis.
+    pub(super) fn commanded_at(&self, axis: usize) -> State {
+        self.axes
+            .get(axis)
+            .map_or(State::default(), |axis| axis.commanded)
+    }
+
+    /// The same as measured.
+    pub(super) fn measured_at(&self, axis: usize) -> State {
+        self.history.read().get(axis).copied().unwrap_or_default()
+    }
+
     /// The states of all axes as they were last commanded, one part of each.
     pub(super) fn commanded(&self, part: fn(&State) -> f64) -> PerAxis {
         let mut all = [0.0; MAX_AXES];

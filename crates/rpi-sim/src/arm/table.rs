@@ -109,22 +109,22 @@ const JOINTS: Carries = Carries::PerAxis;
 /// All ports.
 pub(super) const PORTS: &[Line] = &[
     of_axis("joint.commanded_position", REAL, |arm, axis, out| {
-        out.real(arm.commanded(|s| s.position)[axis])
+        out.real(arm.commanded_at(axis).position)
     }),
     of_axis("joint.commanded_velocity", REAL, |arm, axis, out| {
-        out.real(arm.commanded(|s| s.velocity)[axis])
+        out.real(arm.commanded_at(axis).velocity)
     }),
     of_axis("joint.commanded_acceleration", REAL, |arm, axis, out| {
-        out.real(arm.commanded(|s| s.acceleration)[axis])
+        out.real(arm.commanded_at(axis).acceleration)
     }),
     of_axis("joint.measured_position", REAL, |arm, axis, out| {
-        out.real(arm.measured(|s| s.position)[axis])
+        out.real(arm.measured_at(axis).position)
     }),
     of_axis("joint.measured_velocity", REAL, |arm, axis, out| {
-        out.real(arm.measured(|s| s.velocity)[axis])
+        out.real(arm.measured_at(axis).velocity)
     }),
     of_axis("joint.measured_acceleration", REAL, |arm, axis, out| {
-        out.real(arm.measured(|s| s.acceleration)[axis])
+        out.real(arm.measured_at(axis).acceleration)
     }),
     of_axis("joint.measured_torque", REAL, |arm, axis, out| {
         out.real(arm.external_torques()[axis])

@@ -1,0 +1,97 @@
+//! KUKA's six-axis industrial arms: KR 6 R900 sixx and KR 16-2.
+//!
+//! All joints at zero (the vendor's count) stretch the arm out level to the front; axes 1, 4 and 6 count clockwise.
+
+use crate::chain::Twist;
+use crate::model::{ArmModel, Inverse};
+use crate::opw::Geometry;
+use crate::{AxisLimits, Chain, Convention, Link};
+use core::f64::consts::FRAC_PI_2;
+
+/// KR 6 R900 sixx (Agilus).
+pub static KR_6_R900: ArmModel = ArmModel {
+    id: "kuka-kr6-r900",
+    title: "KUKA KR 6 R900 sixx",
+    source: "ros-industrial/kuka_experimental; acceleration: roboticsapi/kuka-kr-api; jerk: as an iiwa's",
+    chain: chain(&KR_6_R900_LINKS),
+    limits: &KR_6_R900_LIMITS,
+    inverse: Inverse::Opw(KR_6_R900_LENGTHS),
+};
+
+/// KR 16-2.
+pub static KR_16_2: ArmModel = ArmModel {
+    id: "kuka-kr16-2",
+    title: "KUKA KR 16-2",
+    source: "ros-industrial/kuka_experimental; acceleration: roboticsapi/kuka-kr-api; jerk: as an iiwa's",
+    chain: chain(&KR_16_2_LINKS),
+    limits: &KR_16_2_LIMITS,
+    inverse: Inverse::Opw(KR_16_2_LENGTHS),
+};
+
+const KR_6_R900_LENGTHS: Geometry = kr(0.025, -0.035, [0.400, 0.455, 0.420, 0.080]);
+const KR_16_2_LENGTHS: Geometry = kr(0.260, 0.035, [0.675, 0.680, 0.670, 0.158]);
+
+static KR_6_R900_LINKS: [Link; 6] = links(&KR_6_R900_LENGTHS);
+static KR_16_2_LINKS: [Link; 6] = links(&KR_16_2_LENGTHS);
+
+/// Full speed after half a second.
+const ACCELERATION: f64 = 2.0;
+const JERK: f64 = 20.0;
+
+static KR_6_R900_LIMITS: [AxisLimits; 6] = [
+    axis(-170.0, 170.0, 360.0),
+    axis(-190.0, 45.0, 300.0),
+    axis(-120.0, 156.0, 360.0),
+    axis(-185.0, 185.0, 381.0),
+    axis(-120.0, 120.0, 388.0),
+    axis(-350.0, 350.0, 615.0),
+];
+
+static KR_16_2_LIMITS: [AxisLimits; 6] = [
+    axis(-185.0, 185.0, 156.0),
+    axis(-155.0, 35.0, 156.0),
+    axis(-130.0, 154.0, 156.0),
+    axis(-350.0, 350.0, 330.0),
+    axis(-130.0, 130.0, 330.0),
+    axis(-350.0, 350.0, 615.0),
+];
+
+const fn axis(lower: f64, upper: f64, velocity: f64) -> AxisLimits {
+    AxisLimits::degrees(lower, upper, velocity).scaled(ACCELERATION, JERK)
+}
+
+const fn chain(links: &'static [Link]) -> Chain {
+    Chain {
+        convention: Convention::Standard,
+        links,
+        tail: &[],
+    }
+}
+
+/// Axis 2 counts from level, a quarter turn before upright.
+const fn kr(a1: f64, a2: f64, [c1, c2, c3, c4]: [f64; 4]) -> Geometry {
+    Geometry {
+        a1,
+        a2,
+        b: 0.0,
+        c1,
+        c2,
+        c3,
+        c4,
+        sense: [-1.0, 1.0, 1.0, -1.0, 1.0, -1.0],
+        offset: [0.0, FRAC_PI_2, 0.0, 0.0, 0.0, 0.0],
+    }
+}
+
+/// The same arm as a table: rows turn about z, so axes 2 and 3 bring their quarter turns along.
+const fn links(of: &Geometry) -> [Link; 6] {
+    let [s, o] = [of.sense, of.offset];
+    [
+        Link::new(of.a1, Twist::MINUS_90, of.c1).counted(s[0], o[0]),
+        Link::new(of.c2, Twist::NONE, of.b).counted(s[1], o[1] - FRAC_PI_2),
+        Link::new(of.a2, Twist::PLUS_90, 0.0).counted(s[2], o[2] + FRAC_PI_2),
+        Link::new(0.0, Twist::MINUS_90, of.c3).counted(s[3], o[3]),
+        Link::new(0.0, Twist::PLUS_90, 0.0).counted(s[4], o[4]),
+        Link::new(0.0, Twist::NONE, of.c4).counted(s[5], o[5]),
+    ]
+}

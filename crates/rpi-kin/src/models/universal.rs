@@ -1,0 +1,51 @@
+//! Universal Robots' UR5e.
+
+use crate::chain::Twist;
+use crate::model::{ArmModel, Inverse};
+use crate::ur::Geometry;
+use crate::{AxisLimits, Chain, Convention, Link};
+
+/// UR5e.
+pub static UR5E: ArmModel = ArmModel {
+    id: "ur5e",
+    title: "Universal Robots UR5e",
+    source: "UniversalRobots/Universal_Robots_ROS2_Description; acceleration and jerk: not published, as an iiwa's",
+    chain: Chain {
+        convention: Convention::Standard,
+        links: &LINKS,
+        tail: &[],
+    },
+    limits: &LIMITS,
+    inverse: Inverse::Ur(LENGTHS),
+};
+
+const LENGTHS: Geometry = Geometry {
+    d1: 0.1625,
+    a2: -0.425,
+    a3: -0.3922,
+    d4: 0.1333,
+    d5: 0.0997,
+    d6: 0.0996,
+};
+
+static LINKS: [Link; 6] = [
+    Link::new(0.0, Twist::PLUS_90, LENGTHS.d1),
+    Link::new(LENGTHS.a2, Twist::NONE, 0.0),
+    Link::new(LENGTHS.a3, Twist::NONE, 0.0),
+    Link::new(0.0, Twist::PLUS_90, LENGTHS.d4),
+    Link::new(0.0, Twist::MINUS_90, LENGTHS.d5),
+    Link::new(0.0, Twist::NONE, LENGTHS.d6),
+];
+
+static LIMITS: [AxisLimits; 6] = [
+    axis(360.0),
+    axis(360.0),
+    axis(180.0),
+    axis(360.0),
+    axis(360.0),
+    axis(360.0),
+];
+
+const fn axis(bound: f64) -> AxisLimits {
+    AxisLimits::degrees(-bound, bound, 180.0).scaled(3.0, 20.0)
+}

@@ -1,0 +1,75 @@
+//! What the closed forms of six-axis arms share: up to eight sets of joints, of which the hint chooses.
+
+use crate::angle::{SinCos, turn_within};
+use crate::{NoSolution, Range};
+
+/// Joint values of a six-axis arm, in rad.
+pub type Joints = [f64; 6];
+
+/// Up to eight sets of joints; those that do not exist are NaN.
+pub type Solutions = [Joints; 8];
+
+/// No joints.
+pub(crate) const NONE: Joints = [f64::NAN; 6];
+
+/// How far a cosine may be beyond 1 by rounding: it moves the flange by less than 1e-9 m.
+const REACH_TOLERANCE: f64 = 1e-9;
+
+/// The set nearest to `hint` (the smallest largest difference of a joint, each taken at the whole turn nearest to the hint
+/// that is in range) of those that exist and have every joint in its range.
+///
+/// # Errors
+/// [`NoSolution::NotFinite`] if a hint is NaN or infinite, [`NoSolution::OutOfReach`] if none exists,
+/// [`NoSolution::OutOfLimits`] if none is in range.
+pub fn choose(
+    solutions: &Solutions,
+    hint: &Joints,
+    ranges: &[Range; 6],
+) -> Result<Joints, NoSolution> {
+    if hint.iter().any(|joint| !joint.is_finite()) {
+        return Err(NoSolution::NotFinite);
+    }
+    let mut existing = solutions
+        .iter()
+        .filter(|joints| joints.iter().all(|joint| joint.is_finite()))
+        .peekable();
+    if existing.peek().is_none() {
+        return Err(NoSolution::OutOfReach);
+    }
+    let fitting = existing.filter_map(|joints| turned_into(joints, hint, ranges));
+    let nearest =
+        fitting.min_by(|one, other| distance(one, hint).total_cmp(&distance(other, hint)));
+    nearest.ok_or(NoSolution::OutOfLimits)
+}
+
+fn turned_into(joints: &Joints, hint: &Joints, ranges: &[Range; 6]) -> Option<Joints> {
+    let mut turned = *joints;
+    for (axis, joint) in turned.iter_mut().enumerate() {
+        *joint = turn_within(*joint, hint[axis], ranges[axis])?;
+    }
+    Some(turned)
+}
+
+fn distance(joints: &Joints, hint: &Joints) -> f64 {
+    let differences = joints
+        .iter()
+        .zip(hint)
+        .map(|(joint, hint)| (joint - hint).abs());
+    differences.fold(0.0, f64::max)
+}
+
+/// The two bends of a joint between two limbs that bring the end of the second to a distance from the start of the first
+/// (law of cosines); NaN if neither does.
+pub(crate) fn bends(first: f64, second: f64, distance_squared: f64) -> [f64; 2] {
+    let cos = (distance_squared - first * first - second * second) / (2.0 * first * second);
+    if cos.abs() > 1.0 + REACH_TOLERANCE {
+        return [f64::NAN; 2];
+    }
+    let cos = cos.clamp(-1.0, 1.0);
+    let bend = SinCos {
+        sin: libm::sqrt((1.0 - cos) * (1.0 + cos)),
+        cos,
+    }
+    .angle();
+    [bend, -bend]
+}

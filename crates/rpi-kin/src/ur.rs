@@ -1,0 +1,97 @@
+//! Six-axis arms whose axes 2, 3 and 4 are parallel: Universal Robots' and their kind.
+//!
+//! Source of the idea: Hawkins, Analytic inverse kinematics for the Universal Robots UR-5/UR-10 arms, Georgia Tech 2013. The
+//! angles themselves follow from the orientation, which such an arm makes as `Rz Ry Rz` once axis 1 is known.
+
+use crate::angle::{HALF_TURN, SinCos};
+use crate::ball;
+use crate::six::{Joints, NONE, Solutions, bends};
+use crate::{NoSolution, Transform};
+use nalgebra::Vector3;
+
+/// Lengths of the standard Denavit-Hartenberg table, in m; `a2` and `a3` are negative by the vendor's convention.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Geometry {
+    /// Base to shoulder.
+    pub d1: f64,
+    /// Upper arm.
+    pub a2: f64,
+    /// Forearm.
+    pub a3: f64,
+    /// Along axis 4.
+    pub d4: f64,
+    /// Along axis 5.
+    pub d5: f64,
+    /// Along axis 6, to the flange.
+    pub d6: f64,
+}
+
+/// How far a cosine may be beyond 1 by rounding.
+const REACH_TOLERANCE: f64 = 1e-9;
+
+impl Geometry {
+    /// All sets of joints that put the flange at `flange` (in the base). Turns that the pose leaves open are those of
+    /// `hint` (rad).
+    ///
+    /// # Errors
+    /// [`NoSolution::NotFinite`] if the pose is.
+    pub fn solutions(&self, flange: &Transform, hint: &Joints) -> Result<Solutions, NoSolution> {
+        let rotation = flange.rotation.matrix();
+        if !(flange.translation.vector.iter().chain(rotation.iter())).all(|entry| entry.is_finite())
+        {
+            return Err(NoSolution::NotFinite);
+        }
+        let along: Vector3<f64> = rotation.column(2).into();
+        let before_last = flange.translation.vector - along * self.d6;
+        let open = hint[1] + hint[2] + hint[3];
+        let mut solutions = [NONE; 8];
+        for (side, q1) in self.first(&before_last).into_iter().enumerate() {
+            let seen = |column: usize| in_shoulder(&rotation.column(column).into(), q1);
+            let [turn, bend, roll] = ball::angles(&seen(0), &seen(2), open);
+            let wrist = in_shoulder(&(before_last - Vector3::z() * self.d1), q1);
+            let hands = [
+                (turn, -bend, roll),
+                (turn + HALF_TURN, bend, roll + HALF_TURN),
+            ];
+            for (hand, (sum, q5, q6)) in hands.into_iter().enumerate() {
+                for (elbow, [q2, q3]) in self.planar(&wrist, sum).into_iter().enumerate() {
+                    solutions[4 * side + 2 * hand + elbow] = [q1, q2, q3, sum - q2 - q3, q5, q6];
+                }
+            }
+        }
+        Ok(solutions)
+    }
+
+    /// The two angles of axis 1 that bring the fifth frame's origin `d4` to the side of the arm's plane.
+    fn first(&self, before_last: &Vector3<f64>) -> [f64; 2] {
+        let level = libm::sqrt(before_last.x * before_last.x + before_last.y * before_last.y);
+        let sin = self.d4 / level;
+        if sin.is_nan() || sin.abs() > 1.0 + REACH_TOLERANCE {
+            return [f64::NAN; 2];
+        }
+        let towards = libm::atan2(before_last.y, before_last.x);
+        let aside = libm::asin(sin.clamp(-1.0, 1.0));
+        [towards + aside, towards + HALF_TURN - aside]
+    }
+
+    /// Shoulder and elbow for the wrist seen from the shoulder, with the sum of the three parallel axes: elbow one way or
+    /// the other.
+    fn planar(&self, wrist: &Vector3<f64>, sum: f64) -> [[f64; 2]; 2] {
+        let SinCos { sin, cos } = SinCos::of(sum);
+        let (x, y) = (wrist.x - self.d5 * sin, wrist.y + self.d5 * cos);
+        let towards = libm::atan2(y, x);
+        bends(self.a2, self.a3, x * x + y * y).map(|bend| {
+            let SinCos { sin, cos } = SinCos::of(bend);
+            [
+                towards - libm::atan2(self.a3 * sin, self.a2 + self.a3 * cos),
+                bend,
+            ]
+        })
+    }
+}
+
+/// `(Rz(q1) Rx(90 deg))^-1 v`.
+fn in_shoulder(v: &Vector3<f64>, q1: f64) -> Vector3<f64> {
+    let SinCos { sin, cos } = SinCos::of(q1);
+    Vector3::new(cos * v.x + sin * v.y, v.z, sin * v.x - cos * v.y)
+}
