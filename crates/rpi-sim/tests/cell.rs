@@ -111,7 +111,7 @@ fn everything_that_may_be_said_is_understood() {
 #[test]
 fn what_is_not_said_is_the_models() {
     let cell = good("[devices.a]\nkind = \"arm\"\nmodel = \"kuka-iiwa-14\"\n");
-    let arm = arm(&cell, "a");
+    let arm = self::arm(&cell, "a");
     assert_eq!(arm.joints, [0.0; 7]);
     assert_eq!(arm.limits, arm.model.limits);
     assert!(
@@ -122,6 +122,12 @@ fn what_is_not_said_is_the_models() {
     );
     assert!(arm.faults.is_empty() && arm.lag == 0.0);
     assert!(good("").devices.is_empty());
+    let panda = good("[devices.a]\nkind = \"arm\"\nmodel = \"franka-panda\"\n");
+    assert_eq!(
+        self::arm(&panda, "a").joints[3],
+        -0.0698,
+        "the end of its range, which has no zero"
+    );
 }
 
 #[test]

@@ -50,25 +50,34 @@ pub struct Enforced {
 const ENFORCEABLE: &[&str] = &["position", "velocity", "acceleration", "jerk"];
 
 pub(super) fn read(reader: &mut Reader<'_>) -> Option<ArmSpec> {
-    let model = read_model(reader);
-    let shown = model.unwrap_or(models::ALL[0]);
-    let axes = shown.axes();
-    let spec = ArmSpec {
-        model: shown,
-        joints: reader
-            .reals("joints", Angle, axes)
-            .unwrap_or_else(|| vec![0.0; axes]),
+    let Some(model) = read_model(reader) else {
+        // What the other keys may say depends on the model: nothing is said about them, but that they are known.
+        reader.assume(|other| drop(read_of(other, models::ALL[0])));
+        return None;
+    };
+    let spec = read_of(reader, model);
+    check_start(reader, &spec);
+    Some(spec)
+}
+
+fn read_of(reader: &mut Reader<'_>, model: &'static ArmModel) -> ArmSpec {
+    let axes = model.axes();
+    let joints = reader.reals("joints", Angle, axes);
+    let limits = read_limits(reader, model.limits);
+    let nearest_to_zero =
+        |axis: &AxisLimits| 0.0_f64.max(axis.position.lower).min(axis.position.upper);
+    ArmSpec {
+        model,
+        joints: joints.unwrap_or_else(|| limits.iter().map(nearest_to_zero).collect()),
         base: read_pose(reader, "base"),
         tool: read_pose(reader, "tool"),
-        limits: read_limits(reader, shown.limits),
+        limits,
         enforced: read_enforced(reader),
         lag: reader.magnitude("lag", Time).unwrap_or(0.0),
         latency: reader.magnitude("latency", Time).unwrap_or(0.0),
         noise: reader.magnitude("noise", Angle).unwrap_or(0.0),
         faults: faults::read(reader, axes),
-    };
-    check_start(reader, &spec);
-    model.map(|_| spec)
+    }
 }
 
 fn read_model(reader: &mut Reader<'_>) -> Option<&'static ArmModel> {

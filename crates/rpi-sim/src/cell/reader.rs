@@ -67,6 +67,14 @@ impl<'a> Reader<'a> {
         self.faults
     }
 
+    /// Counts the keys as asked for that `read` asks for, without reading them.
+    pub(super) fn assume(&mut self, read: impl FnOnce(&mut Reader<'_>)) {
+        let faults = Faults::default();
+        let mut other = Reader::empty(&faults);
+        read(&mut other);
+        self.asked.append(&mut other.asked);
+    }
+
     /// The keys that were asked for so far.
     pub(super) fn asked(self) -> Vec<&'static str> {
         self.asked
