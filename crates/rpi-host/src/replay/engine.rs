@@ -27,11 +27,9 @@ pub fn replay(net: &Net, trace: &Trace, options: &Options) -> Result<Report, Rep
     let machine = machine(net, options, &mut bank)?;
     let plan = Plan::new(net, machine.image(), trace);
     let mut replay = Replay::new(net, plan, machine, bank, trace, options);
-    replay
-        .tally
-        .report
-        .unmatched
-        .clone_from(&replay.plan.unmatched);
+    let report = &mut replay.tally.report;
+    report.unmatched.clone_from(&replay.plan.unmatched);
+    report.renumbered = replay.plan.shift;
     for number in 1..=trace.last_cycle() {
         replay.cycle(number);
         if replay.tally.report.fault.is_some() {
@@ -74,6 +72,10 @@ pub(super) struct Replay<'a> {
     pub(super) held: Vec<Vec<Recorded>>,
     /// Nodes whose values depend on something that the trace does not have in this cycle.
     pub(super) unsure: Vec<bool>,
+    /// Nodes whose fragment was inactive in the cycle before.
+    pub(super) paused: Vec<bool>,
+    /// Nodes whose recorded value in this cycle may be that of an object which the reference has changed since.
+    pub(super) aliased: Vec<bool>,
     /// The cycle in which a port first was off, by however little.
     pub(super) since: Vec<Vec<Option<u64>>>,
 }
@@ -96,6 +98,8 @@ impl<'a> Replay<'a> {
                 .collect(),
             since: plan.nodes.iter().map(|n| vec![None; outs(n)]).collect(),
             unsure: vec![false; plan.nodes.len()],
+            paused: vec![false; plan.nodes.len()],
+            aliased: vec![false; plan.nodes.len()],
             start_ns: trace.start_ms.unwrap_or(0).saturating_mul(1_000_000),
             period_ns: options.period_ns,
             tolerance: Tolerance {
@@ -131,6 +135,7 @@ impl<'a> Replay<'a> {
         for k in 0..self.plan.aliases.len() {
             self.alias(k);
         }
+        self.note_pauses();
         self.machine.commit();
         self.note_fault(number);
         self.machine.hand_over(&mut self.bank);
@@ -148,6 +153,18 @@ impl<'a> Replay<'a> {
             }
             pc = next;
         }
+    }
+
+    fn note_pauses(&mut self) {
+        for (node, paused) in self.plan.nodes.iter().zip(&mut self.paused) {
+            let fragment = node.outs.first().map(|out| out.fragment);
+            *paused = fragment.is_some_and(|f| !self.machine.is_active(f));
+        }
+    }
+
+    /// Period in seconds.
+    pub(super) fn dt(&self) -> f64 {
+        self.period_ns as f64 * 1e-9
     }
 
     fn note_fault(&mut self, cycle: u64) {

@@ -1,68 +1,92 @@
-//! Whether an entry of the table of differences explains that a value differs.
+//! Whether an entry of the table of differences explains that a value differs: gathers what the table asks for.
+
+use rpi_image::PrimDesc;
+use rpi_net::{Input, NodeId, PortRef};
+use rpi_prims::differences::{self, Case, DIFFERENCES, Difference, When};
 
 use super::engine::Replay;
 use super::recorded::Recorded;
-use rpi_image::PrimDesc;
-use rpi_net::PortRef;
+use super::relation::same;
 
-/// An entry of the table: a fault of the reference that is not imitated.
-pub(super) struct Difference {
-    pub(super) name: &'static str,
-    pub(super) why: &'static str,
-    primitive: &'static str,
-    port: &'static str,
-    holds: fn(&Case<'_, '_>) -> bool,
-}
-
-/// A differing value.
-pub(super) struct Case<'r, 'a> {
-    pub(super) replay: &'r Replay<'a>,
-    pub(super) port: PortRef,
-    pub(super) computed: Option<&'r [u64]>,
-    pub(super) recorded: &'r Recorded,
-}
-
-const DIFFERENCES: &[Difference] = &[
-    Difference {
-        name: "sine-is-cosine",
-        why: "the reference's sine computes the cosine",
-        primitive: "Core::DoubleSin",
-        port: "outValue",
-        holds: on_the_unit_circle,
-    },
-    Difference {
-        name: "cosine-is-sine",
-        why: "the reference's cosine computes the sine",
-        primitive: "Core::DoubleCos",
-        port: "outValue",
-        holds: on_the_unit_circle,
-    },
-];
-
-/// True if an entry speaks of such a port.
+/// True if an entry speaks of such a port: it may be forced to any value, or to absence.
 pub(super) fn concerns(desc: &PrimDesc, port: usize) -> bool {
-    DIFFERENCES.iter().any(|d| d.speaks_of(desc, port))
+    differences::concerns(desc, port)
+}
+
+/// True if the reference may have given a wrong value here: where nothing was recorded, nobody knows what went on.
+pub(super) fn may_be_wrong(desc: &PrimDesc, port: usize) -> bool {
+    let own = |d: &&Difference| !matches!(d.when, When::ReadsAliased);
+    let mut entries = DIFFERENCES.iter().filter(own);
+    entries.any(|d| d.speaks_of(desc, port))
 }
 
 /// The entry that explains a differing value.
-pub(super) fn explain(case: &Case<'_, '_>) -> Option<&'static Difference> {
-    let desc = case.replay.net.node(case.port.node).desc();
-    let port = usize::from(case.port.port);
-    let mut entries = DIFFERENCES.iter();
-    entries.find(|d| d.speaks_of(desc, port) && (d.holds)(case))
+pub(super) fn explain(
+    replay: &Replay<'_>,
+    port: PortRef,
+    computed: Option<&[u64]>,
+    recorded: &Recorded,
+) -> Option<&'static Difference> {
+    let node = replay.net.node(port.node);
+    let inputs: Vec<_> = node.inputs.iter().map(|i| replay.input(i)).collect();
+    let sources: Vec<_> = node.inputs.iter().map(|i| source(replay, i)).collect();
+    let origins = origins(replay, port);
+    let origins: Vec<&[u64]> = origins.iter().map(Vec::as_slice).collect();
+    let case = Case {
+        desc: node.desc(),
+        port: usize::from(port.port),
+        dt: replay.dt(),
+        inputs: &inputs,
+        sources: &sources,
+        origins: &origins,
+        params: &node.params,
+        computed,
+        recorded: match recorded {
+            Recorded::Value(cells) => differences::Recorded::Value(cells),
+            Recorded::Foreign(_) => differences::Recorded::Other,
+            _ => differences::Recorded::Absent,
+        },
+        after_pause: replay.paused[port.node.index()],
+        reads_aliased: reads_aliased(replay, port.node),
+    };
+    let ty = replay.plan.out(port).signal.ty;
+    differences::explain(&case, |a, b| same(ty, a, b, replay.tolerance))
 }
 
-impl Difference {
-    fn speaks_of(&self, desc: &PrimDesc, port: usize) -> bool {
-        self.primitive == desc.name && desc.outputs[port].name == self.port
+/// True if a node reads a value that the reference has overwritten since.
+pub(super) fn reads_aliased(replay: &Replay<'_>, node: NodeId) -> bool {
+    let mut reads = replay.net.node(node).inputs.iter();
+    reads.any(|i| matches!(i, Input::Port(p) if replay.aliased[p.node.index()]))
+}
+
+fn source<'a>(replay: &Replay<'a>, input: &Input) -> Option<&'a str> {
+    match input {
+        Input::Port(port) => Some(replay.net.node(port.node).desc().name),
+        Input::Open | Input::Const(_) => None,
     }
 }
 
-/// Sine and cosine of one angle: their squares add up to 1.
-fn on_the_unit_circle(case: &Case<'_, '_>) -> bool {
-    let (Some(computed), Recorded::Value(recorded)) = (case.computed, case.recorded) else {
-        return false;
-    };
-    let square = |cells: &[u64]| f64::from_bits(cells[0]) * f64::from_bits(cells[0]);
-    (square(computed) + square(recorded) - 1.0).abs() < 1e-12
+/// Values recorded in this cycle behind the first in-port, through primitives of the reference that hand objects on.
+fn origins(replay: &Replay<'_>, port: PortRef) -> Vec<Vec<u64>> {
+    let ty = replay.plan.out(port).signal.ty;
+    let mut found = Vec::new();
+    let mut seen = vec![port.node];
+    let first = replay.net.node(port.node).inputs.first();
+    let mut open: Vec<&Input> = first.into_iter().collect();
+    while let Some(input) = open.pop() {
+        let Input::Port(source) = input else {
+            continue;
+        };
+        if replay.plan.out(*source).signal.ty == ty
+            && let Recorded::Value(cells) = replay.recorded(*source)
+        {
+            found.push(cells);
+        }
+        let node = replay.net.node(source.node);
+        if differences::passes_on(node.desc().name) && !seen.contains(&source.node) {
+            seen.push(source.node);
+            open.extend(&node.inputs);
+        }
+    }
+    found
 }

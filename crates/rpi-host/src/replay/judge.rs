@@ -4,9 +4,10 @@ use rpi_core::Machine;
 use rpi_image::image::Signal;
 use rpi_image::{State, Type};
 use rpi_net::{Input, NodeId, PortRef};
+use rpi_prims::differences::{self, When};
 
 use super::engine::Replay;
-use super::explain::{self, Case};
+use super::explain::{explain, may_be_wrong, reads_aliased};
 use super::path;
 use super::plan::{Alias, AliasPlace};
 use super::recorded::Recorded;
@@ -19,6 +20,8 @@ impl Replay<'_> {
         let watched = &self.plan.nodes[id.index()];
         let (ports, is_input) = (watched.outs.len(), watched.is_input);
         self.unsure[id.index()] = self.reads_unsure(id);
+        let hands_on = differences::passes_on(self.net.node(id).desc().name);
+        self.aliased[id.index()] = hands_on && reads_aliased(self, id);
         for k in 0..ports {
             let port = PortRef {
                 node: id,
@@ -65,6 +68,10 @@ impl Replay<'_> {
     /// Compares what a node has computed with what the trace says.
     fn compare(&mut self, port: PortRef) {
         let recorded = self.recorded(port);
+        if recorded == Recorded::Unknown {
+            let desc = self.net.node(port.node).desc();
+            self.unsure[port.node.index()] |= may_be_wrong(desc, usize::from(port.port));
+        }
         if self.is_unsure(port.node, &recorded) {
             return;
         }
@@ -100,9 +107,10 @@ impl Replay<'_> {
                 self.tally.report.rewritten += 1;
                 force(&mut self.machine, self.plan.out(port).signal, recorded);
             }
-            Relation::Differs(deviation) => match self.explained(port, computed, recorded) {
+            Relation::Differs(deviation) => match explain(self, port, computed, recorded) {
                 Some(entry) => {
-                    self.tally.explained(at, entry.name, entry.why);
+                    self.tally.explained(at, entry.name, entry.fault);
+                    self.aliased[port.node.index()] |= matches!(entry.when, When::AliasedSource);
                     force(&mut self.machine, self.plan.out(port).signal, recorded);
                 }
                 None if self.tally.differs(at, deviation) => {
@@ -119,20 +127,6 @@ impl Replay<'_> {
             port: name,
             primitive: self.net.node(port.node).desc().name,
         }
-    }
-
-    fn explained(
-        &self,
-        port: PortRef,
-        computed: Option<&[u64]>,
-        recorded: &Recorded,
-    ) -> Option<&'static explain::Difference> {
-        explain::explain(&Case {
-            replay: self,
-            port,
-            computed,
-            recorded,
-        })
     }
 
     pub(super) fn alias(&mut self, k: usize) {

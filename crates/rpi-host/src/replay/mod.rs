@@ -13,6 +13,7 @@ mod explain;
 mod inputs;
 mod judge;
 mod look;
+mod names;
 mod options;
 mod path;
 mod plan;

@@ -1,6 +1,6 @@
 //! What is looked at in each cycle: for every out-port of the net where it lies in memory and what the trace calls it.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
 use rpi_image::Image;
 use rpi_image::Type;
@@ -9,6 +9,7 @@ use rpi_net::{Input, Net, NodeId, PortRef};
 
 use super::angles::{Measure, measure};
 use super::inputs::{is_input, is_latched};
+use super::names::Names;
 use crate::trace::{PortId, Trace};
 
 /// An out-port of a node.
@@ -61,27 +62,20 @@ pub(super) struct Plan {
     pub(super) stepless: Vec<NodeId>,
     /// Ports of the trace that the net does not have.
     pub(super) unmatched: Vec<String>,
+    /// What was added to the numbers in the trace's names.
+    pub(super) shift: i64,
 }
 
 impl Plan {
     /// Lays a net, its image (lowered to be observed) and a trace side by side.
     pub(super) fn new(net: &Net, image: &Image, trace: &Trace) -> Plan {
-        let nodes = watched(net, image, trace);
-        let mut aliases = borders(net, trace);
-        let mut unmatched = Vec::new();
         let in_ports = in_ports(net);
-        let known = known(&nodes, net, &aliases);
-        for (id, name) in trace.ports().filter(|(_, name)| !known.contains_key(*name)) {
-            match in_ports.get(name) {
-                Some((ty, source)) => aliases.push(Alias {
-                    name: name.to_owned(),
-                    ty: *ty,
-                    source: (*source).clone(),
-                    place: AliasPlace::InPort(id),
-                }),
-                None => unmatched.push(name.to_owned()),
-            }
-        }
+        let known = known(net, &in_ports);
+        let names = Names::new(trace, &known);
+        let nodes = watched(net, image, &names);
+        let mut aliases = borders(net, &names);
+        aliases.extend(chosen(&in_ports, &names));
+        let unmatched = names.all().filter(|(name, _)| !known.contains(*name));
         let (latched, others): (Vec<NodeId>, Vec<NodeId>) = net
             .node_ids()
             .partition(|id| is_latched(net.node(*id).desc()));
@@ -90,9 +84,10 @@ impl Plan {
             latched,
             done,
             stepless,
+            unmatched: unmatched.map(|(name, _)| name.to_owned()).collect(),
+            shift: names.shift,
             nodes,
             aliases,
-            unmatched,
         }
     }
 
@@ -102,7 +97,7 @@ impl Plan {
     }
 }
 
-fn watched(net: &Net, image: &Image, trace: &Trace) -> Vec<Watched> {
+fn watched(net: &Net, image: &Image, names: &Names) -> Vec<Watched> {
     let probes: BTreeMap<String, usize> = image
         .probes
         .iter()
@@ -118,7 +113,7 @@ fn watched(net: &Net, image: &Image, trace: &Trace) -> Vec<Watched> {
             Some(Out {
                 signal: probe.value,
                 fragment: probe.fragment,
-                recorded: trace.find(&name),
+                recorded: names.find(&name),
                 measure: measure(desc, k),
             })
         });
@@ -132,24 +127,25 @@ fn watched(net: &Net, image: &Image, trace: &Trace) -> Vec<Watched> {
 }
 
 /// Out-ports of fragments below the root.
-fn borders(net: &Net, trace: &Trace) -> Vec<Alias> {
+fn border_ports(net: &Net) -> impl Iterator<Item = (String, &Input)> {
     let inner = net.fragments.iter().filter_map(|f| Some((f.parent?, f)));
-    let ports = inner.flat_map(|(parent, fragment)| {
+    inner.flat_map(|(parent, fragment)| {
         let path = net.path(parent, &fragment.name);
-        fragment
-            .outputs
-            .iter()
-            .map(move |port| (format!("{path}.{}", port.name), &port.source))
-    });
+        let ports = fragment.outputs.iter();
+        ports.map(move |port| (format!("{path}.{}", port.name), &port.source))
+    })
+}
+
+fn borders(net: &Net, names: &Names) -> Vec<Alias> {
     let alias = |(name, source): (String, &Input)| {
         Some(Alias {
             ty: type_of(net, source)?,
             source: source.clone(),
-            place: AliasPlace::Border(trace.find(&name)),
+            place: AliasPlace::Border(names.find(&name)),
             name,
         })
     };
-    ports.filter_map(alias).collect()
+    border_ports(net).filter_map(alias).collect()
 }
 
 fn in_ports(net: &Net) -> BTreeMap<String, (Type, &Input)> {
@@ -177,13 +173,32 @@ pub(super) fn type_of(net: &Net, input: &Input) -> Option<Type> {
     }
 }
 
-fn known<'a>(nodes: &'a [Watched], net: &'a Net, aliases: &'a [Alias]) -> BTreeMap<String, ()> {
-    let outs = nodes.iter().zip(&net.nodes).flat_map(|(watched, node)| {
+/// In-ports that the recording chose.
+fn chosen(in_ports: &BTreeMap<String, (Type, &Input)>, names: &Names) -> Vec<Alias> {
+    let chosen = names
+        .all()
+        .filter_map(|(name, id)| Some((name, id, in_ports.get(name)?)));
+    chosen
+        .map(|(name, id, (ty, source))| Alias {
+            name: name.to_owned(),
+            ty: *ty,
+            source: (*source).clone(),
+            place: AliasPlace::InPort(id),
+        })
+        .collect()
+}
+
+/// The names of all ports of the net.
+fn known(net: &Net, in_ports: &BTreeMap<String, (Type, &Input)>) -> BTreeSet<String> {
+    let outs = net.nodes.iter().flat_map(|node| {
+        let path = net.path(node.fragment, &node.name);
         let outs = node.desc().outputs.iter();
-        outs.map(move |out| format!("{}.{}", watched.path, out.name))
+        outs.map(move |out| format!("{path}.{}", out.name))
     });
-    let borders = aliases.iter().map(|alias| alias.name.clone());
-    outs.chain(borders).map(|name| (name, ())).collect()
+    let borders = border_ports(net).map(|(name, _)| name);
+    outs.chain(borders)
+        .chain(in_ports.keys().cloned())
+        .collect()
 }
 
 /// For each step the nodes that are done after it, their last one; and the nodes that have none.

@@ -75,6 +75,13 @@ impl Report {
     }
 
     fn lists(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        if self.renumbered != 0 {
+            let shift = self.renumbered;
+            writeln!(
+                f,
+                "  the trace is of another run: {shift:+} on the numbers in its generated names"
+            )?;
+        }
         for port in self.unmatched.iter().take(LISTED) {
             writeln!(f, "  the net has no port {port}")?;
         }

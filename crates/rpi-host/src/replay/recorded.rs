@@ -76,9 +76,11 @@ fn read(row: Option<&str>, covered: bool, ty: Type) -> Recorded {
         None if covered => Recorded::Absent,
         None => Recorded::Unknown,
         Some(text) if is_opaque(text) => Recorded::Opaque,
+        Some("null") => Recorded::Absent,
+        // An array with an absent element is no value either.
         Some(text) => match literal::read(text, ty) {
-            Ok(value) => value.map_or(Recorded::Absent, |v| Recorded::Value(v.cells().to_vec())),
-            Err(_) => Recorded::Foreign(text.to_owned()),
+            Ok(Some(value)) => Recorded::Value(value.cells().to_vec()),
+            Ok(None) | Err(_) => Recorded::Foreign(text.to_owned()),
         },
     }
 }

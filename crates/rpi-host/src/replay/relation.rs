@@ -53,6 +53,14 @@ pub(super) fn relate(
     }
 }
 
+/// True if two values are equal as far as their digits go.
+pub(super) fn same(ty: Type, a: &[u64], b: &[u64], tolerance: Tolerance) -> bool {
+    matches!(
+        values(ty, Nature::Plain, (a, b), tolerance),
+        Relation::Agrees(_)
+    )
+}
+
 fn values(ty: Type, nature: Nature, (a, b): (&[u64], &[u64]), tolerance: Tolerance) -> Relation {
     let plain = deviation(ty, a, b);
     if plain <= tolerance.usual {

@@ -29,6 +29,8 @@ pub struct Report {
     pub ports: Vec<PortTally>,
     /// Ports of the trace that the net does not have.
     pub unmatched: Vec<String>,
+    /// What was added to the numbers in the trace's generated names so that they are the net's; mostly 0.
+    pub renumbered: i64,
     /// The fault that ended the net, if one did.
     pub fault: Option<Fault>,
 }

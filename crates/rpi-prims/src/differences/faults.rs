@@ -81,15 +81,15 @@ pub(super) fn frame_otg(case: &Case<'_>) -> Option<Wrong> {
     })
 }
 
-/// Not scaled to unit length; no rotation at all where the angle is small.
+/// Not scaled to unit length; no rotation at all where the angle is small, and not a number where w is no cosine.
 pub(super) fn from_quaternion(case: &Case<'_>) -> Option<Wrong> {
     const NO_ROTATION: f64 = 0.99999;
     let axis = Vector::new(case.input(0)?, case.input(1)?, case.input(2)?);
     let (w, length): (f64, f64) = (case.input(3)?, geometry::norm(axis));
-    if w > NO_ROTATION || length == 0.0 {
+    if (w > NO_ROTATION && w <= 1.0) || length == 0.0 {
         return Some(Wrong::value(Rotation::identity()));
     }
-    let part = axis / length * libm::sqrt((1.0 - w * w).max(0.0));
+    let part = axis / length * libm::sqrt(1.0 - w * w);
     let wrong = UnitQuaternion::new_unchecked(Quaternion::from_parts(w, part));
     Some(Wrong::value(wrong))
 }

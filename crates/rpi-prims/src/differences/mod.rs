@@ -165,7 +165,9 @@ pub fn explain(
 }
 
 impl Difference {
-    fn speaks_of(&self, desc: &PrimDesc, port: usize) -> bool {
+    /// True if it concerns an out-port.
+    #[must_use]
+    pub fn speaks_of(&self, desc: &PrimDesc, port: usize) -> bool {
         let port = desc.outputs.get(port).map_or("", |out| out.name);
         let types = self.types.iter().any(|pattern| matches(pattern, desc.name));
         types && self.ports.contains(&port)

@@ -81,7 +81,7 @@ pub const DIFFERENCES: &[Difference] = &[
         types: &["World::RotationFromQuaternion"],
         ports: &["outValue"],
         when: When::Gives(faults::from_quaternion),
-        fault: "takes the angle from w as it is, without scaling to unit length, and drops rotations below half a degree",
+        fault: "takes the angle from w as it is, without scaling to unit length (not a number for w above 1), and drops rotations below half a degree",
         right: "every quaternion that is not 0 stands for the rotation of the unit quaternion in its direction",
         test: "small_and_unscaled_quaternions_are_rotations",
     },
