@@ -8,6 +8,6 @@ mod compile;
 mod input;
 mod period;
 
-pub use compile::{Compiled, Program, compile};
+pub use compile::{Compiled, Program, compile, lower};
 pub use input::{Input, InputError, Kind, read};
 pub use period::{parse_period, period_text};
