@@ -87,14 +87,16 @@ pub(crate) enum Carries {
     One(Scalar),
     /// A real for each axis.
     PerAxis,
+    /// A value for each terminal, or for the first of them.
+    PerTerminal(Scalar),
     /// This many cells of reals, the in-ports or out-ports of a primitive one after the other.
     Reals(u32),
 }
 
 impl Carries {
-    /// Whether a command that sees the port as `ty` can use it. Values put together of several ports are compared by
-    /// their size, for their parts are laid out in a row whatever they are.
-    pub(crate) fn fits(self, ty: Type, axes: usize) -> bool {
+    /// Whether a command that sees the port as `ty` can use it; `size` is the number of axes or terminals. Values put
+    /// together of several ports are compared by their size, for their parts are laid out in a row whatever they are.
+    pub(crate) fn fits(self, ty: Type, size: usize) -> bool {
         let real = |ty: Type| match ty {
             Type::One(scalar) | Type::Array(scalar, _) => {
                 !matches!(scalar, Scalar::Bool | Scalar::Int | Scalar::Time)
@@ -103,7 +105,10 @@ impl Carries {
         };
         match self {
             Self::One(scalar) => ty == Type::One(scalar),
-            Self::PerAxis => real(ty) && ty.cells() as usize == axes,
+            Self::PerAxis => real(ty) && ty.cells() as usize == size,
+            Self::PerTerminal(scalar) => {
+                matches!(ty, Type::Array(own, count) if own == scalar && count as usize <= size)
+            }
             Self::Reals(cells) => real(ty) && ty.cells() == cells,
         }
     }
@@ -137,6 +142,7 @@ impl Head {
         let carries = match self.carries {
             Carries::One(scalar) => scalar.name().to_owned(),
             Carries::PerAxis => "real^n".to_owned(),
+            Carries::PerTerminal(scalar) => format!("{}^n", scalar.name()),
             Carries::Reals(cells) => format!("real^{cells}"),
         };
         PortInfo {
@@ -148,12 +154,11 @@ impl Head {
     }
 }
 
-/// Finds a port in a table. `count` tells how many of an indexed port there are, `axes` how many axes the device has.
+/// Finds a port in a table. `size` tells how many axes or terminals there are behind a line.
 pub(crate) fn find<'a>(
     table: impl Iterator<Item = &'a Head>,
     name: &PortName<'_>,
-    count: impl Fn(&Head) -> usize,
-    axes: usize,
+    size: impl Fn(usize) -> usize,
 ) -> Result<Slot, ResolveError> {
     let named = table
         .enumerate()
@@ -161,14 +166,10 @@ pub(crate) fn find<'a>(
     let mut error = ResolveError::NoPort;
     for (line, head) in named {
         let index = usize::try_from(name.index).unwrap_or(usize::MAX);
-        let many = if head.indexed {
-            count(head)
-        } else {
-            usize::MAX
-        };
-        if index >= many {
+        let size = size(line);
+        if head.indexed && index >= size {
             error = ResolveError::NoIndex;
-        } else if !head.carries.fits(name.ty, axes) {
+        } else if !head.carries.fits(name.ty, size) {
             error = ResolveError::WrongType;
         } else {
             let index = if head.indexed { index } else { 0 };

@@ -29,18 +29,20 @@ struct Line {
     output: bool,
 }
 
-const fn line(
+/// A port of one terminal, by its index.
+const fn one(
     name: &'static str,
     kind: PortKind,
     scalar: Scalar,
     bank: usize,
     output: bool,
 ) -> Line {
+    let carries = Carries::One(scalar);
     Line {
         head: Head {
             name,
             kind,
-            carries: Carries::One(scalar),
+            carries,
             indexed: true,
         },
         bank,
@@ -48,13 +50,39 @@ const fn line(
     }
 }
 
+/// A port of all terminals.
+const fn all(
+    name: &'static str,
+    kind: PortKind,
+    scalar: Scalar,
+    bank: usize,
+    output: bool,
+) -> Line {
+    let carries = Carries::PerTerminal(scalar);
+    Line {
+        head: Head {
+            name,
+            kind,
+            carries,
+            indexed: false,
+        },
+        bank,
+        output,
+    }
+}
+
 const PORTS: &[Line] = &[
-    line("in.bool", PortKind::Sensor, Scalar::Bool, 0, false),
-    line("out.bool", PortKind::Sensor, Scalar::Bool, 0, true),
-    line("out.bool", PortKind::Actuator, Scalar::Bool, 0, true),
-    line("in.real", PortKind::Sensor, Scalar::Real, 1, false),
-    line("out.real", PortKind::Sensor, Scalar::Real, 1, true),
-    line("out.real", PortKind::Actuator, Scalar::Real, 1, true),
+    one("in.bool", PortKind::Sensor, Scalar::Bool, 0, false),
+    one("out.bool", PortKind::Sensor, Scalar::Bool, 0, true),
+    one("out.bool", PortKind::Actuator, Scalar::Bool, 0, true),
+    one("in.real", PortKind::Sensor, Scalar::Real, 1, false),
+    one("out.real", PortKind::Sensor, Scalar::Real, 1, true),
+    one("out.real", PortKind::Actuator, Scalar::Real, 1, true),
+    // The device types of `.rpi`.
+    all("get", PortKind::Sensor, Scalar::Bool, 0, false),
+    all("get", PortKind::Sensor, Scalar::Real, 1, false),
+    all("set", PortKind::Actuator, Scalar::Bool, 0, true),
+    all("set", PortKind::Actuator, Scalar::Real, 1, true),
 ];
 
 /// The ports of a terminal, for people.
@@ -72,11 +100,6 @@ impl Io {
         };
         io.banks.iter_mut().for_each(|bank| bank.step(0.0));
         io
-    }
-
-    fn port(&self, slot: Slot) -> Option<(&'static Line, &Bank)> {
-        let line = PORTS.get(usize::from(slot.line))?;
-        Some((line, &self.banks[line.bank]))
     }
 }
 
@@ -119,15 +142,21 @@ impl Bank {
     }
 }
 
+impl Io {
+    /// The terminals of a port: those of its bank from its index on, only one if it is indexed.
+    fn terminals(&self, slot: Slot) -> Option<(&'static Line, Range<usize>)> {
+        let line = PORTS.get(usize::from(slot.line))?;
+        let count = self.banks[line.bank].ports(line.output).len();
+        let first = usize::from(slot.index);
+        let end = if line.head.indexed { first + 1 } else { count };
+        (end <= count).then_some((line, first..end))
+    }
+}
+
 impl Device for Io {
     fn resolve(&self, name: &PortName<'_>) -> Result<Slot, ResolveError> {
-        let count = |head: &Head| {
-            let line = PORTS
-                .iter()
-                .find(|line| line.head.name == head.name && line.head.kind == head.kind);
-            line.map_or(0, |line| self.banks[line.bank].ports(line.output).len())
-        };
-        find(PORTS.iter().map(|line| &line.head), name, count, 0)
+        let size = |line: usize| self.banks[PORTS[line].bank].ports(PORTS[line].output).len();
+        find(PORTS.iter().map(|line| &line.head), name, size)
     }
 
     fn resources(&self) -> u32 {
@@ -138,9 +167,8 @@ impl Device for Io {
     }
 
     fn resources_of(&self, slot: Slot) -> Range<u32> {
-        let Some((line, _)) = self
-            .port(slot)
-            .filter(|(line, _)| line.head.kind == PortKind::Actuator)
+        let terminals = self.terminals(slot);
+        let Some((line, own)) = terminals.filter(|(line, _)| line.head.kind == PortKind::Actuator)
         else {
             return 0..0;
         };
@@ -148,25 +176,25 @@ impl Device for Io {
             .iter()
             .map(|bank| bank.outputs.len())
             .sum();
-        let own = before as u32 + u32::from(slot.index);
-        own..own + 1
+        (before + own.start) as u32..(before + own.end) as u32
     }
 
     fn read(&self, slot: Slot, value: &mut [u64]) -> bool {
-        let read = self
-            .port(slot)
-            .and_then(|(line, bank)| bank.ports(line.output).get(usize::from(slot.index)));
-        read.zip(value.first_mut())
-            .map(|(bits, cell)| *cell = *bits)
-            .is_some()
+        let Some((line, own)) = self.terminals(slot) else {
+            return false;
+        };
+        let ports = &self.banks[line.bank].ports(line.output)[own];
+        value
+            .iter_mut()
+            .zip(ports)
+            .for_each(|(cell, bits)| *cell = *bits);
+        true
     }
 
     fn check(&mut self, slot: Slot, value: &[u64]) -> Refusal {
-        let real = self
-            .port(slot)
-            .is_some_and(|(line, _)| line.head.carries == Carries::One(Scalar::Real));
-        let first = value.first().copied().unwrap_or_default();
-        if real && !f64::from_bits(first).is_finite() {
+        let real = self.terminals(slot).is_some_and(|(line, _)| line.bank == 1);
+        let finite = value.iter().all(|bits| f64::from_bits(*bits).is_finite());
+        if real && !finite {
             Refusal::ILLEGAL_VALUE
         } else {
             Refusal::NONE
@@ -178,22 +206,17 @@ impl Device for Io {
     }
 
     fn write(&mut self, slot: Slot, value: &[u64]) {
-        if self.check(slot, value) != Refusal::NONE {
-            return;
+        let accepted = self.check(slot, value) == Refusal::NONE;
+        let terminals = self
+            .terminals(slot)
+            .filter(|(line, _)| line.head.kind == PortKind::Actuator);
+        if let Some((line, own)) = terminals.filter(|_| accepted) {
+            let outputs = &mut self.banks[line.bank].outputs[own];
+            outputs
+                .iter_mut()
+                .zip(value)
+                .for_each(|(output, bits)| *output = *bits);
         }
-        let Some(line) = PORTS
-            .get(usize::from(slot.line))
-            .filter(|line| line.head.kind == PortKind::Actuator)
-        else {
-            return;
-        };
-        let output = self.banks[line.bank]
-            .outputs
-            .get_mut(usize::from(slot.index));
-        output
-            .zip(value.first())
-            .into_iter()
-            .for_each(|(output, bits)| *output = *bits);
     }
 
     fn step(&mut self, time: f64) {

@@ -365,6 +365,42 @@ fn terminals_follow_their_script_and_keep_their_outputs() {
 }
 
 #[test]
+fn all_terminals_can_be_read_and_set_at_once() {
+    let mut bank = bank();
+    let all = |scalar, count| Type::Array(scalar, count);
+    let get = sensor(&mut bank, "io", "get", 0, all(Scalar::Bool, 2));
+    let mut cells = [7, 7];
+    assert!(bank.read(get, &mut cells));
+    assert_eq!(cells, [1, 0]);
+    let set = actuator(&mut bank, "io", "set", 0, all(Scalar::Bool, 2));
+    let third = actuator(&mut bank, "io", "out.bool", 2, BOOL);
+    assert!(bank.resources(set).contains(&bank.resource(third)));
+    bank.write(set, &[1, 1]);
+    let shown: Vec<PortId> = (0..3)
+        .map(|index| sensor(&mut bank, "io", "out.bool", index, BOOL))
+        .collect();
+    let outputs: Vec<f64> = shown
+        .iter()
+        .flat_map(|port| reals(&mut bank, *port, 1))
+        .collect();
+    assert_eq!(bits(&outputs), [1, 1, 0], "the third is not among the two");
+    let analogue = actuator(&mut bank, "io", "set", 0, all(Scalar::Real, 1));
+    assert_eq!(
+        bank.check(analogue, &bits(&[f64::NAN])),
+        Refusal::ILLEGAL_VALUE
+    );
+    let too_many = find(
+        &mut bank,
+        "io",
+        "get",
+        0,
+        PortKind::Sensor,
+        all(Scalar::Bool, 3),
+    );
+    assert_eq!(too_many, Err(ResolveError::WrongType));
+}
+
+#[test]
 fn a_tool_and_a_way_of_control_are_checked() {
     let mut bank = bank();
     let tool = actuator(&mut bank, "left", "tool", 3, Type::Array(Scalar::Real, 7));

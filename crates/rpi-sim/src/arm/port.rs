@@ -173,7 +173,7 @@ impl Device for Arm {
             index,
             ..*name
         });
-        find(heads, &plain, |_| self.axes(), self.axes())
+        find(heads, &plain, |_| self.axes())
     }
 
     fn resources(&self) -> u32 {
