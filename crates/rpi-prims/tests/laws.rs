@@ -271,3 +271,41 @@ fn absurd_parameters_are_no_panic() {
         }
     }
 }
+
+#[test]
+fn guarded_operations_fault_only_where_they_count() {
+    let guarded = with_code().filter(|p| p.desc.name.starts_with("Rpi::Guarded"));
+    let mut seen = 0;
+    for prim in guarded {
+        let name = prim.desc.name.replace("Guarded", "");
+        let plain = ["Rpi::", "Core::"].map(|space| name.replace("Rpi::", space));
+        let plain = plain
+            .iter()
+            .find(|name| rpi_prims::PrimId::of(name).is_some());
+        let mut plain = Rig::new(plain.expect("an operation without a guard"), &[]);
+        let mut rig = Rig::new(prim.desc.name, &[]);
+        let mut dice = Dice(7);
+        for _ in 0..100 {
+            let operands: Vec<_> = plain
+                .types()
+                .into_iter()
+                .map(|ty| Some(dice.extreme(ty)))
+                .collect();
+            let with = |active: bool| [vec![Some(of(active))], operands.clone()].concat();
+            assert_eq!(
+                (rig.step(&with(true)), rig.fault),
+                (plain.step(&operands), plain.fault),
+                "{}",
+                prim.desc.name
+            );
+            assert_eq!(
+                (rig.step(&with(false)), rig.fault),
+                (vec![Some(of(0_i64))], None),
+                "{}",
+                prim.desc.name
+            );
+        }
+        seen += 1;
+    }
+    assert_eq!(seen, 9);
+}

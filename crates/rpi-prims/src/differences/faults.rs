@@ -1,11 +1,11 @@
 //! What the reference computes where it is wrong, so that a recorded value can be recognised as the fault.
 
-use super::{Case, Wrong};
+use super::{Case, WIDEST, Wrong};
 use crate::catalogue::frame_otg::{self, Limits};
 use crate::catalogue::otg;
-use crate::flow::{Flow, Pose, Rotation, Time, Twist, Vector};
+use crate::flow::{Pose, Rotation, Time, Twist, Vector};
 use crate::geometry;
-use nalgebra::{Quaternion, UnitQuaternion};
+use core::ops::Range;
 use rpi_image::{PortType, Scalar, Value};
 
 /// Sine and cosine are exchanged.
@@ -89,9 +89,8 @@ pub(super) fn from_quaternion(case: &Case<'_>) -> Option<Wrong> {
     if (w > NO_ROTATION && w <= 1.0) || length == 0.0 {
         return Some(Wrong::value(Rotation::identity()));
     }
-    let part = axis / length * libm::sqrt(1.0 - w * w);
-    let wrong = UnitQuaternion::new_unchecked(Quaternion::from_parts(w, part));
-    Some(Wrong::value(wrong))
+    let turn = axis / length * (2.0 * libm::acos(w));
+    Some(Wrong::value(geometry::exp(turn)))
 }
 
 /// The newest value instead of the mean: its share is divided as an integer.
@@ -111,7 +110,7 @@ pub(super) fn neutral(case: &Case<'_>) -> Option<Wrong> {
         Scalar::Rotation => Wrong::value(Rotation::identity()),
         Scalar::Pose => Wrong::value(Pose::identity()),
         _ => Wrong {
-            cells: [0; 8],
+            cells: [0; WIDEST],
             len: scalar.cells() as usize,
         },
     })
@@ -185,19 +184,36 @@ pub(super) fn aliased(
     let PortType::One(scalar) = case.desc.outputs[case.port].ty else {
         return false;
     };
-    match scalar {
-        Scalar::Bool | Scalar::Real if !reads_input_object(case) => false,
-        Scalar::Pose => {
-            let parts = |cells: &[u64]| (Vector::load(cells, 0), Rotation::load(cells, 3));
-            let (position, rotation) = parts(recorded);
-            let mix = |p: Vector, r: Rotation| Wrong::value(Pose::from_parts(p.into(), r));
-            let current = || case.origins.iter().copied().chain(case.computed);
-            let same_position =
-                current().any(|c| same(mix(parts(c).0, rotation).cells(), recorded));
-            let same_rotation =
-                current().any(|c| same(mix(position, parts(c).1).cells(), recorded));
-            same_position && same_rotation
-        }
-        _ => case.origins.iter().any(|current| same(current, recorded)),
+    if matches!(scalar, Scalar::Bool | Scalar::Real) && !reads_input_object(case) {
+        return false;
     }
+    let end = scalar.cells() as usize;
+    let parts = match scalar {
+        Scalar::Pose | Scalar::Twist => [0..3, 3..end],
+        _ => [0..end, 0..end],
+    };
+    let current = || case.origins.iter().copied().chain(case.computed);
+    let known = |part: &Range<usize>| current().any(|value| same_part(recorded, value, part, same));
+    parts.iter().all(known)
+        && case
+            .origins
+            .iter()
+            .any(|value| value.len() == recorded.len())
+}
+
+/// True if two values agree in some of their cells, judged by the equality of whole values.
+fn same_part(
+    recorded: &[u64],
+    value: &[u64],
+    part: &Range<usize>,
+    same: &impl Fn(&[u64], &[u64]) -> bool,
+) -> bool {
+    if value.len() != recorded.len() || value.len() > WIDEST {
+        return false;
+    }
+    let mut mixed = [0; WIDEST];
+    let mixed = &mut mixed[..recorded.len()];
+    mixed.copy_from_slice(recorded);
+    mixed[part.clone()].copy_from_slice(&value[part.clone()]);
+    same(mixed, recorded)
 }

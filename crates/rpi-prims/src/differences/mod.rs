@@ -21,7 +21,7 @@ pub struct Difference {
     pub name: &'static str,
     /// Registered names of the primitives; one `*` stands for any text.
     pub types: &'static [&'static str],
-    /// Their out-ports.
+    /// Their out-ports; one `*` stands for any text.
     pub ports: &'static [&'static str],
     /// When it shows.
     pub when: When,
@@ -55,17 +55,20 @@ pub enum When {
     OtherType,
 }
 
-/// The cells that a fault gives; more than enough for any single value.
+/// Most cells of a single value.
+const WIDEST: usize = 8;
+
+/// The cells that a fault gives.
 #[derive(Clone, Copy, Debug)]
 pub struct Wrong {
-    cells: [u64; 8],
+    cells: [u64; WIDEST],
     len: usize,
 }
 
 impl Wrong {
     /// The cells of a value.
     fn value<T: Flow>(value: T) -> Wrong {
-        let mut cells = [0; 8];
+        let mut cells = [0; WIDEST];
         value.store(&mut cells, 0);
         Wrong {
             cells,
@@ -168,9 +171,11 @@ impl Difference {
     /// True if it concerns an out-port.
     #[must_use]
     pub fn speaks_of(&self, desc: &PrimDesc, port: usize) -> bool {
-        let port = desc.outputs.get(port).map_or("", |out| out.name);
+        let Some(port) = desc.outputs.get(port).map(|out| out.name) else {
+            return false;
+        };
         let types = self.types.iter().any(|pattern| matches(pattern, desc.name));
-        types && self.ports.contains(&port)
+        types && self.ports.iter().any(|pattern| matches(pattern, port))
     }
 }
 

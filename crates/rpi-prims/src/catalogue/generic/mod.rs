@@ -1,9 +1,11 @@
-//! Operations that exist for each of the eight value types of the reference system, from one definition each.
+//! Operations that exist for each of the eight value types of the reference system, from one definition each, and the same
+//! for times.
 
 mod arrays;
 mod keyed;
 pub(super) mod sampled;
 mod scalars;
+pub(in crate::catalogue) mod time;
 
 /// All generic operations of one type, in a module of their own.
 macro_rules! operations {
@@ -12,7 +14,7 @@ macro_rules! operations {
             use super::arrays::arrays;
             use super::keyed::keyed;
             use super::sampled::sampled;
-            use super::scalars::scalars;
+            use super::scalars::{delay, scalars};
             use crate::bulk::Array;
             use crate::cx::FaultCode;
             use crate::flow::{Flow, Time};
@@ -22,6 +24,7 @@ macro_rules! operations {
             use rpi_image::{Role, Shape};
 
             scalars!($prefix, $t);
+            delay!($prefix, $t);
             sampled!($prefix, $t);
             arrays!($prefix, $t);
             keyed!($prefix, $t);

@@ -1,6 +1,6 @@
 //! Constants, absence, choice and delay of single values.
 
-/// `Value`, `IsNull`, `SetNull`, `Conditional`, `Pre` of one type.
+/// `Value`, `IsNull`, `SetNull`, `Conditional` of one type.
 macro_rules! scalars {
     ($prefix:literal, $t:ty) => {
         interface! {
@@ -40,7 +40,12 @@ macro_rules! scalars {
             presence if_all work 1;
             pure |(condition, yes, no)| (condition.and_then(|c| if c { yes } else { no }),)
         }
+    };
+}
 
+/// `Pre` of one type.
+macro_rules! delay {
+    ($prefix:literal, $t:ty) => {
         interface! {
             /// The value of the previous cycle in which the surrounding fragment was active, absence included; absent at first.
             PRE = concat!($prefix, "Pre");
@@ -52,4 +57,4 @@ macro_rules! scalars {
     };
 }
 
-pub(super) use scalars;
+pub(super) use {delay, scalars};

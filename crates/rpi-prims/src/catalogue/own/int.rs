@@ -87,7 +87,7 @@ primitive! {
     pure |(a, b): (i64, i64)| (a >= b,)
 }
 
-fn power(base: i64, exponent: i64) -> Option<i64> {
+pub(super) fn power(base: i64, exponent: i64) -> Option<i64> {
     // Beyond 63 only 0, 1 and -1 have a power that fits; their powers depend on the parity alone.
     let exponent = if exponent > 64 {
         64 + exponent % 2

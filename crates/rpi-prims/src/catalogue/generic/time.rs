@@ -1,0 +1,67 @@
+//! Times: what the reference system does not have for them, with names of our own. It has their delays.
+
+use super::arrays::arrays;
+use super::keyed::keyed;
+use super::scalars::scalars;
+use crate::bulk::Array;
+use crate::cx::FaultCode;
+use crate::flow::{Flow, Time};
+use crate::macros::{interface, primitive};
+use crate::operand::Text;
+use crate::registry::Prim;
+use rpi_image::{Role, Shape};
+
+scalars!("Rpi::Time", Time);
+arrays!("Rpi::Time", Time);
+keyed!("Rpi::Time", Time);
+
+primitive! {
+    /// True if both times are the same.
+    EQUALS = "Rpi::TimeEquals";
+    in { inFirst: Time; inSecond: Time }
+    out { outValue: bool }
+    presence strict work 1;
+    pure |(a, b): (Time, Time)| (a == b,)
+}
+
+primitive! {
+    /// True if the first time is later than the second.
+    GREATER = "Rpi::TimeGreater";
+    in { inFirst: Time; inSecond: Time }
+    out { outValue: bool }
+    presence strict work 1;
+    pure |(a, b): (Time, Time)| (a > b,)
+}
+
+primitive! {
+    /// True if the first time is not earlier than the second.
+    GREATER_OR_EQUAL = "Rpi::TimeGreaterOrEqual";
+    in { inFirst: Time; inSecond: Time }
+    out { outValue: bool }
+    presence strict work 1;
+    pure |(a, b): (Time, Time)| (a >= b,)
+}
+
+pub(in crate::catalogue) const ALL: &[Prim] = &[
+    VALUE,
+    IS_NULL,
+    SET_NULL,
+    CONDITIONAL,
+    ARRAY,
+    ARRAY_GET,
+    ARRAY_SET,
+    ARRAY_SLICE,
+    ARRAY_IS_NULL,
+    ARRAY_SET_NULL,
+    NETCOMM_IN,
+    NETCOMM_OUT,
+    ARRAY_NETCOMM_IN,
+    ARRAY_NETCOMM_OUT,
+    INTER_NETCOMM_IN,
+    INTER_NETCOMM_OUT,
+    ARRAY_INTER_NETCOMM_IN,
+    ARRAY_INTER_NETCOMM_OUT,
+    EQUALS,
+    GREATER,
+    GREATER_OR_EQUAL,
+];

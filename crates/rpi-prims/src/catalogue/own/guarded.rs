@@ -1,0 +1,118 @@
+//! Integer operations in a branch of an `if`: they count, and can fault, only in cycles in which the branch is chosen.
+//! Otherwise they give 0, which nobody reads.
+
+use crate::catalogue::int::{divided, fits, whole};
+use crate::catalogue::own::int::power;
+use crate::macros::primitive;
+use crate::registry::Prim;
+
+pub(in crate::catalogue) const ALL: &[Prim] = &[
+    ADD,
+    SUBTRACT,
+    MULTIPLY,
+    DIVIDE,
+    MODULO,
+    POWER,
+    NEGATE,
+    ABSOLUTE,
+    INT_FROM_DOUBLE,
+];
+
+/// A binary operation and, in its own words, what it gives.
+macro_rules! binary {
+    ($id:ident, $name:literal, $what:literal, $work:literal, $second:literal, |$cx:ident, $place:ident, $a:ident, $b:ident| $result:expr) => {
+        primitive! {
+            #[doc = concat!($what, " where `inActive` is true; else 0, without a fault.")]
+            $id = concat!("Rpi::GuardedInt", $name);
+            in { inActive: bool; inFirst: i64 = First(Int(0)); inSecond: i64 = Second(Int($second)) }
+            out { outValue: i64 }
+            presence strict work $work faults;
+            full |$cx, $place, _, _, (active, $a, $b): (bool, i64, i64)| (if active { $result } else { 0 },)
+        }
+    };
+}
+
+binary!(
+    ADD,
+    "Add",
+    "Sum of two integers",
+    1,
+    0,
+    |cx, place, a, b| fits(cx, place, a.checked_add(b))
+);
+binary!(
+    SUBTRACT,
+    "Subtract",
+    "Difference of two integers",
+    1,
+    0,
+    |cx, place, a, b| fits(cx, place, a.checked_sub(b))
+);
+binary!(
+    MULTIPLY,
+    "Multiply",
+    "Product of two integers",
+    1,
+    0,
+    |cx, place, a, b| fits(cx, place, a.checked_mul(b))
+);
+binary!(
+    DIVIDE,
+    "Divide",
+    "Quotient of two integers, truncated towards 0,",
+    10,
+    1,
+    |cx, place, a, b| divided(cx, place, b, a.checked_div(b))
+);
+binary!(
+    MODULO,
+    "Modulo",
+    "Remainder of the truncated division",
+    10,
+    1,
+    |cx, place, a, b| divided(cx, place, b, a.checked_rem(b))
+);
+binary!(
+    POWER,
+    "Power",
+    "The first integer to the power of the second",
+    64,
+    1,
+    |cx, place, a, b| fits(cx, place, power(a, b))
+);
+
+/// An operation on one value.
+macro_rules! unary {
+    ($id:ident, $name:literal, $what:literal, $t:ty, |$cx:ident, $place:ident, $a:ident| $result:expr) => {
+        primitive! {
+            #[doc = concat!($what, " where `inActive` is true; else 0, without a fault.")]
+            $id = concat!("Rpi::GuardedInt", $name);
+            in { inActive: bool; inValue: $t = Value(Neutral) }
+            out { outValue: i64 }
+            presence strict work 1 faults;
+            full |$cx, $place, _, _, (active, $a): (bool, $t)| (if active { $result } else { 0 },)
+        }
+    };
+}
+
+unary!(
+    NEGATE,
+    "Negate",
+    "The integer of opposite sign",
+    i64,
+    |cx, place, a| fits(cx, place, a.checked_neg())
+);
+unary!(
+    ABSOLUTE,
+    "Absolute",
+    "Size without sign",
+    i64,
+    |cx, place, a| fits(cx, place, a.checked_abs())
+);
+unary!(
+    INT_FROM_DOUBLE,
+    "FromDouble",
+    "A real without its fraction",
+    f64,
+    |cx, place, a| whole(cx, place, a)
+);
