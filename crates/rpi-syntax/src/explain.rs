@@ -3,6 +3,7 @@
 use crate::context::Context;
 use crate::expected;
 use crate::lexer::Lexeme;
+use crate::outside;
 use crate::structure::{Structure, closing};
 use crate::token::Token;
 use rpi_diag::{Code, Finding, Fix, Span};
@@ -90,6 +91,7 @@ pub(crate) fn unexpected(
     }
     match here {
         Some(lexeme) if reserved_as_name(cx, lexeme, fault) => reserved(cx, lexeme),
+        Some(_) if fault.expected.is_empty() => outside::stray(cx, &lexemes[fault.at..]),
         _ => expected_found(cx, lexemes, fault),
     }
 }

@@ -15,8 +15,8 @@ pub fn parse(file: FileId, text: &str, mode: Mode) -> Parse {
     let lexed = lex(file, text, mode);
     let (items, found) = items(file, text, mode, &lexed);
     let mut findings = lexed.findings;
-    let (unknown, found) = (unknown_spans(&findings), found.into_iter());
-    findings.extend(found.filter(|finding| !follows_from(&unknown, finding, text)));
+    let (unread, found) = (unread(&findings), found.into_iter());
+    findings.extend(found.filter(|finding| !follows_from(&unread, finding, text)));
     findings.sort_by_key(|finding| finding.span());
     Parse {
         file: File { items },
@@ -25,20 +25,22 @@ pub fn parse(file: FileId, text: &str, mode: Mode) -> Parse {
     }
 }
 
-/// Where characters are that no token was made of.
-fn unknown_spans(findings: &[Finding]) -> Vec<Span> {
-    let unknown = findings
-        .iter()
-        .filter(|finding| finding.code == Code::RPI0002);
-    unknown.map(Finding::span).collect()
+/// What no token was made of: unknown characters, and a comment that runs to the end of the file.
+fn unread(findings: &[Finding]) -> Vec<Span> {
+    let unread = |code| matches!(code, Code::RPI0002 | Code::RPI0003);
+    let found = findings.iter().filter(|finding| unread(finding.code));
+    found.map(Finding::span).collect()
 }
 
-/// Whether what did not fit stands right behind an unknown character: one fault, one message.
-fn follows_from(unknown: &[Span], finding: &Finding, text: &str) -> bool {
-    let place = finding.span();
-    unknown.iter().any(|span| {
-        let between = text.get(span.end as usize..place.start as usize);
+/// Whether what does not fit stands right beside what was not read: one fault, one message.
+fn follows_from(unread: &[Span], finding: &Finding, text: &str) -> bool {
+    let blank = |from: u32, to: u32| {
+        let between = text.get(from as usize..to as usize);
         between.is_some_and(|between| between.trim().is_empty())
+    };
+    unread.iter().any(|gap| {
+        let mut places = finding.labels.iter().map(|label| label.span);
+        places.any(|place| blank(gap.end, place.start) || blank(place.end, gap.start))
     })
 }
 

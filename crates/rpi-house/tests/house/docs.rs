@@ -1,15 +1,19 @@
 //! Programs in documents are programs: the compiler takes what a document shows as right, and says of
 //! what it shows as wrong just what the document says.
 //!
-//! A fence `rpi` holds a whole program that compiles without a finding, `lus` one in Lustre. On the
-//! page of a code, `rpi-right` is the same, and `rpi-wrong` gives that code and no other.
+//! A fence `rpi` holds a whole program that compiles without a finding, `lus` one in Lustre, `rpinet`
+//! a net. On the page of a code, `rpi-right` is the same, and `rpi-wrong` gives that code and no other.
 
 use std::path::PathBuf;
 
-use rpi_diag::{Code, Finding, SourceMap, Style, render};
+use rpi_diag::{Code, Style, render};
 use rpi_house::{Fence, fences};
-use rpi_syntax::Mode;
 use rpi_testkit::files_below;
+
+use crate::compile::{Said, check};
+
+/// Fences of whole programs in documents.
+const RIGHT: &[&str] = &["rpi", "lus", "rpinet"];
 
 #[test]
 fn programs_in_documents_compile() {
@@ -17,7 +21,10 @@ fn programs_in_documents_compile() {
     let mut wrong = Vec::new();
     for path in documents() {
         let text = std::fs::read_to_string(&path).unwrap_or_default();
-        for fence in fences(&text).iter().filter(|fence| mode(fence).is_some()) {
+        for fence in fences(&text)
+            .iter()
+            .filter(|fence| RIGHT.contains(&fence.info.as_str()))
+        {
             count += 1;
             wrong.extend(complaint(
                 &format!("{}:{}", path.display(), fence.line),
@@ -34,9 +41,11 @@ fn pages_say_what_the_compiler_says() {
     let mut wrong = Vec::new();
     for code in Code::ALL {
         for fence in fences(code.page()) {
-            match fence.info.as_str() {
-                "rpi-right" => wrong.extend(complaint(&format!("{code}, right program"), &fence)),
-                "rpi-wrong" => wrong.extend(other_than(*code, &fence)),
+            match fence.info.split(' ').next() {
+                Some("rpi-right") => {
+                    wrong.extend(complaint(&format!("{code}, right program"), &fence))
+                }
+                Some("rpi-wrong") => wrong.extend(other_than(*code, &fence)),
                 _ => {}
             }
         }
@@ -75,30 +84,25 @@ fn programs_of_the_project_compile() {
 
 /// What the compiler has against a program that should be right.
 fn complaint(place: &str, fence: &Fence) -> Option<String> {
-    let (findings, sources) = check(fence);
+    let Said { findings, sources } = check(file_name(fence)?, &fence.code);
     let shown = render(&findings, &sources, Style::PLAIN);
     (!findings.is_empty()).then(|| format!("{place}: should be right\n{shown}"))
 }
 
 /// What the compiler says of a wrong program if that is not one code alone.
 fn other_than(code: Code, fence: &Fence) -> Option<String> {
-    let (findings, sources) = check(fence);
+    let Said { findings, sources } = check(file_name(fence)?, &fence.code);
     let codes: Vec<Code> = findings.iter().map(|finding| finding.code).collect();
     let shown = render(&findings, &sources, Style::PLAIN);
     (codes != [code]).then(|| format!("{code}, wrong program: gives {codes:?}\n{shown}"))
 }
 
-fn check(fence: &Fence) -> (Vec<Finding>, SourceMap) {
-    let mut sources = SourceMap::new();
-    let file = sources.add("example.rpi", fence.code.as_str());
-    let parse = rpi_syntax::parse(file, &fence.code, mode(fence).unwrap_or(Mode::Rpi));
-    (parse.findings, sources)
-}
-
-fn mode(fence: &Fence) -> Option<Mode> {
+/// The name of a program's file, which tells its language, if the fence holds a whole program.
+fn file_name(fence: &Fence) -> Option<&'static str> {
     match fence.info.as_str() {
-        "rpi" => Some(Mode::Rpi),
-        "lus" => Some(Mode::Lustre),
+        "rpi" | "rpi-right" | "rpi-wrong" => Some("example.rpi"),
+        "lus" => Some("example.lus"),
+        "rpinet" | "rpi-right rpinet" | "rpi-wrong rpinet" => Some("example.rpinet"),
         _ => None,
     }
 }

@@ -1,6 +1,7 @@
 //! The rules of `ARCHITECTURE.md`, each as a test. One file per rule or kind of rule.
 
 mod codes;
+mod compile;
 mod cycle;
 mod docs;
 mod edges;
@@ -10,5 +11,6 @@ mod owners;
 mod primitives;
 mod rules;
 mod sizes;
+mod ui;
 mod unsafety;
 mod words;

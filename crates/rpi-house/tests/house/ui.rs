@@ -1,0 +1,81 @@
+//! What users see: each program in `tests/ui` gives the message that lies beside it, to the letter.
+//!
+//! After a change, `RPI_BLESS=1 cargo test -p rpi-house ui` writes the messages anew; read them before
+//! taking them over.
+
+use std::collections::BTreeSet;
+use std::path::{Path, PathBuf};
+
+use rpi_diag::{Style, render};
+use rpi_testkit::{files_below, workspace_root};
+
+use crate::compile::{Said, check};
+
+const PROGRAMS: &[&str] = &[".rpi", ".lus", ".rpinet"];
+
+#[test]
+fn programs_give_the_messages_beside_them() {
+    let bless = std::env::var_os("RPI_BLESS").is_some();
+    let mut wrong = Vec::new();
+    for path in files_below("tests/ui", PROGRAMS) {
+        let (expected, message) = (message_file(&path), message(&path));
+        if bless {
+            std::fs::write(&expected, &message).expect("tests/ui can be written");
+        }
+        let known = std::fs::read_to_string(&expected).unwrap_or_default();
+        if known != message {
+            wrong.push(format!(
+                "{}\n--- says\n{message}--- but should say\n{known}",
+                path.display()
+            ));
+        }
+    }
+    assert!(wrong.is_empty(), "{}", wrong.join("\n"));
+}
+
+#[test]
+fn there_are_programs_and_each_message_has_one() {
+    let programs = files_below("tests/ui", PROGRAMS);
+    assert!(
+        programs.len() >= 20,
+        "only {} broken programs",
+        programs.len()
+    );
+    let messages: BTreeSet<PathBuf> = programs.iter().map(|path| message_file(path)).collect();
+    let stray: Vec<_> = files_below("tests/ui", &[".stderr"])
+        .into_iter()
+        .filter(|p| !messages.contains(p))
+        .collect();
+    assert!(stray.is_empty(), "messages without a program: {stray:?}");
+}
+
+/// Every start of every program here gives findings or none, and no panic.
+#[test]
+fn no_prefix_of_a_program_makes_the_compiler_panic() {
+    for path in files_below("tests/ui", PROGRAMS) {
+        let text = std::fs::read_to_string(&path).expect("it is UTF-8");
+        for (end, _) in text.char_indices() {
+            let said = check(&name(&path), &text[..end]);
+            let shown = render(&said.findings, &said.sources, Style::PLAIN);
+            assert_eq!(shown.is_empty(), said.findings.is_empty());
+        }
+    }
+}
+
+fn message(path: &Path) -> String {
+    let text = std::fs::read_to_string(path).expect("it is UTF-8");
+    let Said { findings, sources } = check(&name(path), &text);
+    render(&findings, &sources, Style::PLAIN)
+}
+
+/// The name under which messages show a program: no folder of this machine.
+fn name(path: &Path) -> String {
+    let below = path
+        .strip_prefix(workspace_root().join("tests/ui"))
+        .unwrap_or(path);
+    below.to_string_lossy().replace('\\', "/")
+}
+
+fn message_file(path: &Path) -> PathBuf {
+    path.with_extension("stderr")
+}
