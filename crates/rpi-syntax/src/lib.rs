@@ -13,6 +13,7 @@ mod chain;
 mod comments;
 mod context;
 mod declared;
+mod dump;
 mod expected;
 mod explain;
 mod grammar;
@@ -27,6 +28,7 @@ pub mod ops;
 mod outside;
 mod parse;
 mod phrase;
+mod print;
 mod split;
 mod structure;
 mod text;
@@ -34,9 +36,11 @@ mod token;
 mod words;
 
 pub use comments::{Comment, CommentKind, Comments};
+pub use dump::{Parens, dump_ast, dump_tokens};
 pub use name::Name;
 pub use parse::parse;
-pub use token::{KEYWORDS, Keyword, Place};
+pub use print::{format, print};
+pub use token::{KEYWORDS, Keyword, Place, is_name};
 
 use rpi_diag::Finding;
 
@@ -68,16 +72,4 @@ pub struct Parse {
     pub comments: Comments,
     /// What is wrong with the text, in text order.
     pub findings: Vec<Finding>,
-}
-
-/// Writes a tree that has no text in the style of the language; doc comments in it are kept.
-///
-/// Reading the result gives the same tree, parentheses and places aside.
-pub fn print(_file: &ast::File) -> String {
-    String::new()
-}
-
-/// Formats a text. The findings if it has errors, for then nothing is changed.
-pub fn format(text: &str, _mode: Mode) -> Result<String, Vec<Finding>> {
-    Ok(text.to_owned())
 }

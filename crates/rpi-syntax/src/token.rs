@@ -243,6 +243,18 @@ impl Token {
     }
 }
 
+/// Whether a text can be a plain name in files of this mode: what importers must see to.
+///
+/// Contextual words are names too, but a made-up name does well to avoid them: see [`KEYWORDS`].
+pub fn is_name(text: &str, mode: Mode) -> bool {
+    let mut lexer = Token::lexer(text);
+    let whole = lexer.next().is_some_and(|token| {
+        let word = token.ok().and_then(Token::keyword);
+        token == Ok(Token::Ident) || word.is_some_and(|word| !word.is_reserved_in(mode))
+    });
+    whole && lexer.span() == (0..text.len())
+}
+
 /// Takes in the rest of a block comment.
 fn to_end(lexer: &mut logos::Lexer<'_, Token>, end: &str) -> Token {
     match lexer.remainder().find(end) {
@@ -272,6 +284,16 @@ mod tests {
             assert_eq!(Token::lexer(text).next(), Some(Ok(token)));
         }
         assert_eq!(Token::Ident.spelling(), None);
+    }
+
+    #[test]
+    fn names_are_told_from_words_and_signs() {
+        for name in ["x", "_", "at_b'", "state", "cancel"] {
+            assert!(is_name(name, Mode::Rpi), "{name}");
+        }
+        for other in ["", "3", "x y", "type", "a.b", "A::b", "-", " x", "x ", "ä"] {
+            assert!(!is_name(other, Mode::Rpi), "{other}");
+        }
     }
 
     #[test]

@@ -1,0 +1,179 @@
+//! Expressions, calls, types and literals.
+
+use super::sexp::Sexp;
+use super::{Dumper, Parens, node, nodes};
+use crate::ast::*;
+
+pub(super) fn name(ident: &Ident) -> Sexp {
+    Sexp::atom(ident.name.as_str())
+}
+
+pub(super) fn dotted(dotted: &Dotted) -> Sexp {
+    nodes("dotted", &dotted.parts, name)
+}
+
+/// `(name value)`, or nothing if there is none.
+pub(super) fn option<T>(tag: &str, value: Option<&T>, one: impl Fn(&T) -> Sexp) -> Sexp {
+    value.map_or(Sexp::Nothing, |value| node(tag, [one(value)]))
+}
+
+pub(super) fn flag(tag: &str, set: bool) -> Sexp {
+    if set { Sexp::atom(tag) } else { Sexp::Nothing }
+}
+
+fn unit(unit: &Unit) -> Sexp {
+    nodes("unit", &unit.factors, |factor| {
+        node(&factor.unit.name, [Sexp::atom(factor.power.to_string())])
+    })
+}
+
+pub(super) fn clock(clock: &Clock) -> Sexp {
+    let tick = match &clock.tick {
+        Tick::True => Sexp::atom("true"),
+        Tick::False => Sexp::atom("false"),
+        Tick::Value(value) => name(value),
+    };
+    node("clock", [tick, name(&clock.flow)])
+}
+
+impl Dumper {
+    pub(super) fn expr(&self, expr: &Expr) -> Sexp {
+        match &expr.kind {
+            ExprKind::Bool(value) => Sexp::atom(value.to_string()),
+            ExprKind::Number(number) => Sexp::atom(number.text.as_str()),
+            ExprKind::Quantity(q) => node("quantity", [Sexp::atom(q.number.text.as_str()), unit(&q.unit)]),
+            ExprKind::Str(content) => Sexp::quoted(content),
+            ExprKind::Name(name) => Sexp::atom(name.as_str()),
+            ExprKind::Field(field) => node("field", [self.expr(&field.base), name(&field.field)]),
+            ExprKind::Index(index) => node("index", [self.expr(&index.base), self.expr(&index.index)]),
+            ExprKind::Slice(of) => node("slice", [self.expr(&of.base), self.slice(&of.slice)]),
+            ExprKind::Unary(op, operand) => node("unary", [Sexp::atom(op.spelling()), self.expr(operand)]),
+            ExprKind::Binary(b) => node(b.op.spelling(), [self.expr(&b.lhs), self.expr(&b.rhs)]),
+            ExprKind::When(when) => node("when", [self.expr(&when.value), clock(&when.clock)]),
+            ExprKind::If(i) => self.conditional(i),
+            ExprKind::Call(call) => self.call(call),
+            ExprKind::Among(Among::AtMostOne, xs) => nodes("#", xs, |x| self.expr(x)),
+            ExprKind::Among(Among::Nor, xs) => nodes("nor", xs, |x| self.expr(x)),
+            ExprKind::Merge(merge) => self.merge(merge),
+            ExprKind::Paren(inner) if self.parens == Parens::Drop => self.expr(inner),
+            ExprKind::Paren(inner) => node("paren", [self.expr(inner)]),
+            ExprKind::Tuple(elements) => nodes("tuple", elements, |x| self.expr(x)),
+            ExprKind::Array(elements) => nodes("array", elements, |x| self.expr(x)),
+            ExprKind::Struct(value) => self.struct_expr(value),
+            ExprKind::Update(update) => self.update(update),
+        }
+    }
+
+    fn slice(&self, slice: &Slice) -> Sexp {
+        let step = option("step", slice.step.as_ref(), |step| self.expr(step));
+        node("range", [self.expr(&slice.from), self.expr(&slice.to), step])
+    }
+
+    fn conditional(&self, conditional: &If) -> Sexp {
+        let tag = if conditional.is_static { "with" } else { "if" };
+        let parts = [&conditional.condition, &conditional.yes, &conditional.no];
+        node(tag, parts.map(|part| self.expr(part)))
+    }
+
+    fn merge(&self, merge: &Merge) -> Sexp {
+        let case = |case: &MergeCase| node("case", [name(&case.value), self.expr(&case.then)]);
+        let cases = merge.cases.iter().map(case);
+        node("merge", std::iter::once(self.expr(&merge.on)).chain(cases))
+    }
+
+    fn struct_expr(&self, value: &StructExpr) -> Sexp {
+        let base = option("base", value.base.as_ref(), |base| self.expr(base));
+        let fields = nodes("fields", &value.fields, |f| node(&f.field.name, [self.expr(&f.value)]));
+        node("struct", [name(&value.ty), base, fields])
+    }
+
+    fn update(&self, update: &Update) -> Sexp {
+        let change = |change: &Change| node("change", [self.path(&change.path), self.expr(&change.value)]);
+        let changes = update.changes.iter().map(change);
+        node("update", std::iter::once(self.expr(&update.base)).chain(changes))
+    }
+
+    pub(super) fn path(&self, path: &[Access]) -> Sexp {
+        nodes("path", path, |access| match access {
+            Access::Field(field) => name(field),
+            Access::Index(index) => node("index", [self.expr(index)]),
+            Access::Slice(slice) => self.slice(slice),
+        })
+    }
+
+    pub(super) fn call(&self, call: &Call) -> Sexp {
+        let activation = match &call.activation {
+            Activation::Always => Sexp::Nothing,
+            Activation::Restart { every } => node("restart", [self.expr(every)]),
+            Activation::Activate { every, restart, default } => {
+                let restart = option("restart", restart.as_ref(), |x| self.expr(x));
+                let default = option("default", default.as_ref(), |x| self.expr(x));
+                node("activate", [self.expr(every), restart, default])
+            }
+        };
+        node("call", [self.callee(&call.callee), activation, self.args(&call.args)])
+    }
+
+    pub(super) fn args(&self, args: &[Arg]) -> Sexp {
+        nodes("args", args, |arg| named(arg.name.as_ref(), self.expr(&arg.value)))
+    }
+
+    pub(super) fn callee(&self, callee: &Callee) -> Sexp {
+        match &callee.statics[..] {
+            [] => name(&callee.name),
+            statics => nodes(&callee.name.name, statics, |arg| self.static_arg(arg)),
+        }
+    }
+
+    fn static_arg(&self, arg: &StaticArg) -> Sexp {
+        let value = match &arg.value {
+            StaticValue::Expr(expr) => self.expr(expr),
+            StaticValue::Type(ty) => node("type", [self.ty(ty)]),
+            StaticValue::Op(StaticOp::Unary(op)) => node("op", [Sexp::atom(op.spelling())]),
+            StaticValue::Op(StaticOp::Binary(op)) => node("op", [Sexp::atom(op.spelling())]),
+            StaticValue::Op(StaticOp::If) => node("op", [Sexp::atom("if")]),
+            StaticValue::Callee(callee) => node("node", [self.callee(callee)]),
+        };
+        named(arg.name.as_ref(), value)
+    }
+
+    pub(super) fn ty(&self, ty: &Type) -> Sexp {
+        match &ty.kind {
+            TypeKind::Bool => Sexp::atom("bool"),
+            TypeKind::Int => Sexp::atom("int"),
+            TypeKind::Real(None) => Sexp::atom("real"),
+            TypeKind::Real(Some(of)) => node("real", [unit(of)]),
+            TypeKind::Named(named) => self.named_type(named),
+            TypeKind::Array(array) => node("^", [self.ty(&array.element), self.expr(&array.size)]),
+            TypeKind::Optional(inner) => node("?", [self.ty(inner)]),
+            TypeKind::Subrange(range) => {
+                let bound = |bound: &Option<Expr>| bound.as_ref().map_or(Sexp::atom("*"), |e| self.expr(e));
+                node("subrange", [bound(&range.from), bound(&range.to)])
+            }
+            TypeKind::Enum(values) => nodes("enum", values, |value| {
+                node("value", [name(&value.name), super::decl::doc(value.doc.as_ref())])
+            }),
+            TypeKind::Struct(fields) => nodes("struct", fields, |field| self.var(field)),
+            TypeKind::Broken => Sexp::atom("broken"),
+        }
+    }
+
+    fn named_type(&self, named: &NamedType) -> Sexp {
+        let frames = option("frames", named.frames.as_ref(), |frames| {
+            let of = frames.of.as_ref().map_or(Sexp::Nothing, dotted);
+            node("in", [of, dotted(&frames.in_frame)])
+        });
+        let statics = nodes("statics", &named.statics, |arg| self.static_arg(arg));
+        match (&named.statics[..], &named.frames) {
+            ([], None) => name(&named.name),
+            _ => node("named", [name(&named.name), statics, frames]),
+        }
+    }
+}
+
+fn named(label: Option<&Ident>, value: Sexp) -> Sexp {
+    match label {
+        Some(label) => node(":", [name(label), value]),
+        None => value,
+    }
+}

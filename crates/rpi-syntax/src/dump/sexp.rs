@@ -1,0 +1,79 @@
+//! Nested lists, written on one line each if they fit.
+
+/// A word, or a list in parentheses.
+pub(super) enum Sexp {
+    Atom(String),
+    List(Vec<Sexp>),
+    /// Left out.
+    Nothing,
+}
+
+/// The longest line.
+const WIDTH: usize = 100;
+
+impl Sexp {
+    pub(super) fn atom(text: impl Into<String>) -> Sexp {
+        Sexp::Atom(text.into())
+    }
+
+    /// A text that may hold anything, in quotes.
+    pub(super) fn quoted(text: &str) -> Sexp {
+        Sexp::Atom(format!("{text:?}"))
+    }
+
+    pub(super) fn write(&self, out: &mut String) {
+        self.write_at(out, 0);
+    }
+
+    fn write_at(&self, out: &mut String, margin: usize) {
+        match self {
+            Sexp::Atom(atom) => out.push_str(atom),
+            Sexp::Nothing => {}
+            Sexp::List(parts) if margin + self.width(WIDTH) <= WIDTH => write_flat(parts, out),
+            Sexp::List(parts) => write_broken(parts, out, margin),
+        }
+    }
+
+    /// The width on one line, as far as `limit`.
+    fn width(&self, limit: usize) -> usize {
+        match self {
+            Sexp::Atom(atom) => atom.chars().count(),
+            Sexp::Nothing => 0,
+            Sexp::List(parts) => {
+                let mut width = 1;
+                for part in parts {
+                    width += 1 + part.width(limit.saturating_sub(width));
+                    if width > limit {
+                        break;
+                    }
+                }
+                width
+            }
+        }
+    }
+}
+
+fn written(parts: &[Sexp]) -> impl Iterator<Item = &Sexp> {
+    parts.iter().filter(|part| !matches!(part, Sexp::Nothing))
+}
+
+fn write_flat(parts: &[Sexp], out: &mut String) {
+    out.push('(');
+    for (i, part) in written(parts).enumerate() {
+        out.push_str(if i == 0 { "" } else { " " });
+        part.write_at(out, 0);
+    }
+    out.push(')');
+}
+
+fn write_broken(parts: &[Sexp], out: &mut String, margin: usize) {
+    out.push('(');
+    for (i, part) in written(parts).enumerate() {
+        if i > 0 {
+            out.push('\n');
+            out.extend(std::iter::repeat_n(' ', margin + 2));
+        }
+        part.write_at(out, margin + 2);
+    }
+    out.push(')');
+}

@@ -1,0 +1,280 @@
+//! Bodies, statements, automata and contracts.
+
+use super::Printer;
+use super::layout::{Doc, concat, group, indent, nothing, text, word};
+use super::ty::dotted;
+use crate::ast::{self, *};
+use crate::text::quote;
+use rpi_diag::Span;
+
+impl Printer<'_> {
+    /// A head with contract, local declarations and `let ... tel` below it.
+    pub(super) fn with_body(&mut self, head: Doc, contract: &Option<Contract>, body: &Body, end: u32) -> Doc {
+        let contract = self.contract(contract.as_ref());
+        concat([head, contract, Doc::Hard, self.body(body, end)])
+    }
+
+    /// Local declarations and `let ... tel`, each statement on a line.
+    fn body(&mut self, body: &Body, end: u32) -> Doc {
+        let locals = self.locals(&body.locals);
+        let statements = self.statements(&body.statements, end);
+        concat([locals, block("let", statements, "tel")])
+    }
+
+    /// The same, on one line if it is short enough.
+    fn short_body(&mut self, body: &Body, span: Span) -> Doc {
+        let short = body.locals.is_empty()
+            && body.statements.len() <= MAX_ON_ONE_LINE
+            && !body.statements.iter().any(|statement| has_body(&statement.kind));
+        if !short || self.trivia.any_before(span.end) {
+            return self.body(body, span.end);
+        }
+        let statements = body.statements.iter().flat_map(|statement| {
+            let doc = self.doc_lines(statement.doc.as_ref());
+            [Doc::Line, doc, self.statement(&statement.kind, 0, statement.span)]
+        });
+        one_line_body(concat(statements.collect::<Vec<_>>()))
+    }
+
+    fn locals(&mut self, locals: &[Locals]) -> Doc {
+        let sections = locals.iter().flat_map(|section| {
+            let section = match section {
+                Locals::Var(vars) => self.section("var", vars, |v| (v.span, &v.doc), Self::var_decl),
+                Locals::Const(defs) => self.section("const", defs, |d| (d.span, &d.doc), Self::const_def),
+            };
+            [section, Doc::Hard]
+        });
+        concat(sections.collect::<Vec<_>>())
+    }
+
+    /// `var x: int;`, or one declaration on a line of its own each.
+    pub(super) fn section<T>(
+        &mut self,
+        head: &'static str,
+        elements: &[T],
+        place: impl Fn(&T) -> (Span, &Option<ast::Doc>),
+        mut write: impl FnMut(&mut Self, &T) -> Doc,
+    ) -> Doc {
+        if let [only] = elements
+            && !self.trivia.any_before(place(only).0.end)
+            && place(only).1.is_none()
+        {
+            let element = write(self, only);
+            return concat([word(head), word(" "), element, word(";")]);
+        }
+        let lines = self.lines(elements, |e| place(e).0, 0, |p, _, element| {
+            (concat([write(p, element), word(";")]), false)
+        });
+        concat([word(head), indent(concat([Doc::Hard, lines]))])
+    }
+
+    fn statements(&mut self, statements: &[Statement], end: u32) -> Doc {
+        let widths = end_widths(statements);
+        self.lines(statements, |statement| statement.span, end, |p, i, statement| {
+            let doc = p.doc_lines(statement.doc.as_ref());
+            let written = p.statement(&statement.kind, widths[i], statement.span);
+            (concat([doc, written]), has_body(&statement.kind))
+        })
+    }
+
+    /// A statement; `width` is that of the first word in a column of ends.
+    fn statement(&mut self, kind: &StatementKind, width: usize, span: Span) -> Doc {
+        let phrase = match kind {
+            StatementKind::Equation(equation) => self.equation(equation),
+            StatementKind::Call(call) => self.expr(call),
+            StatementKind::Claim(claim) => self.claim(claim),
+            StatementKind::End(end) => {
+                let head = format!("{:width$} {} when ", end.kind.word(), end.result.name);
+                concat([text(head), self.expr(&end.condition)])
+            }
+            StatementKind::Export(flows) => {
+                let flows: Vec<String> = flows.iter().map(dotted).collect();
+                text(format!("export {}", flows.join(", ")))
+            }
+            StatementKind::Fragment(fragment) => return self.fragment(fragment, span),
+            StatementKind::Automaton(automaton) => return self.automaton(automaton, span),
+            StatementKind::Broken(_) => return nothing(),
+        };
+        concat([phrase, word(";")])
+    }
+
+    fn equation(&mut self, equation: &Equation) -> Doc {
+        let mut parts = Vec::new();
+        for (i, target) in equation.targets.iter().enumerate() {
+            parts.push(word(if i == 0 { "" } else { ", " }));
+            parts.extend([text(&*target.name.name), self.path(&target.path)]);
+        }
+        if parts.is_empty() {
+            parts.push(word("()"));
+        }
+        parts.extend([word(" = "), self.expr(&equation.value)]);
+        concat(parts)
+    }
+
+    fn claim(&mut self, claim: &Claim) -> Doc {
+        let label = match &claim.label {
+            Some(label) => text(format!("{} ", quote(&label.name))),
+            None => nothing(),
+        };
+        concat([word(claim.kind.word()), word(" "), label, self.expr(&claim.condition)])
+    }
+
+    fn fragment(&mut self, fragment: &FragmentDecl, span: Span) -> Doc {
+        let head = self.fragment_head(fragment);
+        let contract = self.contract(fragment.contract.as_ref());
+        concat([head, contract, Doc::Hard, self.short_body(&fragment.body, span)])
+    }
+
+    fn automaton(&mut self, automaton: &Automaton, span: Span) -> Doc {
+        let states = self.lines(&automaton.states, |s| s.span, span.end, |p, _, state| {
+            let doc = p.doc_lines(state.doc.as_ref());
+            (concat([doc, p.state(state)]), false)
+        });
+        block("automaton", states, "end")
+    }
+
+    fn state(&mut self, state: &State) -> Doc {
+        let head = if state.initial { "initial state " } else { "state " };
+        let mut parts = Vec::new();
+        for transitions in one_clause(&state.unless) {
+            parts.extend([Doc::Hard, self.transitions("unless ", transitions)]);
+        }
+        if state.body != Body::default() {
+            parts.extend([Doc::Hard, self.short_body(&state.body, body_span(state))]);
+        }
+        for transitions in one_clause(&state.until) {
+            parts.extend([Doc::Hard, self.transitions("until ", transitions)]);
+        }
+        concat([word(head), text(&*state.name.name), indent(concat(parts))])
+    }
+
+    fn transitions(&mut self, head: &'static str, transitions: &[Transition]) -> Doc {
+        let alternatives = self.phrases(transitions, |t| t.span, |p, i, transition| {
+            let condition = match &transition.condition {
+                Some(condition) => p.expr(condition),
+                None => word("otherwise"),
+            };
+            let then = if transition.resumes { " continue " } else { " then " };
+            let target = text(&*transition.target.name);
+            concat([word(if i == 0 { "" } else { "| " }), condition, word(then), target])
+        });
+        concat([word(head), alternatives, word(";")])
+    }
+
+    /// `con ... noc` on lines of its own, if there is one.
+    pub(super) fn contract(&mut self, contract: Option<&Contract>) -> Doc {
+        let Some(contract) = contract else {
+            return nothing();
+        };
+        let locals = contract.locals.iter().flat_map(|l| self.contract_locals(l)).collect::<Vec<_>>();
+        let claims = self.claims(&contract.claims);
+        let modes = contract.modes.iter().flat_map(|m| [Doc::Hard, self.mode(m)]).collect::<Vec<_>>();
+        let parts = indent(concat([concat(locals), claims, concat(modes)]));
+        concat([Doc::Hard, word("con"), parts, Doc::Hard, word("noc")])
+    }
+
+    /// Each with its word before it: in a contract, a section has one declaration.
+    fn contract_locals(&mut self, locals: &Locals) -> Vec<Doc> {
+        let line = |head, doc| [Doc::Hard, word(head), doc, word(";")];
+        match locals {
+            Locals::Var(vars) => vars.iter().flat_map(|v| line("var ", self.var_decl(v))).collect(),
+            Locals::Const(defs) => defs.iter().flat_map(|d| line("const ", self.const_def(d))).collect(),
+        }
+    }
+
+    fn claims(&mut self, claims: &[Claim]) -> Doc {
+        if claims.is_empty() {
+            return nothing();
+        }
+        let lines = self.lines(claims, claim_span, 0, |p, _, claim| {
+            (concat([p.claim(claim), word(";")]), false)
+        });
+        concat([Doc::Hard, lines])
+    }
+
+    fn mode(&mut self, mode: &ContractMode) -> Doc {
+        let require = |p: &mut Self, claim: &Claim, head: &'static str| {
+            let label = claim.label.as_ref().map(|l| format!("{} ", quote(&l.name)));
+            let label = text(label.unwrap_or_default());
+            concat([Doc::Line, word(head), label, p.expr(&claim.condition), word(";")])
+        };
+        let mut parts: Vec<Doc> = mode.requires.iter().map(|c| require(self, c, "require ")).collect();
+        parts.extend(mode.ensures.iter().map(|c| require(self, c, "ensure ")));
+        let head = text(format!("mode {} (", mode.name.name));
+        group(concat([head, indent(concat(parts)), Doc::Line, word(");")]))
+    }
+}
+
+/// More statements than these are never set on one line.
+const MAX_ON_ONE_LINE: usize = 2;
+
+/// `let ... tel` on one line if it is short enough; each statement has a `Line` before it.
+pub(super) fn one_line_body(statements: Doc) -> Doc {
+    group(concat([word("let"), indent(statements), Doc::Line, word("tel")]))
+}
+
+/// Lines between two words.
+pub(super) fn block(open: &'static str, lines: Doc, close: &'static str) -> Doc {
+    match lines.is_nothing() {
+        true => concat([word(open), Doc::Hard, word(close)]),
+        false => concat([word(open), indent(concat([Doc::Hard, lines])), Doc::Hard, word(close)]),
+    }
+}
+
+fn has_body(kind: &StatementKind) -> bool {
+    matches!(kind, StatementKind::Fragment(_) | StatementKind::Automaton(_))
+}
+
+/// For each statement that ends the command the width of the longest word in its run.
+fn end_widths(statements: &[Statement]) -> Vec<usize> {
+    let width = |statement: &Statement| match &statement.kind {
+        StatementKind::End(end) => end.kind.word().len(),
+        _ => 0,
+    };
+    let both_end = |a: &Statement, b: &Statement| width(a) > 0 && width(b) > 0;
+    let runs = statements.chunk_by(both_end);
+    let widths = runs.flat_map(|run| {
+        let longest = run.iter().map(width).max().unwrap_or(0);
+        std::iter::repeat_n(longest, run.len())
+    });
+    widths.collect()
+}
+
+/// All transitions as one clause: the first that holds is taken, however they are written.
+fn one_clause(transitions: &[Transition]) -> impl Iterator<Item = &[Transition]> {
+    (!transitions.is_empty()).then_some(transitions).into_iter()
+}
+
+/// The part of a state's source that its body may reach to.
+fn body_span(state: &State) -> Span {
+    let end = state.until.first().map_or(state.span.end, |t| t.span.start);
+    Span { end, ..state.span }
+}
+
+fn claim_span(claim: &Claim) -> Span {
+    let label = claim.label.as_ref().map_or(Span::NONE, |label| label.span);
+    label.merge(claim.condition.span)
+}
+
+impl EndKind {
+    /// The word that begins it.
+    fn word(self) -> &'static str {
+        match self {
+            EndKind::Finish => "finish",
+            EndKind::Yield => "yield",
+            EndKind::Fail => "fail",
+        }
+    }
+}
+
+impl ClaimKind {
+    /// The word that begins it.
+    fn word(self) -> &'static str {
+        match self {
+            ClaimKind::Assert => "assert",
+            ClaimKind::Check => "check",
+            ClaimKind::Assume => "assume",
+            ClaimKind::Guarantee => "guarantee",
+        }
+    }
+}

@@ -1,0 +1,101 @@
+//! Calls and their arguments.
+
+use super::Printer;
+use super::layout::{Doc, concat, text, word};
+use super::list::{PARENS, STATIC_ARGS};
+use crate::ast::*;
+use rpi_diag::Span;
+
+impl Printer<'_> {
+    pub(super) fn call(&mut self, call: &Call) -> Doc {
+        let callee = self.callee(&call.callee);
+        let head = match &call.activation {
+            Activation::Always => callee,
+            Activation::Restart { every } => {
+                concat([word("(restart "), callee, word(" every "), self.expr(every), word(")")])
+            }
+            Activation::Activate { every, restart, default } => {
+                let mut parts = vec![word("(activate "), callee, word(" every "), self.expr(every)];
+                if let Some(restart) = restart {
+                    parts.extend([word(" restart every "), self.expr(restart)]);
+                }
+                if let Some(default) = default {
+                    parts.extend([word(" initial default "), self.expr(default)]);
+                }
+                parts.push(word(")"));
+                concat(parts)
+            }
+        };
+        concat([head, self.args(&call.args)])
+    }
+
+    pub(super) fn args(&mut self, args: &[Arg]) -> Doc {
+        self.list(PARENS, args, arg_span, |p, arg| {
+            let value = p.expr(&arg.value);
+            named(arg.name.as_ref(), value)
+        })
+    }
+
+    pub(super) fn callee(&mut self, callee: &Callee) -> Doc {
+        let name = text(&*callee.name.name);
+        concat([name, self.static_args(&callee.statics)])
+    }
+
+    pub(super) fn static_args(&mut self, args: &[StaticArg]) -> Doc {
+        match args {
+            [] => Doc::Concat(Vec::new()),
+            args => self.list(STATIC_ARGS, args, |arg| arg.span, |p, arg| {
+                let value = p.static_value(&arg.value);
+                named(arg.name.as_ref(), value)
+            }),
+        }
+    }
+
+    fn static_value(&mut self, value: &StaticValue) -> Doc {
+        match value {
+            StaticValue::Expr(expr) => self.expr(expr),
+            StaticValue::Op(op) => text(static_op(*op)),
+            StaticValue::Callee(callee) if callee.statics.is_empty() => {
+                concat([word("node "), self.callee(callee)])
+            }
+            StaticValue::Callee(callee) => self.callee(callee),
+            StaticValue::Type(ty) if is_plain(ty) => self.ty(ty),
+            StaticValue::Type(ty) => concat([word("type "), self.ty(ty)]),
+        }
+    }
+}
+
+fn named(name: Option<&Ident>, value: Doc) -> Doc {
+    match name {
+        Some(name) => concat([text(&*name.name), word(": "), value]),
+        None => value,
+    }
+}
+
+fn arg_span(arg: &Arg) -> Span {
+    let name = arg.name.as_ref().map_or(Span::NONE, |name| name.span);
+    name.merge(arg.value.span)
+}
+
+/// The operator; set off by spaces where it would run into the brackets.
+fn static_op(op: StaticOp) -> String {
+    let spelling = match op {
+        StaticOp::Unary(op) => op.spelling(),
+        StaticOp::Binary(op) => op.spelling(),
+        StaticOp::If => "if",
+    };
+    match spelling.contains('>') {
+        true => format!(" {spelling} "),
+        false => spelling.to_owned(),
+    }
+}
+
+/// Whether the type is written as an argument without the word `type`.
+fn is_plain(ty: &Type) -> bool {
+    match &ty.kind {
+        TypeKind::Bool | TypeKind::Int | TypeKind::Real(None) => true,
+        TypeKind::Array(array) => is_plain(&array.element),
+        TypeKind::Optional(inner) => is_plain(inner),
+        _ => false,
+    }
+}

@@ -1,0 +1,196 @@
+//! Top-level declarations.
+
+use super::Printer;
+use super::layout::{Doc, concat, group, indent, nothing, text, word};
+use super::ty::{dotted, names};
+use crate::Mode;
+use crate::ast::*;
+use crate::text::quote;
+
+impl Printer<'_> {
+    /// Declarations, one below the other; those of several lines are set apart.
+    pub(super) fn items(&mut self, items: &[Item]) -> Doc {
+        self.lines(items, |item| item.span, u32::MAX, |p, _, item| {
+            let doc = p.item(&item.kind, item.span.end);
+            let apart = doc.flat_width().is_none();
+            (concat([p.doc_lines(item.doc.as_ref()), doc]), apart)
+        })
+    }
+
+    fn item(&mut self, kind: &ItemKind, end: u32) -> Doc {
+        match kind {
+            ItemKind::Use(modules) => text(format!("use {};", names(modules))),
+            ItemKind::Include(file) => text(format!("include {}", quote(&file.name))),
+            ItemKind::Const(defs) => self.section("const", defs, |d| (d.span, &d.doc), Self::const_def),
+            ItemKind::Type(defs) => self.section("type", defs, |d| (d.span, &d.doc), Self::type_def),
+            ItemKind::Node(node) => self.node(node, end),
+            ItemKind::Fragment(fragment) => {
+                let head = self.fragment_head(fragment);
+                self.with_body(head, &fragment.contract, &fragment.body, end)
+            }
+            ItemKind::Primitive(primitive) => self.primitive(primitive),
+            ItemKind::Device(device) => self.device(device, end),
+            ItemKind::Frame(frame) => self.frame(frame),
+            ItemKind::Command(command) => self.command(command, end),
+            ItemKind::Task(task) => self.task(task, end),
+            ItemKind::Test(test) => {
+                let head = text(format!("test {}", quote(&test.title.name)));
+                self.with_body(head, &None, &test.body, end)
+            }
+            ItemKind::Broken(_) => nothing(),
+        }
+    }
+
+    fn type_def(&mut self, def: &TypeDef) -> Doc {
+        let name = concat([self.doc_lines(def.doc.as_ref()), text(&*def.name.name)]);
+        match &def.ty {
+            Some(ty) => concat([name, word(" = "), self.ty(ty)]),
+            None => name,
+        }
+    }
+
+    /// Name, static parameters and ports, the ports on lines of their own if there is no room.
+    pub(super) fn signature(&mut self, signature: &Signature) -> Doc {
+        let head = concat([text(&*signature.name.name), self.static_params(&signature.statics)]);
+        let ports = self.signature_ports(signature);
+        group(concat([head, indent(ports)]))
+    }
+
+    fn signature_ports(&mut self, signature: &Signature) -> Doc {
+        let mut parts = Vec::new();
+        if let Some(inputs) = &signature.inputs {
+            parts.extend([Doc::Line, self.ports(inputs)]);
+        }
+        if let Some(outputs) = &signature.outputs {
+            parts.extend([Doc::Line, word("returns "), self.ports(outputs)]);
+        }
+        concat(parts)
+    }
+
+    fn node(&mut self, node: &NodeDecl, end: u32) -> Doc {
+        let head = concat([
+            word(if node.is_unsafe { "unsafe " } else { "" }),
+            word(if node.definition == NodeDef::Extern { "extern " } else { "" }),
+            word(node.kind.word()),
+            word(" "),
+            self.signature(&node.signature),
+        ]);
+        match &node.definition {
+            NodeDef::Body(body) => {
+                let semi = word(if self.mode == Mode::Lustre { ";" } else { "" });
+                self.with_body(concat([head, semi]), &node.contract, body, end)
+            }
+            NodeDef::Alias(callee) => concat([head, word(" = "), self.callee(callee), word(";")]),
+            NodeDef::Extern => concat([head, word(";"), self.contract(node.contract.as_ref())]),
+        }
+    }
+
+    /// `fragment F (...) returns (...) when c restart budget b`
+    pub(super) fn fragment_head(&mut self, fragment: &FragmentDecl) -> Doc {
+        let signature = &fragment.signature;
+        let name = text(&*signature.name.name);
+        let statics = self.static_params(&signature.statics);
+        let mut parts = vec![self.signature_ports(signature)];
+        if let Some(when) = &fragment.when {
+            parts.extend([Doc::Line, word("when "), self.expr(&when.condition)]);
+            parts.push(word(if when.restart { " restart" } else { "" }));
+        }
+        parts.push(self.budget(fragment.budget.as_ref()));
+        group(concat([word("fragment "), name, statics, indent(concat(parts))]))
+    }
+
+    fn budget(&mut self, budget: Option<&Expr>) -> Doc {
+        match budget {
+            Some(budget) => concat([Doc::Line, word("budget "), self.expr(budget)]),
+            None => nothing(),
+        }
+    }
+
+    fn primitive(&mut self, primitive: &PrimitiveDecl) -> Doc {
+        let signature = &primitive.signature;
+        let name = text(&*signature.name.name);
+        let statics = self.static_params(&signature.statics);
+        let ports = self.signature_ports(signature);
+        let budget = self.budget(primitive.budget.as_ref());
+        group(concat([word("primitive "), name, statics, indent(concat([ports, budget])), word(";")]))
+    }
+
+    fn device(&mut self, device: &DeviceDecl, end: u32) -> Doc {
+        let name = text(&*device.name.name);
+        let head = concat([word("device "), name, self.static_params(&device.statics)]);
+        let sections = self.lines(&device.sections, |s| s.span, end, |p, _, section| {
+            (p.device_section(section), false)
+        });
+        concat([head, indent(concat([Doc::Hard, sections]))])
+    }
+
+    fn device_section(&mut self, section: &DeviceSection) -> Doc {
+        /// As long as the longest of the words, and a space.
+        const COLUMN: usize = "actuator ".len();
+        let word = section.kind.word();
+        let ports = self.lines(&section.ports, |port| port.span, section.span.end, |p, _, port| {
+            (p.device_port(port), false)
+        });
+        concat([text(format!("{word:COLUMN$}")), Doc::Indent(COLUMN, Box::new(ports))])
+    }
+
+    fn device_port(&mut self, port: &DevicePort) -> Doc {
+        let alternatives = self.phrases(&port.alternatives, |var| var.span, |p, i, var| {
+            concat([word(if i == 0 { "" } else { "| " }), p.var_decl(var)])
+        });
+        concat([alternatives, word(";")])
+    }
+
+    fn frame(&mut self, frame: &FrameDecl) -> Doc {
+        let mut parts = vec![text(format!("frame {}", names(&frame.names)))];
+        if let Some(parent) = &frame.parent {
+            parts.push(text(format!(" in {}", dotted(parent))));
+        }
+        if let Some(pose) = &frame.pose {
+            parts.extend([word(" = "), self.expr(pose)]);
+        }
+        parts.push(word(";"));
+        concat(parts)
+    }
+
+    fn command(&mut self, command: &CommandDecl, end: u32) -> Doc {
+        let name = text(&*command.name.name);
+        let statics = self.static_params(&command.statics);
+        let mut parts = vec![self.params(&command.params)];
+        if !command.given.is_empty() {
+            parts.extend([Doc::Line, word("given "), self.ports(&command.given)]);
+        }
+        parts.push(self.budget(command.budget.as_ref()));
+        let head = group(concat([word("command "), name, statics, indent(concat(parts))]));
+        self.with_body(head, &command.contract, &command.body, end)
+    }
+
+    /// Parameters of a command or task; nothing if there are none.
+    pub(super) fn params(&mut self, params: &[VarDecl]) -> Doc {
+        match params {
+            [] => nothing(),
+            params => concat([Doc::Line, self.ports(params)]),
+        }
+    }
+}
+
+impl NodeKind {
+    /// The word that declares it.
+    pub(super) fn word(self) -> &'static str {
+        match self {
+            NodeKind::Node => "node",
+            NodeKind::Function => "function",
+        }
+    }
+}
+
+impl PortKind {
+    /// The word before its ports.
+    fn word(self) -> &'static str {
+        match self {
+            PortKind::Actuator => "actuator",
+            PortKind::Sensor => "sensor",
+            PortKind::Status => "status",
+        }
+    }
+}

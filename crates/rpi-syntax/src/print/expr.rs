@@ -1,0 +1,301 @@
+//! Expressions.
+
+use super::layout::{Doc, concat, group, indent, text, word};
+use super::list::{CURLY, PARENS, SQUARE, brackets};
+use super::{Printer, parens};
+use crate::ast::*;
+use crate::ops::{BinaryOp, Grouping, UnaryOp};
+use crate::text::quote;
+use rpi_diag::Span;
+
+impl Printer<'_> {
+    pub(super) fn expr(&mut self, expr: &Expr) -> Doc {
+        match &expr.kind {
+            ExprKind::Bool(value) => word(if *value { "true" } else { "false" }),
+            ExprKind::Number(number) => text(&*number.text),
+            ExprKind::Quantity(quantity) => self.quantity(quantity),
+            ExprKind::Str(content) => text(quote(content)),
+            ExprKind::Name(name) => text(&**name),
+            ExprKind::Field(field) => self.field(field),
+            ExprKind::Index(index) => self.index(index),
+            ExprKind::Slice(slice) => self.slice_of(slice),
+            ExprKind::Unary(op, operand) => self.unary(*op, operand),
+            ExprKind::Binary(binary) => self.chain(binary),
+            ExprKind::When(when) => self.when(when),
+            ExprKind::If(conditional) => self.conditional(conditional),
+            ExprKind::Call(call) => self.call(call),
+            ExprKind::Among(among, elements) => self.among(*among, elements),
+            ExprKind::Merge(merge) => self.merge(merge),
+            ExprKind::Paren(inner) => self.paren(inner),
+            ExprKind::Tuple(elements) => self.list(PARENS, elements, |e| e.span, Self::expr),
+            ExprKind::Array(elements) => self.list(SQUARE, elements, |e| e.span, Self::expr),
+            ExprKind::Struct(value) => self.struct_expr(value),
+            ExprKind::Update(update) => self.update(update),
+        }
+    }
+
+    /// The expression, in parentheses if they are needed.
+    fn wrapped(&mut self, expr: &Expr, needed: bool) -> Doc {
+        match needed {
+            true => self.paren(expr),
+            false => self.expr(expr),
+        }
+    }
+
+    fn paren(&mut self, inner: &Expr) -> Doc {
+        let inner = self.expr(inner);
+        group(concat([word("("), indent(concat([Doc::Soft, inner])), Doc::Soft, word(")")]))
+    }
+
+    fn quantity(&mut self, quantity: &Quantity) -> Doc {
+        let number = text(&*quantity.number.text);
+        match quantity.unit.is_percent() {
+            true => concat([number, word("%")]),
+            false => concat([number, word("["), self.unit(&quantity.unit), word("]")]),
+        }
+    }
+
+    fn base(&mut self, base: &Expr) -> Doc {
+        self.wrapped(base, parens::base(base))
+    }
+
+    fn field(&mut self, field: &Field) -> Doc {
+        concat([self.base(&field.base), word("."), text(&*field.field.name)])
+    }
+
+    fn index(&mut self, index: &Index) -> Doc {
+        concat([self.base(&index.base), word("["), self.expr(&index.index), word("]")])
+    }
+
+    fn slice_of(&mut self, of: &SliceOf) -> Doc {
+        concat([self.base(&of.base), word("["), self.slice(&of.slice), word("]")])
+    }
+
+    pub(super) fn slice(&mut self, slice: &Slice) -> Doc {
+        // `1.` before `..` would read as three dots.
+        let apart = matches!(&slice.from.kind, ExprKind::Number(n) if n.text.ends_with('.'));
+        let dots = word(if apart { " .. " } else { ".." });
+        let mut parts = vec![self.expr(&slice.from), dots, self.expr(&slice.to)];
+        if let Some(step) = &slice.step {
+            parts.extend([word(" step "), self.expr(step)]);
+        }
+        concat(parts)
+    }
+
+    fn unary(&mut self, op: UnaryOp, operand: &Expr) -> Doc {
+        let space = if op == UnaryOp::Neg { "" } else { " " };
+        let needed = parens::operand(op, operand);
+        concat([word(op.spelling()), word(space), self.wrapped(operand, needed)])
+    }
+
+    /// `a and b and c`: operators of one level are broken together.
+    fn chain(&mut self, binary: &Binary) -> Doc {
+        let links = links(binary);
+        self.phrases(&links, |link| link.operand.span, |p, _, link| {
+            let operand = p.wrapped(link.operand, link.parens);
+            match link.op {
+                Some(op) => concat([word(op.spelling()), word(" "), operand]),
+                None => operand,
+            }
+        })
+    }
+
+    fn when(&mut self, when: &When) -> Doc {
+        let value = self.wrapped(&when.value, parens::sampled(&when.value));
+        concat([value, word(" when "), self.clock(&when.clock)])
+    }
+
+    pub(super) fn clock(&mut self, clock: &Clock) -> Doc {
+        let flow = text(&*clock.flow.name);
+        match &clock.tick {
+            Tick::True => flow,
+            Tick::False => concat([word("not "), flow]),
+            Tick::Value(value) => concat([text(&*value.name), word("("), flow, word(")")]),
+        }
+    }
+
+    /// `if a then x else if b then y else z`: the branches are broken together.
+    fn conditional(&mut self, conditional: &If) -> Doc {
+        let branches = branches(conditional);
+        self.phrases(&branches, Alternative::span, |p, _, branch| match branch {
+            Alternative::If { head, condition, yes } => {
+                concat([word(head), p.expr(condition), word(" then "), p.expr(yes)])
+            }
+            Alternative::Else(no) => concat([word("else "), p.expr(no)]),
+        })
+    }
+
+    fn among(&mut self, among: Among, elements: &[Expr]) -> Doc {
+        let head = match among {
+            Among::AtMostOne => "#",
+            Among::Nor => "nor",
+        };
+        concat([word(head), self.list(PARENS, elements, |e| e.span, Self::expr)])
+    }
+
+    fn merge(&mut self, merge: &Merge) -> Doc {
+        match (&merge.on.kind, &merge.cases[..]) {
+            (ExprKind::Name(name), cases) if !name.is_qualified() => {
+                let cases = cases.iter().flat_map(|case| [Doc::Line, self.merge_case(case)]);
+                let cases = concat(cases.collect::<Vec<_>>());
+                group(concat([word("merge "), text(&**name), indent(cases)]))
+            }
+            (_, cases) => {
+                let on = self.expr(&merge.on);
+                let rest = cases.iter().flat_map(|case| [word("; "), self.expr(&case.then)]);
+                concat([word("merge("), on, concat(rest.collect::<Vec<_>>()), word(")")])
+            }
+        }
+    }
+
+    fn merge_case(&mut self, case: &MergeCase) -> Doc {
+        let value = text(&*case.value.name);
+        concat([word("("), value, word(" -> "), self.expr(&case.then), word(")")])
+    }
+
+    fn struct_expr(&mut self, value: &StructExpr) -> Doc {
+        let name = text(&*value.ty.name);
+        let field = |p: &mut Self, field: &FieldValue| p.field_value(field);
+        let Some(base) = &value.base else {
+            let fields = self.list(CURLY, &value.fields, field_span, field);
+            return concat([name, fields]);
+        };
+        let base = concat([word("{"), self.base(base), word(" with")]);
+        let after_base = brackets(" ", ";", "}");
+        concat([name, base, self.list(after_base, &value.fields, field_span, field)])
+    }
+
+    fn field_value(&mut self, field: &FieldValue) -> Doc {
+        concat([text(&*field.field.name), word(" = "), self.expr(&field.value)])
+    }
+
+    fn update(&mut self, update: &Update) -> Doc {
+        let base = concat([word("("), self.expr(&update.base), word(" with")]);
+        let after_base = brackets(" ", ";", ")");
+        let changes = self.list(after_base, &update.changes, change_span, |p, change| {
+            concat([p.path(&change.path), word(" = "), p.expr(&change.value)])
+        });
+        concat([base, changes])
+    }
+
+    /// `.f[1]`
+    pub(super) fn path(&mut self, path: &[Access]) -> Doc {
+        let steps = path.iter().map(|access| match access {
+            Access::Field(field) => concat([word("."), text(&*field.name)]),
+            Access::Index(index) => concat([word("["), self.expr(index), word("]")]),
+            Access::Slice(slice) => concat([word("["), self.slice(slice), word("]")]),
+        });
+        concat(steps.collect::<Vec<_>>())
+    }
+}
+
+fn field_span(field: &FieldValue) -> Span {
+    field.field.span.merge(field.value.span)
+}
+
+fn change_span(change: &Change) -> Span {
+    let first = match &change.path[..] {
+        [Access::Field(field), ..] => field.span,
+        [Access::Index(index), ..] => index.span,
+        [Access::Slice(slice), ..] => slice.from.span,
+        [] => Span::NONE,
+    };
+    first.merge(change.value.span)
+}
+
+/// One operand of a chain, with the operator before it.
+struct Link<'e> {
+    op: Option<BinaryOp>,
+    operand: &'e Expr,
+    parens: bool,
+}
+
+/// The operands that operators of one level join.
+fn links(binary: &Binary) -> Vec<Link<'_>> {
+    match binary.op.grouping() {
+        Grouping::Right => links_to_right(binary),
+        Grouping::Left | Grouping::None => links_to_left(binary),
+    }
+}
+
+fn links_to_left(mut binary: &Binary) -> Vec<Link<'_>> {
+    let mut links = Vec::new();
+    loop {
+        let (op, lhs) = (binary.op, &binary.lhs);
+        links.push(Link {
+            op: Some(op),
+            operand: &binary.rhs,
+            parens: parens::right(op, &binary.rhs),
+        });
+        match &lhs.kind {
+            ExprKind::Binary(inner) if inner.op.level() == op.level() && !parens::left(op, lhs) => binary = inner,
+            _ => {
+                let parens = parens::left(op, lhs);
+                links.push(Link { op: None, operand: lhs, parens });
+                links.reverse();
+                return links;
+            }
+        }
+    }
+}
+
+fn links_to_right(mut binary: &Binary) -> Vec<Link<'_>> {
+    let mut links = Vec::new();
+    let mut before = None;
+    loop {
+        let (op, rhs) = (binary.op, &binary.rhs);
+        let parens = parens::left(op, &binary.lhs);
+        links.push(Link { op: before, operand: &binary.lhs, parens });
+        before = Some(op);
+        match &rhs.kind {
+            ExprKind::Binary(inner) if inner.op.level() == op.level() => binary = inner,
+            _ => {
+                let parens = parens::right(op, rhs);
+                links.push(Link { op: before, operand: rhs, parens });
+                return links;
+            }
+        }
+    }
+}
+
+/// One branch of a chain of conditions.
+enum Alternative<'e> {
+    If {
+        head: &'static str,
+        condition: &'e Expr,
+        yes: &'e Expr,
+    },
+    Else(&'e Expr),
+}
+
+impl Alternative<'_> {
+    fn span(&self) -> Span {
+        match self {
+            Alternative::If { condition, yes, .. } => condition.span.merge(yes.span),
+            Alternative::Else(no) => no.span,
+        }
+    }
+}
+
+fn branches(mut conditional: &If) -> Vec<Alternative<'_>> {
+    let mut branches = Vec::new();
+    loop {
+        branches.push(Alternative::If {
+            head: match (branches.is_empty(), conditional.is_static) {
+                (true, false) => "if ",
+                (true, true) => "with ",
+                (false, false) => "else if ",
+                (false, true) => "else with ",
+            },
+            condition: &conditional.condition,
+            yes: &conditional.yes,
+        });
+        match &conditional.no.kind {
+            ExprKind::If(inner) => conditional = inner,
+            _ => {
+                branches.push(Alternative::Else(&conditional.no));
+                return branches;
+            }
+        }
+    }
+}

@@ -1,0 +1,278 @@
+//! Documents that may be laid out on one line or on several, and how that is decided.
+//!
+//! After Wadler, "A prettier printer", with two additions: a suffix waits for the end of its line,
+//! and the suffixes of adjacent lines are set in one column.
+
+/// The longest line, in characters, where it can be helped.
+pub(super) const WIDTH: usize = 100;
+
+/// A text that may be laid out in several ways.
+#[derive(Clone, Debug)]
+pub(super) enum Doc {
+    /// A word or sign.
+    Text(String),
+    /// A word or sign that is always the same.
+    Word(&'static str),
+    /// The end of a line in a broken group, else a space.
+    Line,
+    /// The end of a line in a broken group, else nothing.
+    Soft,
+    /// The end of a line; breaks every group around it.
+    Hard,
+    /// An empty line, where a line begins; breaks every group around it.
+    Empty,
+    /// A comment that waits for the end of its line; breaks every group around it.
+    Suffix(String),
+    /// One after the other.
+    Concat(Vec<Doc>),
+    /// Lines that begin so many columns further right.
+    Indent(usize, Box<Doc>),
+    /// On one line if it fits, else broken at each `Line` and `Soft` directly in it.
+    Group(Box<Doc>),
+}
+
+/// How far the content of blocks is indented.
+pub(super) const STEP: usize = 2;
+
+pub(super) fn text(text: impl Into<String>) -> Doc {
+    Doc::Text(text.into())
+}
+
+pub(super) fn word(word: &'static str) -> Doc {
+    Doc::Word(word)
+}
+
+pub(super) fn concat(parts: impl IntoIterator<Item = Doc>) -> Doc {
+    Doc::Concat(parts.into_iter().collect())
+}
+
+pub(super) fn nothing() -> Doc {
+    Doc::Concat(Vec::new())
+}
+
+pub(super) fn indent(doc: Doc) -> Doc {
+    Doc::Indent(STEP, Box::new(doc))
+}
+
+pub(super) fn group(doc: Doc) -> Doc {
+    Doc::Group(Box::new(doc))
+}
+
+impl Doc {
+    /// Whether nothing is in it.
+    pub(super) fn is_nothing(&self) -> bool {
+        match self {
+            Doc::Concat(parts) => parts.iter().all(Doc::is_nothing),
+            Doc::Indent(_, doc) | Doc::Group(doc) => doc.is_nothing(),
+            Doc::Text(text) => text.is_empty(),
+            _ => false,
+        }
+    }
+
+    /// How many columns it takes on one line; [`None`] if it can not stand on one, or on no line
+    /// of the page.
+    pub(super) fn flat_width(&self) -> Option<usize> {
+        let mut left = WIDTH;
+        let mut todo = vec![self];
+        while let Some(doc) = todo.pop() {
+            let width = match doc {
+                Doc::Text(text) => text.chars().count(),
+                Doc::Word(word) => word.len(),
+                Doc::Line => 1,
+                Doc::Soft => 0,
+                Doc::Hard | Doc::Empty | Doc::Suffix(_) => return None,
+                Doc::Concat(parts) => {
+                    todo.extend(parts.iter().rev());
+                    0
+                }
+                Doc::Indent(_, doc) | Doc::Group(doc) => {
+                    todo.push(doc);
+                    0
+                }
+            };
+            left = left.checked_sub(width)?;
+        }
+        Some(WIDTH - left)
+    }
+}
+
+/// The document as text, each line ended by `\n`.
+pub(super) fn lay_out(doc: &Doc) -> String {
+    let mut layout = Layout::default();
+    layout.run(doc);
+    layout.end_line();
+    align_suffixes(&mut layout.lines);
+    let mut out = String::new();
+    for line in &layout.lines {
+        out.push_str(&line.code);
+        if let Some(suffix) = &line.suffix {
+            out.push_str(suffix);
+        }
+        out.push('\n');
+    }
+    out
+}
+
+/// Whether lines are ended where they can be.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Mode {
+    Flat,
+    Broken,
+}
+
+#[derive(Default)]
+struct Line {
+    code: String,
+    suffix: Option<String>,
+}
+
+#[derive(Default)]
+struct Layout {
+    lines: Vec<Line>,
+    line: String,
+    suffix: Option<String>,
+    /// Characters in `line`.
+    column: usize,
+    /// Columns to be left free before the next text.
+    margin: usize,
+}
+
+impl Layout {
+    fn run(&mut self, doc: &Doc) {
+        let mut todo = vec![(0, Mode::Broken, doc)];
+        while let Some((margin, mode, doc)) = todo.pop() {
+            match doc {
+                Doc::Text(text) => self.text(text),
+                Doc::Word(word) => self.text(word),
+                Doc::Line if mode == Mode::Flat => self.text(" "),
+                Doc::Soft if mode == Mode::Flat => {}
+                Doc::Line | Doc::Soft | Doc::Hard => self.break_line(margin),
+                Doc::Empty => self.end_line(),
+                Doc::Suffix(comment) => self.suffix(comment),
+                Doc::Concat(parts) => todo.extend(parts.iter().rev().map(|part| (margin, mode, part))),
+                Doc::Indent(by, doc) => todo.push((margin + by, mode, doc)),
+                Doc::Group(doc) => {
+                    let mode = match mode == Mode::Flat || self.fits(margin, doc, &todo) {
+                        true => Mode::Flat,
+                        false => Mode::Broken,
+                    };
+                    todo.push((margin, mode, doc));
+                }
+            }
+        }
+    }
+
+    /// Whether the group, on one line, and what follows it up to the next end of a line, fits.
+    fn fits(&self, margin: usize, group: &Doc, rest: &[(usize, Mode, &Doc)]) -> bool {
+        let used = if self.line.is_empty() { margin } else { self.column };
+        let mut left = WIDTH.saturating_sub(used);
+        let mut todo = vec![(Mode::Flat, group)];
+        let mut rest = rest.iter().rev();
+        loop {
+            let Some((mode, doc)) = todo.pop().or_else(|| rest.next().map(|(_, mode, doc)| (*mode, *doc))) else {
+                return true;
+            };
+            let width = match doc {
+                Doc::Text(text) => text.chars().count(),
+                Doc::Word(word) => word.len(),
+                Doc::Line if mode == Mode::Flat => 1,
+                Doc::Soft if mode == Mode::Flat => 0,
+                Doc::Line | Doc::Soft => return true,
+                Doc::Hard | Doc::Empty | Doc::Suffix(_) => return mode == Mode::Broken,
+                Doc::Concat(parts) => {
+                    todo.extend(parts.iter().rev().map(|part| (mode, part)));
+                    0
+                }
+                Doc::Indent(_, doc) | Doc::Group(doc) => {
+                    todo.push((mode, doc));
+                    0
+                }
+            };
+            match left.checked_sub(width) {
+                Some(less) => left = less,
+                None => return false,
+            }
+        }
+    }
+
+    fn text(&mut self, text: &str) {
+        if text.is_empty() {
+            return;
+        }
+        if self.line.is_empty() {
+            self.line.extend(std::iter::repeat_n(' ', self.margin));
+            self.column = self.margin;
+        }
+        self.line.push_str(text);
+        self.column += text.chars().count();
+    }
+
+    fn suffix(&mut self, comment: &str) {
+        match &mut self.suffix {
+            Some(suffix) => {
+                suffix.push(' ');
+                suffix.push_str(comment);
+            }
+            None => self.suffix = Some(comment.to_owned()),
+        }
+    }
+
+    fn break_line(&mut self, margin: usize) {
+        self.end_line();
+        self.margin = margin;
+    }
+
+    fn end_line(&mut self) {
+        let code = std::mem::take(&mut self.line);
+        self.column = 0;
+        self.lines.push(Line {
+            code: code.trim_end().to_owned(),
+            suffix: self.suffix.take(),
+        });
+    }
+}
+
+/// Sets the suffixes of adjacent lines in one column, two columns after the longest of them.
+fn align_suffixes(lines: &mut [Line]) {
+    for run in lines.chunk_by_mut(|a, b| a.suffix.is_some() && b.suffix.is_some()) {
+        let longest = run.iter().map(|line| line.code.chars().count()).max();
+        for line in run.iter_mut().filter(|line| line.suffix.is_some()) {
+            let gap = longest.unwrap_or(0) - line.code.chars().count() + 2;
+            line.code.extend(std::iter::repeat_n(' ', gap));
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn list(elements: &[&'static str]) -> Doc {
+        let mut parts = vec![Doc::Soft];
+        for (i, element) in elements.iter().enumerate() {
+            parts.extend((i > 0).then_some(concat([word(","), Doc::Line])));
+            parts.push(word(element));
+        }
+        group(concat([word("("), indent(concat(parts)), Doc::Soft, word(")")]))
+    }
+
+    #[test]
+    fn a_group_breaks_if_it_does_not_fit() {
+        assert_eq!(lay_out(&list(&["a", "b"])), "(a, b)\n");
+        let long = "a_name_of_sixty_characters_a_name_of_sixty_characters_a_name";
+        assert_eq!(lay_out(&list(&[long, long])), format!("(\n  {long},\n  {long}\n)\n"));
+    }
+
+    #[test]
+    fn what_breaks_inside_breaks_outside() {
+        let inner = concat([word("a"), Doc::Suffix("-- why".into()), Doc::Line, word("b")]);
+        assert_eq!(lay_out(&group(inner)), "a  -- why\nb\n");
+    }
+
+    #[test]
+    fn suffixes_of_adjacent_lines_stand_in_one_column() {
+        let line = |code, why: &str| concat([word(code), Doc::Suffix(why.into()), Doc::Hard]);
+        let doc = concat([line("x", "-- 1"), line("long", "-- 2"), word("y"), Doc::Hard, line("z", "-- 3")]);
+        assert_eq!(lay_out(&doc), "x     -- 1\nlong  -- 2\ny\nz  -- 3\n\n");
+    }
+}

@@ -1,0 +1,81 @@
+//! Where parentheses must stand for a tree to read back as it is, by the table of operators.
+
+use crate::ast::{Expr, ExprKind};
+use crate::ops::{BinaryOp, Grouping, LEVEL_IF, LEVEL_PRIMARY, LEVEL_WHEN, Level, UnaryOp};
+
+/// The level of the operator at the root of the expression.
+pub(super) fn level(expr: &Expr) -> Level {
+    match &expr.kind {
+        ExprKind::If(_) => LEVEL_IF,
+        ExprKind::Binary(binary) => binary.op.level(),
+        ExprKind::Unary(op, _) => op.level(),
+        ExprKind::When(_) => LEVEL_WHEN,
+        _ => LEVEL_PRIMARY,
+    }
+}
+
+/// Whether a left operand of `op` needs parentheses.
+pub(super) fn left(op: BinaryOp, lhs: &Expr) -> bool {
+    let groups_left = op.grouping() == Grouping::Left;
+    before(op.level(), groups_left, lhs)
+}
+
+/// Whether what is sampled needs parentheses.
+pub(super) fn sampled(value: &Expr) -> bool {
+    before(LEVEL_WHEN, true, value)
+}
+
+/// Whether a right operand of `op` needs parentheses.
+pub(super) fn right(op: BinaryOp, rhs: &Expr) -> bool {
+    if is_prefix(rhs) {
+        return false;
+    }
+    let groups_right = op.grouping() == Grouping::Right;
+    level(rhs) < op.level() || level(rhs) == op.level() && !groups_right
+}
+
+/// Whether the operand of a unary operator needs parentheses.
+pub(super) fn operand(op: UnaryOp, operand: &Expr) -> bool {
+    let looks_like_comment = op == UnaryOp::Neg && begins_with_minus(operand);
+    looks_like_comment || !is_prefix(operand) && level(operand) < op.level()
+}
+
+/// Whether `.f` or `[i]` can not follow the expression directly.
+pub(super) fn base(base: &Expr) -> bool {
+    use ExprKind::{Bool, Merge, Number, Quantity, Str};
+    let literal = matches!(base.kind, Bool(_) | Number(_) | Quantity(_) | Str(_) | Merge(_));
+    literal || level(base) < LEVEL_PRIMARY
+}
+
+/// Whether an expression before an operator of this level needs parentheses.
+fn before(op: Level, groups_left: bool, expr: &Expr) -> bool {
+    let weaker = !is_prefix(expr) && (level(expr) < op || level(expr) == op && !groups_left);
+    weaker || open_end(expr) <= op
+}
+
+/// Whether the operator at the root stands before its only operand, or before its last one.
+fn is_prefix(expr: &Expr) -> bool {
+    matches!(expr.kind, ExprKind::Unary(..) | ExprKind::If(_))
+}
+
+/// The weakest operator whose operand ends where the expression ends, and would take in whatever
+/// more strongly binding operator follows.
+fn open_end(expr: &Expr) -> Level {
+    match &expr.kind {
+        ExprKind::If(_) => LEVEL_IF,
+        ExprKind::Unary(op, inner) if operand(*op, inner) => op.level(),
+        ExprKind::Unary(op, inner) => op.level().min(open_end(inner)),
+        ExprKind::Binary(binary) if right(binary.op, &binary.rhs) => LEVEL_PRIMARY,
+        ExprKind::Binary(binary) => open_end(&binary.rhs),
+        _ => LEVEL_PRIMARY,
+    }
+}
+
+fn begins_with_minus(expr: &Expr) -> bool {
+    match &expr.kind {
+        ExprKind::Unary(UnaryOp::Neg, _) => true,
+        ExprKind::Binary(binary) => !left(binary.op, &binary.lhs) && begins_with_minus(&binary.lhs),
+        ExprKind::When(when) => !sampled(&when.value) && begins_with_minus(&when.value),
+        _ => false,
+    }
+}

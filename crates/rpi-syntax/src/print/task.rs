@@ -1,0 +1,139 @@
+//! Tasks: steps in columns.
+
+use super::Printer;
+use super::body::{block, one_line_body};
+use super::layout::{Doc, concat, group, indent, nothing, text, word};
+use crate::ast::*;
+use rpi_diag::Span;
+
+/// Where the parts of a step stand, in a run of steps.
+#[derive(Clone, Copy, Default)]
+struct Columns {
+    /// Width of the labels, with `:` and a space.
+    label: usize,
+    /// Width of the calls; 0 if what follows them is not set in a column.
+    call: usize,
+}
+
+impl Printer<'_> {
+    pub(super) fn task(&mut self, task: &TaskDecl, end: u32) -> Doc {
+        let name = text(&*task.name.name);
+        let statics = self.static_params(&task.statics);
+        let params = self.params(&task.params);
+        let head = group(concat([word("task "), name, statics, indent(params)]));
+        let steps = self.steps(&task.steps, end);
+        concat([head, Doc::Hard, block("let", steps, "tel")])
+    }
+
+    fn steps(&mut self, steps: &[Step], end: u32) -> Doc {
+        let columns = self.columns(steps);
+        self.lines(steps, |step| step.span, end, |p, i, step| {
+            let doc = p.doc_lines(step.doc.as_ref());
+            (concat([doc, p.step(&step.kind, columns[i], step.span)]), false)
+        })
+    }
+
+    fn step(&mut self, kind: &StepKind, columns: Columns, span: Span) -> Doc {
+        match kind {
+            StepKind::Run(run) => self.run(run, columns),
+            StepKind::Start(label) => text(format!("start {};", label.name)),
+            StepKind::Repeat { count, steps } => {
+                let head = match count {
+                    Some(count) => concat([word("repeat "), self.expr(count), word(" times")]),
+                    None => word("repeat"),
+                };
+                self.repeat(head, steps, span)
+            }
+            StepKind::Broken(_) => nothing(),
+        }
+    }
+
+    /// The body of `repeat`, on the line of its head if it is short enough.
+    fn repeat(&mut self, head: Doc, steps: &[Step], span: Span) -> Doc {
+        let simple = |step: &Step| matches!(step.kind, StepKind::Run(_)) && step.doc.is_none();
+        if steps.len() > 2 || !steps.iter().all(simple) || self.trivia.any_before(span.end) {
+            let steps = self.steps(steps, span.end);
+            return concat([head, Doc::Hard, block("let", steps, "tel")]);
+        }
+        let steps = steps.iter().flat_map(|step| {
+            [Doc::Line, self.step(&step.kind, Columns::default(), step.span)]
+        });
+        let body = one_line_body(concat(steps.collect::<Vec<_>>()));
+        group(concat([head, Doc::Line, body]))
+    }
+
+    fn run(&mut self, run: &Run, columns: Columns) -> Doc {
+        let label = self.label(run, columns);
+        let call = self.run_call(run);
+        if run.branches.is_empty() {
+            return concat([label, call, word(";")]);
+        }
+        let gap = match (columns.call, call.flat_width()) {
+            (column, Some(width)) if column > 0 => " ".repeat(column - width + 1),
+            _ => " ".to_owned(),
+        };
+        let branches = self.branches(&run.branches);
+        group(concat([label, call, text(gap), indent(concat([Doc::Line, branches])), word(";")]))
+    }
+
+    fn label(&self, run: &Run, columns: Columns) -> Doc {
+        match &run.label {
+            Some(label) => text(format!("{:1$}", format!("{}: ", label.name), columns.label)),
+            None => nothing(),
+        }
+    }
+
+    fn run_call(&mut self, run: &Run) -> Doc {
+        concat([self.callee(&run.callee), self.args(&run.args)])
+    }
+
+    fn branches(&mut self, branches: &[Branch]) -> Doc {
+        let branches = branches.iter().enumerate().flat_map(|(i, branch)| {
+            let gap = if i == 0 { nothing() } else { concat([Doc::Line, word("| ")]) };
+            let on: Vec<&str> = branch.on.iter().map(on_result).collect();
+            [gap, text(format!("on {} then {}", on.join(", "), next(&branch.then)))]
+        });
+        concat(branches)
+    }
+
+    /// The columns of each step; steps with labels in a row share them.
+    fn columns(&self, steps: &[Step]) -> Vec<Columns> {
+        let labelled = |step: &Step| matches!(&step.kind, StepKind::Run(run) if run.label.is_some());
+        let runs = steps.chunk_by(|a, b| labelled(a) && labelled(b));
+        let columns = runs.flat_map(|run| std::iter::repeat_n(self.shared_columns(run), run.len()));
+        columns.collect()
+    }
+
+    fn shared_columns(&self, steps: &[Step]) -> Columns {
+        let runs = || steps.iter().filter_map(|step| match &step.kind {
+            StepKind::Run(run) => Some(run),
+            _ => None,
+        });
+        let labels = runs().filter_map(|run| run.label.as_ref());
+        let label = labels.map(|label| label.name.chars().count() + 2).max();
+        let calls = runs().filter(|run| !run.branches.is_empty());
+        // Measured without comments: those are placed when the step is written.
+        let widths: Option<Vec<usize>> = calls
+            .map(|run| Printer::new(self.mode, None).run_call(run).flat_width())
+            .collect();
+        Columns {
+            label: label.unwrap_or(0),
+            call: widths.and_then(|widths| widths.into_iter().max()).unwrap_or(0),
+        }
+    }
+}
+
+fn on_result(result: &OnResult) -> &str {
+    match result {
+        OnResult::Named(name) => &name.name,
+        OnResult::Fail(_) => "fail",
+        OnResult::Any(_) => "any",
+    }
+}
+
+fn next(next: &Next) -> &str {
+    match next {
+        Next::Step(label) => &label.name,
+        Next::End(_) => "end",
+    }
+}

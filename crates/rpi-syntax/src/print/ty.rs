@@ -1,0 +1,163 @@
+//! Types, units and variables.
+
+use super::Printer;
+use super::layout::{Doc, concat, nothing, text, word};
+use super::list::{PORTS, SPACED_COMMAS, SPACED_SEMIS, STATIC_PARAMS};
+use crate::ast::*;
+use crate::ops::BinaryOp;
+use std::fmt::Write as _;
+
+impl Printer<'_> {
+    pub(super) fn ty(&mut self, ty: &Type) -> Doc {
+        match &ty.kind {
+            TypeKind::Bool => word("bool"),
+            TypeKind::Int => word("int"),
+            TypeKind::Real(None) => word("real"),
+            TypeKind::Real(Some(unit)) => concat([word("real["), self.unit(unit), word("]")]),
+            TypeKind::Named(named) => self.named_type(named),
+            TypeKind::Array(array) => {
+                concat([self.ty(&array.element), word("^"), self.size(&array.size)])
+            }
+            TypeKind::Optional(inner) => concat([self.ty(inner), word("?")]),
+            TypeKind::Subrange(range) => self.subrange(range),
+            TypeKind::Enum(values) => {
+                let values = self.list(SPACED_COMMAS, values, |v| v.name.span, |p, value| {
+                    concat([p.doc_lines(value.doc.as_ref()), text(&*value.name.name)])
+                });
+                concat([word("enum "), values])
+            }
+            TypeKind::Struct(fields) => {
+                let fields = self.list(SPACED_SEMIS, fields, |f| f.span, Self::var_decl);
+                concat([word("struct "), fields])
+            }
+            TypeKind::Broken => nothing(),
+        }
+    }
+
+    fn named_type(&mut self, named: &NamedType) -> Doc {
+        let head = concat([text(&*named.name.name), self.static_args(&named.statics)]);
+        let Some(frames) = &named.frames else {
+            return head;
+        };
+        let in_frame = text(dotted(&frames.in_frame));
+        let frames = match &frames.of {
+            Some(of) => concat([text(dotted(of)), word(" in "), in_frame]),
+            None => in_frame,
+        };
+        concat([head, word("("), frames, word(")")])
+    }
+
+    /// The size of an array; what is no plain arithmetic stands in parentheses.
+    fn size(&mut self, size: &Expr) -> Doc {
+        let inner = self.expr(size);
+        match is_arithmetic(size) {
+            true => inner,
+            false => concat([word("("), inner, word(")")]),
+        }
+    }
+
+    fn subrange(&mut self, range: &Subrange) -> Doc {
+        let mut bound = |bound: &Option<Expr>| match bound {
+            Some(bound) => self.expr(bound),
+            None => word("*"),
+        };
+        let (from, to) = (bound(&range.from), bound(&range.to));
+        concat([word("subrange ["), from, word(", "), to, word("] of int")])
+    }
+
+    pub(super) fn unit(&self, unit: &Unit) -> Doc {
+        let mut written = String::new();
+        for factor in &unit.factors {
+            let sign = match (written.is_empty(), factor.power < 0) {
+                (true, false) => "",
+                (true, true) => "1/",
+                (false, false) => "*",
+                (false, true) => "/",
+            };
+            let _ = write!(written, "{sign}{}", factor.unit.name);
+            if factor.power.abs() != 1 {
+                let _ = write!(written, "^{}", factor.power.abs());
+            }
+        }
+        text(if written.is_empty() { "1".to_owned() } else { written })
+    }
+
+    /// `a, b: T when c = d`
+    pub(super) fn var_decl(&mut self, var: &VarDecl) -> Doc {
+        let head = if var.is_const { "const " } else { "" };
+        let mut parts = vec![self.doc_lines(var.doc.as_ref()), word(head), text(names(&var.names)), word(": ")];
+        parts.push(self.ty(&var.ty));
+        if let Some(clock) = &var.clock {
+            parts.extend([word(" when "), self.clock(clock)]);
+        }
+        if let Some(default) = &var.default {
+            parts.extend([word(" = "), self.expr(default)]);
+        }
+        concat(parts)
+    }
+
+    /// `a, b: T = e`
+    pub(super) fn const_def(&mut self, def: &ConstDef) -> Doc {
+        let mut parts = vec![self.doc_lines(def.doc.as_ref()), text(names(&def.names))];
+        if let Some(ty) = &def.ty {
+            parts.extend([word(": "), self.ty(ty)]);
+        }
+        if let Some(value) = &def.value {
+            parts.extend([word(" = "), self.expr(value)]);
+        }
+        concat(parts)
+    }
+
+    /// `(a: T; b: U)`
+    pub(super) fn ports(&mut self, ports: &[VarDecl]) -> Doc {
+        self.list(PORTS, ports, |port| port.span, Self::var_decl)
+    }
+
+    /// `<<a: T; type t>>`, with a space before it
+    pub(super) fn static_params(&mut self, params: &[StaticParam]) -> Doc {
+        match params {
+            [] => nothing(),
+            params => {
+                let list = self.list(STATIC_PARAMS, params, |p| p.span, Self::static_param);
+                concat([word(" "), list])
+            }
+        }
+    }
+
+    fn static_param(&mut self, param: &StaticParam) -> Doc {
+        let written = match &param.kind {
+            StaticParamKind::Type(name) => concat([word("type "), text(&*name.name)]),
+            StaticParamKind::Value(def) => self.const_def(def),
+            StaticParamKind::Node(kind, signature) => {
+                concat([word(kind.word()), word(" "), self.signature(signature)])
+            }
+        };
+        concat([self.doc_lines(param.doc.as_ref()), written])
+    }
+}
+
+/// Whether the size of an array needs no parentheses.
+fn is_arithmetic(size: &Expr) -> bool {
+    use BinaryOp::{Add, Div, IntDiv, Mod, Mul, Sub};
+    match &size.kind {
+        ExprKind::Binary(binary) => {
+            matches!(binary.op, Add | Sub | Mul | Div | IntDiv | Mod)
+                && is_arithmetic(&binary.lhs)
+                && is_arithmetic(&binary.rhs)
+        }
+        ExprKind::Unary(..) | ExprKind::If(_) | ExprKind::When(_) => false,
+        _ => true,
+    }
+}
+
+/// `a, b`
+pub(super) fn names(names: &[Ident]) -> String {
+    let names: Vec<&str> = names.iter().map(|name| name.name.as_str()).collect();
+    names.join(", ")
+}
+
+/// `a.b`
+pub(super) fn dotted(dotted: &Dotted) -> String {
+    let parts: Vec<&str> = dotted.parts.iter().map(|part| part.name.as_str()).collect();
+    parts.join(".")
+}
