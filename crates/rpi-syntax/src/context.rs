@@ -3,6 +3,7 @@
 use crate::Mode;
 use crate::ast::{Doc, Ident, Name};
 use crate::comments::Comments;
+use crate::lexer::{Lexed, Lexeme};
 use crate::name::Interner;
 use crate::phrase;
 use rpi_diag::{FileId, Finding, Span};
@@ -16,6 +17,7 @@ pub(crate) struct Context<'t> {
     pub(crate) mode: Mode,
     names: Interner,
     comments: &'t Comments,
+    lexemes: &'t [Lexeme],
     has_docs: bool,
     findings: RefCell<Vec<Finding>>,
     /// The names that a broken phrase seems to define, by the offset where it starts.
@@ -23,19 +25,15 @@ pub(crate) struct Context<'t> {
 }
 
 impl<'t> Context<'t> {
-    pub(crate) fn new(
-        file: FileId,
-        text: &'t str,
-        mode: Mode,
-        comments: &'t Comments,
-    ) -> Context<'t> {
+    pub(crate) fn new(file: FileId, text: &'t str, mode: Mode, lexed: &'t Lexed) -> Context<'t> {
         Context {
             file,
             text,
             mode,
             names: Interner::default(),
-            comments,
-            has_docs: comments.has_docs(),
+            comments: &lexed.comments,
+            lexemes: &lexed.lexemes,
+            has_docs: lexed.comments.has_docs(),
             findings: RefCell::default(),
             broken: RefCell::default(),
         }
@@ -43,6 +41,15 @@ impl<'t> Context<'t> {
 
     pub(crate) fn span(&self, start: u32, end: u32) -> Span {
         Span::new(self.file, start, end)
+    }
+
+    /// The range from `start` to the last token that begins before `end`.
+    pub(crate) fn span_to_token(&self, start: u32, end: u32) -> Span {
+        let after = self.lexemes.partition_point(|lexeme| lexeme.start < end);
+        let last = self.lexemes[..after]
+            .last()
+            .map_or(end, |lexeme| lexeme.end);
+        self.span(start, last.clamp(start, end.max(start)))
     }
 
     pub(crate) fn slice(&self, start: u32, end: u32) -> &'t str {

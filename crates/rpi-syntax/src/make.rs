@@ -36,6 +36,7 @@ pub(crate) fn node(
     signature: Signature,
     contract: Option<Box<Contract>>,
     definition: NodeDef,
+    outside: Outside,
 ) -> Box<NodeDecl> {
     Box::new(NodeDecl {
         kind,
@@ -43,6 +44,7 @@ pub(crate) fn node(
         signature,
         contract: contract.map(|c| *c),
         definition,
+        outside,
     })
 }
 
@@ -219,10 +221,14 @@ impl Context<'_> {
     }
 
     pub(crate) fn statement(&self, l: u32, kind: StatementKind, r: u32) -> Statement {
+        let span = match kind {
+            StatementKind::Fragment(_) | StatementKind::Automaton(_) => self.span_to_token(l, r),
+            _ => self.span(l, r),
+        };
         Statement {
             doc: self.doc(l),
             kind,
-            span: self.span(l, r),
+            span,
         }
     }
 
@@ -253,7 +259,7 @@ impl Context<'_> {
             unless,
             body: body.map_or_else(Body::default, |body| *body),
             until,
-            span: self.span(l, r),
+            span: self.span_to_token(l, r),
         })
     }
 
@@ -277,7 +283,7 @@ impl Context<'_> {
         Box::new(Step {
             doc: self.doc(l),
             kind,
-            span: self.span(l, r),
+            span: self.span_to_token(l, r),
         })
     }
 

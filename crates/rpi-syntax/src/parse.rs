@@ -45,7 +45,7 @@ fn follows_from(unread: &[Span], finding: &Finding, text: &str) -> bool {
 }
 
 fn items(file: FileId, text: &str, mode: Mode, lexed: &Lexed) -> (Vec<Item>, Vec<Finding>) {
-    let cx = Context::new(file, text, mode, &lexed.comments);
+    let cx = Context::new(file, text, mode, lexed);
     let mut findings = Vec::new();
     let mut items = Vec::new();
     for chunk in split(text, &lexed.lexemes, mode) {

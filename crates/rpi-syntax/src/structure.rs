@@ -52,7 +52,8 @@ impl<'t> Structure<'t> {
     /// The phrase that the token is part of, without its `;`.
     pub(crate) fn phrase(&self, at: usize) -> Range<usize> {
         let (at, parent) = self.phrase_level(at.min(self.lexemes.len().saturating_sub(1)));
-        self.start(at, parent)..self.end(at, parent)
+        let start = self.start(at, parent);
+        start..self.end(start, at, parent)
     }
 
     /// The token, or the bracket around it, that stands directly in a list of phrases, and the
@@ -99,21 +100,39 @@ impl<'t> Structure<'t> {
         start.max(first)
     }
 
-    fn end(&self, at: usize, parent: Option<usize>) -> usize {
-        let last = parent
-            .and_then(|open| self.partners[open])
-            .unwrap_or(self.lexemes.len());
+    fn end(&self, start: usize, at: usize, parent: Option<usize>) -> usize {
+        let close = parent.and_then(|open| self.partners[open]);
+        let last = close.unwrap_or(self.lexemes.len());
+        let is_fragment = self.token(start) == Some(Token::Fragment);
         let mut end = at;
         while end < last {
             match self.lexemes[end].token {
+                Token::Semi if is_fragment && self.is_local(end + 1) => end += 1,
                 Token::Semi | Token::Tel | Token::Noc => break,
                 // The body of the declaration itself is not part of a phrase of its head.
                 Token::Let if parent.is_none() => break,
-                Token::Let => return self.partners[end].map_or(last, |tel| tel + 1).min(last),
+                Token::Let => {
+                    let tel = self.partners[end];
+                    return tel.map_or(last, |tel| tel + 1).min(last);
+                }
                 _ => end = self.partners[end].filter(|p| *p > end).unwrap_or(end) + 1,
             }
         }
         end.min(last)
+    }
+
+    /// Whether the local declarations of a fragment go on, or its body begins.
+    fn is_local(&self, at: usize) -> bool {
+        use Token::{Colon, Comma, Con, Const, Ident, Let, Var};
+        match self.token(at) {
+            Some(Var | Const | Con | Let) => true,
+            Some(Ident) => matches!(self.token(at + 1), Some(Colon | Comma)),
+            _ => false,
+        }
+    }
+
+    fn token(&self, at: usize) -> Option<Token> {
+        self.lexemes.get(at).map(|lexeme| lexeme.token)
     }
 }
 

@@ -129,13 +129,15 @@ impl Around {
 fn ends_operand(token: Token) -> bool {
     use Token::{
         BoolType, End, False, Ident, Initial, Int, IntType, Otherwise, Path, Percent, Question,
-        RBrace, RBracket, RParen, RStatic, Real, RealType, Str, Tel, True,
+        RBrace, RBracket, RParen, RStatic, Real, RealType, Restart, Str, Tel, True,
     };
     match token {
         Ident | Path | Int | Real | Str | True | False => true,
         RParen | RBracket | RBrace | RStatic | Percent => true,
         // Ends of types, bodies and clauses, after which a clause may follow.
-        BoolType | IntType | RealType | Question | Tel | End | Initial | Otherwise => true,
+        BoolType | IntType | RealType | Question | Tel | End | Initial | Otherwise | Restart => {
+            true
+        }
         _ => false,
     }
 }

@@ -145,6 +145,20 @@ pub struct NodeDecl {
     pub contract: Option<Contract>,
     /// What it does.
     pub definition: NodeDef,
+    /// How it is said that it is defined outside; of no meaning for other definitions.
+    pub outside: Outside,
+}
+
+/// The ways to say that a node is defined outside; they mean the same.
+#[derive(Clone, Copy, PartialEq, Eq, Debug, Default)]
+pub enum Outside {
+    /// `extern node f ...;`
+    #[default]
+    Extern,
+    /// `node imported f ...;` (Kind 2)
+    Imported,
+    /// `node f (x: int) returns (y: int);` (Lustre V4)
+    NoBody,
 }
 
 /// How a node is defined.

@@ -35,8 +35,13 @@ impl Dumper {
             }
             ItemKind::Command(command) => self.command(command),
             ItemKind::Task(task) => self.task(task),
-            ItemKind::Test(test) => node("test", [Sexp::quoted(&test.title.name), self.body(&test.body)]),
-            ItemKind::Broken(declared) => nodes("broken", declared, |d| node("declares", [word(d.kind), name(&d.name)])),
+            ItemKind::Test(test) => node(
+                "test",
+                [Sexp::quoted(&test.title.name), self.body(&test.body)],
+            ),
+            ItemKind::Broken(declared) => nodes("broken", declared, |d| {
+                node("declares", [word(d.kind), name(&d.name)])
+            }),
         };
         with_doc(item.doc.as_ref(), declared)
     }
@@ -44,7 +49,10 @@ impl Dumper {
     fn const_def(&self, def: &ConstDef) -> Sexp {
         let ty = option("type", def.ty.as_ref(), |ty| self.ty(ty));
         let value = option("value", def.value.as_ref(), |value| self.expr(value));
-        with_doc(def.doc.as_ref(), node("def", [nodes("names", &def.names, name), ty, value]))
+        with_doc(
+            def.doc.as_ref(),
+            node("def", [nodes("names", &def.names, name), ty, value]),
+        )
     }
 
     fn type_def(&self, def: &TypeDef) -> Sexp {
@@ -72,8 +80,19 @@ impl Dumper {
             Some(ports) => self.vars(tag, ports),
             None => Sexp::Nothing,
         };
-        let (inputs, outputs) = (ports("in", &signature.inputs), ports("out", &signature.outputs));
-        node("signature", [name(&signature.name), self.statics(&signature.statics), inputs, outputs])
+        let (inputs, outputs) = (
+            ports("in", &signature.inputs),
+            ports("out", &signature.outputs),
+        );
+        node(
+            "signature",
+            [
+                name(&signature.name),
+                self.statics(&signature.statics),
+                inputs,
+                outputs,
+            ],
+        )
     }
 
     fn statics(&self, params: &[StaticParam]) -> Sexp {
@@ -84,7 +103,9 @@ impl Dumper {
             let declared = match &param.kind {
                 StaticParamKind::Type(ident) => node("type", [name(ident)]),
                 StaticParamKind::Value(def) => self.const_def(def),
-                StaticParamKind::Node(kind, signature) => node("node", [word(kind), self.signature(signature)]),
+                StaticParamKind::Node(kind, signature) => {
+                    node("node", [word(kind), self.signature(signature)])
+                }
             };
             with_doc(param.doc.as_ref(), declared)
         })
@@ -94,18 +115,35 @@ impl Dumper {
         let definition = match &decl.definition {
             NodeDef::Body(body) => self.body(body),
             NodeDef::Alias(callee) => node("alias", [self.callee(callee)]),
-            NodeDef::Extern => Sexp::atom("extern"),
+            NodeDef::Extern => node("extern", [word(decl.outside)]),
         };
-        let head = [word(decl.kind), flag("unsafe", decl.is_unsafe), self.signature(&decl.signature)];
+        let head = [
+            word(decl.kind),
+            flag("unsafe", decl.is_unsafe),
+            self.signature(&decl.signature),
+        ];
         let contract = self.contract(decl.contract.as_ref());
         node("node", head.into_iter().chain([contract, definition]))
     }
 
     fn fragment(&self, fragment: &FragmentDecl) -> Sexp {
-        let when = option("when", fragment.when.as_ref(), |when| self.expr(&when.condition));
-        let restart = flag("restart", fragment.when.as_ref().is_some_and(|when| when.restart));
-        let head = [self.signature(&fragment.signature), when, restart, self.budget(fragment.budget.as_ref())];
-        let rest = [self.contract(fragment.contract.as_ref()), self.body(&fragment.body)];
+        let when = option("when", fragment.when.as_ref(), |when| {
+            self.expr(&when.condition)
+        });
+        let restart = flag(
+            "restart",
+            fragment.when.as_ref().is_some_and(|when| when.restart),
+        );
+        let head = [
+            self.signature(&fragment.signature),
+            when,
+            restart,
+            self.budget(fragment.budget.as_ref()),
+        ];
+        let rest = [
+            self.contract(fragment.contract.as_ref()),
+            self.body(&fragment.body),
+        ];
         node("fragment", head.into_iter().chain(rest))
     }
 
@@ -115,9 +153,19 @@ impl Dumper {
 
     fn device(&self, device: &DeviceDecl) -> Sexp {
         let port = |port: &DevicePort| self.vars("port", &port.alternatives);
-        let section = |s: &DeviceSection| node("section", std::iter::once(word(s.kind)).chain(s.ports.iter().map(port)));
+        let section = |s: &DeviceSection| {
+            node(
+                "section",
+                std::iter::once(word(s.kind)).chain(s.ports.iter().map(port)),
+            )
+        };
         let sections = device.sections.iter().map(section);
-        node("device", [name(&device.name), self.statics(&device.statics)].into_iter().chain(sections))
+        node(
+            "device",
+            [name(&device.name), self.statics(&device.statics)]
+                .into_iter()
+                .chain(sections),
+        )
     }
 
     fn command(&self, command: &CommandDecl) -> Sexp {
@@ -137,7 +185,10 @@ impl Dumper {
 
     fn body(&self, body: &Body) -> Sexp {
         let locals = body.locals.iter().map(|locals| self.locals(locals));
-        let statements = body.statements.iter().map(|statement| self.statement(statement));
+        let statements = body
+            .statements
+            .iter()
+            .map(|statement| self.statement(statement));
         node("body", locals.chain(statements))
     }
 
@@ -155,22 +206,38 @@ impl Dumper {
                     [] => name(&t.name),
                     path => node("target", [name(&t.name), self.path(path)]),
                 };
-                node("let", [nodes("targets", &equation.targets, target), self.expr(&equation.value)])
+                node(
+                    "let",
+                    [
+                        nodes("targets", &equation.targets, target),
+                        self.expr(&equation.value),
+                    ],
+                )
             }
             StatementKind::Call(call) => node("do", [self.expr(call)]),
             StatementKind::Claim(claim) => self.claim(claim),
-            StatementKind::End(end) => node("end", [word(end.kind), name(&end.result), self.expr(&end.condition)]),
+            StatementKind::End(end) => node(
+                "end",
+                [word(end.kind), name(&end.result), self.expr(&end.condition)],
+            ),
             StatementKind::Export(flows) => nodes("export", flows, dotted),
             StatementKind::Fragment(fragment) => self.fragment(fragment),
-            StatementKind::Automaton(automaton) => nodes("automaton", &automaton.states, |s| self.state(s)),
+            StatementKind::Automaton(automaton) => {
+                nodes("automaton", &automaton.states, |s| self.state(s))
+            }
             StatementKind::Broken(names) => nodes("broken", names, name),
         };
         with_doc(statement.doc.as_ref(), written)
     }
 
     fn claim(&self, claim: &Claim) -> Sexp {
-        let label = option("label", claim.label.as_ref(), |label| Sexp::quoted(&label.name));
-        node("claim", [word(claim.kind), label, self.expr(&claim.condition)])
+        let label = option("label", claim.label.as_ref(), |label| {
+            Sexp::quoted(&label.name)
+        });
+        node(
+            "claim",
+            [word(claim.kind), label, self.expr(&claim.condition)],
+        )
     }
 
     fn state(&self, state: &State) -> Sexp {
@@ -187,7 +254,11 @@ impl Dumper {
 
     fn transition(&self, transition: &Transition) -> Sexp {
         let condition = option("if", transition.condition.as_ref(), |c| self.expr(c));
-        let then = if transition.resumes { "continue" } else { "then" };
+        let then = if transition.resumes {
+            "continue"
+        } else {
+            "then"
+        };
         node(then, [condition, name(&transition.target)])
     }
 
@@ -197,16 +268,30 @@ impl Dumper {
         };
         let mode = |mode: &ContractMode| {
             let claims = mode.requires.iter().chain(&mode.ensures);
-            node("mode", std::iter::once(name(&mode.name)).chain(claims.map(|claim| self.claim(claim))))
+            node(
+                "mode",
+                std::iter::once(name(&mode.name)).chain(claims.map(|claim| self.claim(claim))),
+            )
         };
         let locals = contract.locals.iter().map(|locals| self.locals(locals));
         let claims = contract.claims.iter().map(|claim| self.claim(claim));
-        node("contract", locals.chain(claims).chain(contract.modes.iter().map(mode)))
+        node(
+            "contract",
+            locals.chain(claims).chain(contract.modes.iter().map(mode)),
+        )
     }
 
     fn task(&self, task: &TaskDecl) -> Sexp {
-        let head = [name(&task.name), self.statics(&task.statics), self.vars("params", &task.params)];
-        node("task", head.into_iter().chain(task.steps.iter().map(|step| self.step(step))))
+        let head = [
+            name(&task.name),
+            self.statics(&task.statics),
+            self.vars("params", &task.params),
+        ];
+        node(
+            "task",
+            head.into_iter()
+                .chain(task.steps.iter().map(|step| self.step(step))),
+        )
     }
 
     fn step(&self, step: &Step) -> Sexp {
@@ -214,7 +299,10 @@ impl Dumper {
             StepKind::Run(run) => self.run(run),
             StepKind::Repeat { count, steps } => {
                 let count = option("times", count.as_ref(), |count| self.expr(count));
-                node("repeat", std::iter::once(count).chain(steps.iter().map(|step| self.step(step))))
+                node(
+                    "repeat",
+                    std::iter::once(count).chain(steps.iter().map(|step| self.step(step))),
+                )
             }
             StepKind::Start(label) => node("start", [name(label)]),
             StepKind::Broken(names) => nodes("broken", names, name),
@@ -223,8 +311,15 @@ impl Dumper {
     }
 
     fn run(&self, run: &Run) -> Sexp {
-        let head = [option("label", run.label.as_ref(), name), self.callee(&run.callee), self.args(&run.args)];
-        node("run", head.into_iter().chain(run.branches.iter().map(branch)))
+        let head = [
+            option("label", run.label.as_ref(), name),
+            self.callee(&run.callee),
+            self.args(&run.args),
+        ];
+        node(
+            "run",
+            head.into_iter().chain(run.branches.iter().map(branch)),
+        )
     }
 }
 

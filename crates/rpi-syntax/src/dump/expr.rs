@@ -41,13 +41,20 @@ impl Dumper {
         match &expr.kind {
             ExprKind::Bool(value) => Sexp::atom(value.to_string()),
             ExprKind::Number(number) => Sexp::atom(number.text.as_str()),
-            ExprKind::Quantity(q) => node("quantity", [Sexp::atom(q.number.text.as_str()), unit(&q.unit)]),
+            ExprKind::Quantity(q) => node(
+                "quantity",
+                [Sexp::atom(q.number.text.as_str()), unit(&q.unit)],
+            ),
             ExprKind::Str(content) => Sexp::quoted(content),
             ExprKind::Name(name) => Sexp::atom(name.as_str()),
             ExprKind::Field(field) => node("field", [self.expr(&field.base), name(&field.field)]),
-            ExprKind::Index(index) => node("index", [self.expr(&index.base), self.expr(&index.index)]),
+            ExprKind::Index(index) => {
+                node("index", [self.expr(&index.base), self.expr(&index.index)])
+            }
             ExprKind::Slice(of) => node("slice", [self.expr(&of.base), self.slice(&of.slice)]),
-            ExprKind::Unary(op, operand) => node("unary", [Sexp::atom(op.spelling()), self.expr(operand)]),
+            ExprKind::Unary(op, operand) => {
+                node("unary", [Sexp::atom(op.spelling()), self.expr(operand)])
+            }
             ExprKind::Binary(b) => node(b.op.spelling(), [self.expr(&b.lhs), self.expr(&b.rhs)]),
             ExprKind::When(when) => node("when", [self.expr(&when.value), clock(&when.clock)]),
             ExprKind::If(i) => self.conditional(i),
@@ -66,7 +73,10 @@ impl Dumper {
 
     fn slice(&self, slice: &Slice) -> Sexp {
         let step = option("step", slice.step.as_ref(), |step| self.expr(step));
-        node("range", [self.expr(&slice.from), self.expr(&slice.to), step])
+        node(
+            "range",
+            [self.expr(&slice.from), self.expr(&slice.to), step],
+        )
     }
 
     fn conditional(&self, conditional: &If) -> Sexp {
@@ -83,14 +93,24 @@ impl Dumper {
 
     fn struct_expr(&self, value: &StructExpr) -> Sexp {
         let base = option("base", value.base.as_ref(), |base| self.expr(base));
-        let fields = nodes("fields", &value.fields, |f| node(&f.field.name, [self.expr(&f.value)]));
+        let fields = nodes("fields", &value.fields, |f| {
+            node(&f.field.name, [self.expr(&f.value)])
+        });
         node("struct", [name(&value.ty), base, fields])
     }
 
     fn update(&self, update: &Update) -> Sexp {
-        let change = |change: &Change| node("change", [self.path(&change.path), self.expr(&change.value)]);
+        let change = |change: &Change| {
+            node(
+                "change",
+                [self.path(&change.path), self.expr(&change.value)],
+            )
+        };
         let changes = update.changes.iter().map(change);
-        node("update", std::iter::once(self.expr(&update.base)).chain(changes))
+        node(
+            "update",
+            std::iter::once(self.expr(&update.base)).chain(changes),
+        )
     }
 
     pub(super) fn path(&self, path: &[Access]) -> Sexp {
@@ -105,17 +125,26 @@ impl Dumper {
         let activation = match &call.activation {
             Activation::Always => Sexp::Nothing,
             Activation::Restart { every } => node("restart", [self.expr(every)]),
-            Activation::Activate { every, restart, default } => {
+            Activation::Activate {
+                every,
+                restart,
+                default,
+            } => {
                 let restart = option("restart", restart.as_ref(), |x| self.expr(x));
                 let default = option("default", default.as_ref(), |x| self.expr(x));
                 node("activate", [self.expr(every), restart, default])
             }
         };
-        node("call", [self.callee(&call.callee), activation, self.args(&call.args)])
+        node(
+            "call",
+            [self.callee(&call.callee), activation, self.args(&call.args)],
+        )
     }
 
     pub(super) fn args(&self, args: &[Arg]) -> Sexp {
-        nodes("args", args, |arg| named(arg.name.as_ref(), self.expr(&arg.value)))
+        nodes("args", args, |arg| {
+            named(arg.name.as_ref(), self.expr(&arg.value))
+        })
     }
 
     pub(super) fn callee(&self, callee: &Callee) -> Sexp {
@@ -147,11 +176,15 @@ impl Dumper {
             TypeKind::Array(array) => node("^", [self.ty(&array.element), self.expr(&array.size)]),
             TypeKind::Optional(inner) => node("?", [self.ty(inner)]),
             TypeKind::Subrange(range) => {
-                let bound = |bound: &Option<Expr>| bound.as_ref().map_or(Sexp::atom("*"), |e| self.expr(e));
+                let bound =
+                    |bound: &Option<Expr>| bound.as_ref().map_or(Sexp::atom("*"), |e| self.expr(e));
                 node("subrange", [bound(&range.from), bound(&range.to)])
             }
             TypeKind::Enum(values) => nodes("enum", values, |value| {
-                node("value", [name(&value.name), super::decl::doc(value.doc.as_ref())])
+                node(
+                    "value",
+                    [name(&value.name), super::decl::doc(value.doc.as_ref())],
+                )
             }),
             TypeKind::Struct(fields) => nodes("struct", fields, |field| self.var(field)),
             TypeKind::Broken => Sexp::atom("broken"),

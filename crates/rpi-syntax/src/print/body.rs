@@ -9,9 +9,31 @@ use rpi_diag::Span;
 
 impl Printer<'_> {
     /// A head with contract, local declarations and `let ... tel` below it.
-    pub(super) fn with_body(&mut self, head: Doc, contract: &Option<Contract>, body: &Body, end: u32) -> Doc {
+    pub(super) fn with_body(
+        &mut self,
+        head: Doc,
+        contract: &Option<Contract>,
+        body: &Body,
+        end: u32,
+    ) -> Doc {
+        let between = self.after_head(contract.as_ref(), body, end);
         let contract = self.contract(contract.as_ref());
-        concat([head, contract, Doc::Hard, self.body(body, end)])
+        concat([head, between, contract, Doc::Hard, self.body(body, end)])
+    }
+
+    /// The comments between a head and what follows it.
+    fn after_head(&mut self, contract: Option<&Contract>, body: &Body, end: u32) -> Doc {
+        let first = contract.map_or_else(|| body.first_span(), |contract| contract.span);
+        let limit = if first.is_none() { end } else { first.start };
+        let head_end = self.trivia.reached();
+        let suffixes = self.trivia.after(head_end, limit);
+        let next = self.trivia.next_token(self.trivia.reached());
+        let own = self
+            .trivia
+            .before(next)
+            .into_iter()
+            .flat_map(|own| [Doc::Hard, own.doc]);
+        concat(suffixes.into_iter().chain(own))
     }
 
     /// Local declarations and `let ... tel`, each statement on a line.
@@ -25,13 +47,20 @@ impl Printer<'_> {
     fn short_body(&mut self, body: &Body, span: Span) -> Doc {
         let short = body.locals.is_empty()
             && body.statements.len() <= MAX_ON_ONE_LINE
-            && !body.statements.iter().any(|statement| has_body(&statement.kind));
+            && !body
+                .statements
+                .iter()
+                .any(|statement| has_body(&statement.kind));
         if !short || self.trivia.any_before(span.end) {
             return self.body(body, span.end);
         }
         let statements = body.statements.iter().flat_map(|statement| {
             let doc = self.doc_lines(statement.doc.as_ref());
-            [Doc::Line, doc, self.statement(&statement.kind, 0, statement.span)]
+            [
+                Doc::Line,
+                doc,
+                self.statement(&statement.kind, 0, statement.span),
+            ]
         });
         one_line_body(concat(statements.collect::<Vec<_>>()))
     }
@@ -39,8 +68,12 @@ impl Printer<'_> {
     fn locals(&mut self, locals: &[Locals]) -> Doc {
         let sections = locals.iter().flat_map(|section| {
             let section = match section {
-                Locals::Var(vars) => self.section("var", vars, |v| (v.span, &v.doc), Self::var_decl),
-                Locals::Const(defs) => self.section("const", defs, |d| (d.span, &d.doc), Self::const_def),
+                Locals::Var(vars) => {
+                    self.section("var", vars, |v| (v.span, &v.doc), Self::var_decl)
+                }
+                Locals::Const(defs) => {
+                    self.section("const", defs, |d| (d.span, &d.doc), Self::const_def)
+                }
             };
             [section, Doc::Hard]
         });
@@ -56,25 +89,33 @@ impl Printer<'_> {
         mut write: impl FnMut(&mut Self, &T) -> Doc,
     ) -> Doc {
         if let [only] = elements
-            && !self.trivia.any_before(place(only).0.end)
+            && !self.trivia.any_before(place(only).0.start)
             && place(only).1.is_none()
         {
             let element = write(self, only);
             return concat([word(head), word(" "), element, word(";")]);
         }
-        let lines = self.lines(elements, |e| place(e).0, 0, |p, _, element| {
-            (concat([write(p, element), word(";")]), false)
-        });
+        let lines = self.lines(
+            elements,
+            |e| place(e).0,
+            0,
+            |p, _, element| (concat([write(p, element), word(";")]), false),
+        );
         concat([word(head), indent(concat([Doc::Hard, lines]))])
     }
 
     fn statements(&mut self, statements: &[Statement], end: u32) -> Doc {
         let widths = end_widths(statements);
-        self.lines(statements, |statement| statement.span, end, |p, i, statement| {
-            let doc = p.doc_lines(statement.doc.as_ref());
-            let written = p.statement(&statement.kind, widths[i], statement.span);
-            (concat([doc, written]), has_body(&statement.kind))
-        })
+        self.lines(
+            statements,
+            |statement| statement.span,
+            end,
+            |p, i, statement| {
+                let doc = p.doc_lines(statement.doc.as_ref());
+                let written = p.statement(&statement.kind, widths[i], statement.span);
+                (concat([doc, written]), has_body(&statement.kind))
+            },
+        )
     }
 
     /// A statement; `width` is that of the first word in a column of ends.
@@ -116,25 +157,46 @@ impl Printer<'_> {
             Some(label) => text(format!("{} ", quote(&label.name))),
             None => nothing(),
         };
-        concat([word(claim.kind.word()), word(" "), label, self.expr(&claim.condition)])
+        concat([
+            word(claim.kind.word()),
+            word(" "),
+            label,
+            self.expr(&claim.condition),
+        ])
     }
 
     fn fragment(&mut self, fragment: &FragmentDecl, span: Span) -> Doc {
         let head = self.fragment_head(fragment);
+        let between = self.after_head(fragment.contract.as_ref(), &fragment.body, span.end);
         let contract = self.contract(fragment.contract.as_ref());
-        concat([head, contract, Doc::Hard, self.short_body(&fragment.body, span)])
+        concat([
+            head,
+            between,
+            contract,
+            Doc::Hard,
+            self.short_body(&fragment.body, span),
+        ])
     }
 
     fn automaton(&mut self, automaton: &Automaton, span: Span) -> Doc {
-        let states = self.lines(&automaton.states, |s| s.span, span.end, |p, _, state| {
-            let doc = p.doc_lines(state.doc.as_ref());
-            (concat([doc, p.state(state)]), false)
-        });
+        let states = self.lines(
+            &automaton.states,
+            |s| s.span,
+            span.end,
+            |p, _, state| {
+                let doc = p.doc_lines(state.doc.as_ref());
+                (concat([doc, p.state(state)]), false)
+            },
+        );
         block("automaton", states, "end")
     }
 
     fn state(&mut self, state: &State) -> Doc {
-        let head = if state.initial { "initial state " } else { "state " };
+        let head = if state.initial {
+            "initial state "
+        } else {
+            "state "
+        };
         let mut parts = Vec::new();
         for transitions in one_clause(&state.unless) {
             parts.extend([Doc::Hard, self.transitions("unless ", transitions)]);
@@ -149,15 +211,28 @@ impl Printer<'_> {
     }
 
     fn transitions(&mut self, head: &'static str, transitions: &[Transition]) -> Doc {
-        let alternatives = self.phrases(transitions, |t| t.span, |p, i, transition| {
-            let condition = match &transition.condition {
-                Some(condition) => p.expr(condition),
-                None => word("otherwise"),
-            };
-            let then = if transition.resumes { " continue " } else { " then " };
-            let target = text(&*transition.target.name);
-            concat([word(if i == 0 { "" } else { "| " }), condition, word(then), target])
-        });
+        let alternatives = self.phrases(
+            transitions,
+            |t| t.span,
+            |p, i, transition| {
+                let condition = match &transition.condition {
+                    Some(condition) => p.expr(condition),
+                    None => word("otherwise"),
+                };
+                let then = if transition.resumes {
+                    " continue "
+                } else {
+                    " then "
+                };
+                let target = text(&*transition.target.name);
+                concat([
+                    word(if i == 0 { "" } else { "| " }),
+                    condition,
+                    word(then),
+                    target,
+                ])
+            },
+        );
         concat([word(head), alternatives, word(";")])
     }
 
@@ -166,10 +241,20 @@ impl Printer<'_> {
         let Some(contract) = contract else {
             return nothing();
         };
-        let locals = contract.locals.iter().flat_map(|l| self.contract_locals(l)).collect::<Vec<_>>();
+        self.trivia.reach(contract.span.start);
+        let locals = contract
+            .locals
+            .iter()
+            .flat_map(|l| self.contract_locals(l))
+            .collect::<Vec<_>>();
         let claims = self.claims(&contract.claims);
-        let modes = contract.modes.iter().flat_map(|m| [Doc::Hard, self.mode(m)]).collect::<Vec<_>>();
+        let modes = contract
+            .modes
+            .iter()
+            .flat_map(|m| [Doc::Hard, self.mode(m)])
+            .collect::<Vec<_>>();
         let parts = indent(concat([concat(locals), claims, concat(modes)]));
+        self.trivia.reach(contract.span.end);
         concat([Doc::Hard, word("con"), parts, Doc::Hard, word("noc")])
     }
 
@@ -177,8 +262,14 @@ impl Printer<'_> {
     fn contract_locals(&mut self, locals: &Locals) -> Vec<Doc> {
         let line = |head, doc| [Doc::Hard, word(head), doc, word(";")];
         match locals {
-            Locals::Var(vars) => vars.iter().flat_map(|v| line("var ", self.var_decl(v))).collect(),
-            Locals::Const(defs) => defs.iter().flat_map(|d| line("const ", self.const_def(d))).collect(),
+            Locals::Var(vars) => vars
+                .iter()
+                .flat_map(|v| line("var ", self.var_decl(v)))
+                .collect(),
+            Locals::Const(defs) => defs
+                .iter()
+                .flat_map(|d| line("const ", self.const_def(d)))
+                .collect(),
         }
     }
 
@@ -196,9 +287,19 @@ impl Printer<'_> {
         let require = |p: &mut Self, claim: &Claim, head: &'static str| {
             let label = claim.label.as_ref().map(|l| format!("{} ", quote(&l.name)));
             let label = text(label.unwrap_or_default());
-            concat([Doc::Line, word(head), label, p.expr(&claim.condition), word(";")])
+            concat([
+                Doc::Line,
+                word(head),
+                label,
+                p.expr(&claim.condition),
+                word(";"),
+            ])
         };
-        let mut parts: Vec<Doc> = mode.requires.iter().map(|c| require(self, c, "require ")).collect();
+        let mut parts: Vec<Doc> = mode
+            .requires
+            .iter()
+            .map(|c| require(self, c, "require "))
+            .collect();
         parts.extend(mode.ensures.iter().map(|c| require(self, c, "ensure ")));
         let head = text(format!("mode {} (", mode.name.name));
         group(concat([head, indent(concat(parts)), Doc::Line, word(");")]))
@@ -210,19 +311,44 @@ const MAX_ON_ONE_LINE: usize = 2;
 
 /// `let ... tel` on one line if it is short enough; each statement has a `Line` before it.
 pub(super) fn one_line_body(statements: Doc) -> Doc {
-    group(concat([word("let"), indent(statements), Doc::Line, word("tel")]))
+    group(concat([
+        word("let"),
+        indent(statements),
+        Doc::Line,
+        word("tel"),
+    ]))
 }
 
 /// Lines between two words.
 pub(super) fn block(open: &'static str, lines: Doc, close: &'static str) -> Doc {
     match lines.is_nothing() {
         true => concat([word(open), Doc::Hard, word(close)]),
-        false => concat([word(open), indent(concat([Doc::Hard, lines])), Doc::Hard, word(close)]),
+        false => concat([
+            word(open),
+            indent(concat([Doc::Hard, lines])),
+            Doc::Hard,
+            word(close),
+        ]),
+    }
+}
+
+impl Body {
+    /// Where its first declaration or statement stands; [`Span::NONE`] if there is none.
+    fn first_span(&self) -> Span {
+        let local = self.locals.iter().find_map(|locals| match locals {
+            Locals::Var(vars) => vars.first().map(|var| var.span),
+            Locals::Const(defs) => defs.first().map(|def| def.span),
+        });
+        let statement = || self.statements.first().map(|statement| statement.span);
+        local.or_else(statement).unwrap_or(Span::NONE)
     }
 }
 
 fn has_body(kind: &StatementKind) -> bool {
-    matches!(kind, StatementKind::Fragment(_) | StatementKind::Automaton(_))
+    matches!(
+        kind,
+        StatementKind::Fragment(_) | StatementKind::Automaton(_)
+    )
 }
 
 /// For each statement that ends the command the width of the longest word in its run.

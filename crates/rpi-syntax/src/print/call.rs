@@ -11,11 +11,24 @@ impl Printer<'_> {
         let callee = self.callee(&call.callee);
         let head = match &call.activation {
             Activation::Always => callee,
-            Activation::Restart { every } => {
-                concat([word("(restart "), callee, word(" every "), self.expr(every), word(")")])
-            }
-            Activation::Activate { every, restart, default } => {
-                let mut parts = vec![word("(activate "), callee, word(" every "), self.expr(every)];
+            Activation::Restart { every } => concat([
+                word("(restart "),
+                callee,
+                word(" every "),
+                self.expr(every),
+                word(")"),
+            ]),
+            Activation::Activate {
+                every,
+                restart,
+                default,
+            } => {
+                let mut parts = vec![
+                    word("(activate "),
+                    callee,
+                    word(" every "),
+                    self.expr(every),
+                ];
                 if let Some(restart) = restart {
                     parts.extend([word(" restart every "), self.expr(restart)]);
                 }
@@ -44,17 +57,23 @@ impl Printer<'_> {
     pub(super) fn static_args(&mut self, args: &[StaticArg]) -> Doc {
         match args {
             [] => Doc::Concat(Vec::new()),
-            args => self.list(STATIC_ARGS, args, |arg| arg.span, |p, arg| {
-                let value = p.static_value(&arg.value);
-                named(arg.name.as_ref(), value)
-            }),
+            args => self.list(
+                STATIC_ARGS,
+                args,
+                |arg| arg.span,
+                |p, arg| {
+                    let is_last = args.last().is_some_and(|last| std::ptr::eq(last, arg));
+                    let value = p.static_value(&arg.value, is_last);
+                    named(arg.name.as_ref(), value)
+                },
+            ),
         }
     }
 
-    fn static_value(&mut self, value: &StaticValue) -> Doc {
+    fn static_value(&mut self, value: &StaticValue, is_last: bool) -> Doc {
         match value {
             StaticValue::Expr(expr) => self.expr(expr),
-            StaticValue::Op(op) => text(static_op(*op)),
+            StaticValue::Op(op) => static_op(*op, is_last),
             StaticValue::Callee(callee) if callee.statics.is_empty() => {
                 concat([word("node "), self.callee(callee)])
             }
@@ -77,17 +96,15 @@ fn arg_span(arg: &Arg) -> Span {
     name.merge(arg.value.span)
 }
 
-/// The operator; set off by spaces where it would run into the brackets.
-fn static_op(op: StaticOp) -> String {
+/// The operator; set off by a space where it would run into `>>`.
+fn static_op(op: StaticOp, is_last: bool) -> Doc {
     let spelling = match op {
         StaticOp::Unary(op) => op.spelling(),
         StaticOp::Binary(op) => op.spelling(),
         StaticOp::If => "if",
     };
-    match spelling.contains('>') {
-        true => format!(" {spelling} "),
-        false => spelling.to_owned(),
-    }
+    let runs_in = is_last && spelling.ends_with(['-', '=', '<', '>']);
+    concat([word(spelling), word(if runs_in { " " } else { "" })])
 }
 
 /// Whether the type is written as an argument without the word `type`.

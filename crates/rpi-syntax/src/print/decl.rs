@@ -10,19 +10,28 @@ use crate::text::quote;
 impl Printer<'_> {
     /// Declarations, one below the other; those of several lines are set apart.
     pub(super) fn items(&mut self, items: &[Item]) -> Doc {
-        self.lines(items, |item| item.span, u32::MAX, |p, _, item| {
-            let doc = p.item(&item.kind, item.span.end);
-            let apart = doc.flat_width().is_none();
-            (concat([p.doc_lines(item.doc.as_ref()), doc]), apart)
-        })
+        self.lines(
+            items,
+            |item| item.span,
+            u32::MAX,
+            |p, _, item| {
+                let doc = p.item(&item.kind, item.span.end);
+                let apart = doc.flat_width().is_none();
+                (concat([p.doc_lines(item.doc.as_ref()), doc]), apart)
+            },
+        )
     }
 
     fn item(&mut self, kind: &ItemKind, end: u32) -> Doc {
         match kind {
             ItemKind::Use(modules) => text(format!("use {};", names(modules))),
             ItemKind::Include(file) => text(format!("include {}", quote(&file.name))),
-            ItemKind::Const(defs) => self.section("const", defs, |d| (d.span, &d.doc), Self::const_def),
-            ItemKind::Type(defs) => self.section("type", defs, |d| (d.span, &d.doc), Self::type_def),
+            ItemKind::Const(defs) => {
+                self.section("const", defs, |d| (d.span, &d.doc), Self::const_def)
+            }
+            ItemKind::Type(defs) => {
+                self.section("type", defs, |d| (d.span, &d.doc), Self::type_def)
+            }
             ItemKind::Node(node) => self.node(node, end),
             ItemKind::Fragment(fragment) => {
                 let head = self.fragment_head(fragment);
@@ -35,6 +44,7 @@ impl Printer<'_> {
             ItemKind::Task(task) => self.task(task, end),
             ItemKind::Test(test) => {
                 let head = text(format!("test {}", quote(&test.title.name)));
+                self.trivia.reach(test.title.span.end);
                 self.with_body(head, &None, &test.body, end)
             }
             ItemKind::Broken(_) => nothing(),
@@ -51,7 +61,10 @@ impl Printer<'_> {
 
     /// Name, static parameters and ports, the ports on lines of their own if there is no room.
     pub(super) fn signature(&mut self, signature: &Signature) -> Doc {
-        let head = concat([text(&*signature.name.name), self.static_params(&signature.statics)]);
+        let head = concat([
+            self.name(&signature.name),
+            self.static_params(&signature.statics),
+        ]);
         let ports = self.signature_ports(signature);
         group(concat([head, indent(ports)]))
     }
@@ -68,11 +81,16 @@ impl Printer<'_> {
     }
 
     fn node(&mut self, node: &NodeDecl, end: u32) -> Doc {
+        let (before, after) = match (&node.definition, node.outside) {
+            (NodeDef::Extern, Outside::Extern) => ("extern ", " "),
+            (NodeDef::Extern, Outside::Imported) => ("", " imported "),
+            _ => ("", " "),
+        };
         let head = concat([
             word(if node.is_unsafe { "unsafe " } else { "" }),
-            word(if node.definition == NodeDef::Extern { "extern " } else { "" }),
+            word(before),
             word(node.kind.word()),
-            word(" "),
+            word(after),
             self.signature(&node.signature),
         ]);
         match &node.definition {
@@ -88,20 +106,30 @@ impl Printer<'_> {
     /// `fragment F (...) returns (...) when c restart budget b`
     pub(super) fn fragment_head(&mut self, fragment: &FragmentDecl) -> Doc {
         let signature = &fragment.signature;
-        let name = text(&*signature.name.name);
+        let name = self.name(&signature.name);
         let statics = self.static_params(&signature.statics);
         let mut parts = vec![self.signature_ports(signature)];
         if let Some(when) = &fragment.when {
             parts.extend([Doc::Line, word("when "), self.expr(&when.condition)]);
+            self.trivia.reach(when.condition.span.end);
             parts.push(word(if when.restart { " restart" } else { "" }));
         }
         parts.push(self.budget(fragment.budget.as_ref()));
-        group(concat([word("fragment "), name, statics, indent(concat(parts))]))
+        group(concat([
+            word("fragment "),
+            name,
+            statics,
+            indent(concat(parts)),
+        ]))
     }
 
     fn budget(&mut self, budget: Option<&Expr>) -> Doc {
         match budget {
-            Some(budget) => concat([Doc::Line, word("budget "), self.expr(budget)]),
+            Some(budget) => {
+                let written = concat([Doc::Line, word("budget "), self.expr(budget)]);
+                self.trivia.reach(budget.span.end);
+                written
+            }
             None => nothing(),
         }
     }
@@ -112,15 +140,24 @@ impl Printer<'_> {
         let statics = self.static_params(&signature.statics);
         let ports = self.signature_ports(signature);
         let budget = self.budget(primitive.budget.as_ref());
-        group(concat([word("primitive "), name, statics, indent(concat([ports, budget])), word(";")]))
+        group(concat([
+            word("primitive "),
+            name,
+            statics,
+            indent(concat([ports, budget])),
+            word(";"),
+        ]))
     }
 
     fn device(&mut self, device: &DeviceDecl, end: u32) -> Doc {
         let name = text(&*device.name.name);
         let head = concat([word("device "), name, self.static_params(&device.statics)]);
-        let sections = self.lines(&device.sections, |s| s.span, end, |p, _, section| {
-            (p.device_section(section), false)
-        });
+        let sections = self.lines(
+            &device.sections,
+            |s| s.span,
+            end,
+            |p, _, section| (p.device_section(section), false),
+        );
         concat([head, indent(concat([Doc::Hard, sections]))])
     }
 
@@ -128,16 +165,24 @@ impl Printer<'_> {
         /// As long as the longest of the words, and a space.
         const COLUMN: usize = "actuator ".len();
         let word = section.kind.word();
-        let ports = self.lines(&section.ports, |port| port.span, section.span.end, |p, _, port| {
-            (p.device_port(port), false)
-        });
-        concat([text(format!("{word:COLUMN$}")), Doc::Indent(COLUMN, Box::new(ports))])
+        let ports = self.lines(
+            &section.ports,
+            |port| port.span,
+            section.span.end,
+            |p, _, port| (p.device_port(port), false),
+        );
+        concat([
+            text(format!("{word:COLUMN$}")),
+            Doc::Indent(COLUMN, Box::new(ports)),
+        ])
     }
 
     fn device_port(&mut self, port: &DevicePort) -> Doc {
-        let alternatives = self.phrases(&port.alternatives, |var| var.span, |p, i, var| {
-            concat([word(if i == 0 { "" } else { "| " }), p.var_decl(var)])
-        });
+        let alternatives = self.phrases(
+            &port.alternatives,
+            |var| var.span,
+            |p, i, var| concat([word(if i == 0 { "" } else { "| " }), p.var_decl(var)]),
+        );
         concat([alternatives, word(";")])
     }
 
@@ -154,14 +199,19 @@ impl Printer<'_> {
     }
 
     fn command(&mut self, command: &CommandDecl, end: u32) -> Doc {
-        let name = text(&*command.name.name);
+        let name = self.name(&command.name);
         let statics = self.static_params(&command.statics);
         let mut parts = vec![self.params(&command.params)];
         if !command.given.is_empty() {
             parts.extend([Doc::Line, word("given "), self.ports(&command.given)]);
         }
         parts.push(self.budget(command.budget.as_ref()));
-        let head = group(concat([word("command "), name, statics, indent(concat(parts))]));
+        let head = group(concat([
+            word("command "),
+            name,
+            statics,
+            indent(concat(parts)),
+        ]));
         self.with_body(head, &command.contract, &command.body, end)
     }
 

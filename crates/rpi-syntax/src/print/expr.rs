@@ -44,7 +44,12 @@ impl Printer<'_> {
 
     fn paren(&mut self, inner: &Expr) -> Doc {
         let inner = self.expr(inner);
-        group(concat([word("("), indent(concat([Doc::Soft, inner])), Doc::Soft, word(")")]))
+        group(concat([
+            word("("),
+            indent(concat([Doc::Soft, inner])),
+            Doc::Soft,
+            word(")"),
+        ]))
     }
 
     fn quantity(&mut self, quantity: &Quantity) -> Doc {
@@ -64,11 +69,21 @@ impl Printer<'_> {
     }
 
     fn index(&mut self, index: &Index) -> Doc {
-        concat([self.base(&index.base), word("["), self.expr(&index.index), word("]")])
+        concat([
+            self.base(&index.base),
+            word("["),
+            self.expr(&index.index),
+            word("]"),
+        ])
     }
 
     fn slice_of(&mut self, of: &SliceOf) -> Doc {
-        concat([self.base(&of.base), word("["), self.slice(&of.slice), word("]")])
+        concat([
+            self.base(&of.base),
+            word("["),
+            self.slice(&of.slice),
+            word("]"),
+        ])
     }
 
     pub(super) fn slice(&mut self, slice: &Slice) -> Doc {
@@ -85,19 +100,37 @@ impl Printer<'_> {
     fn unary(&mut self, op: UnaryOp, operand: &Expr) -> Doc {
         let space = if op == UnaryOp::Neg { "" } else { " " };
         let needed = parens::operand(op, operand);
-        concat([word(op.spelling()), word(space), self.wrapped(operand, needed)])
+        concat([
+            word(op.spelling()),
+            word(space),
+            self.wrapped(operand, needed),
+        ])
     }
 
     /// `a and b and c`: operators of one level are broken together.
     fn chain(&mut self, binary: &Binary) -> Doc {
+        if binary.op == BinaryOp::Repeat {
+            return self.repeated(binary);
+        }
         let links = links(binary);
-        self.phrases(&links, |link| link.operand.span, |p, _, link| {
-            let operand = p.wrapped(link.operand, link.parens);
-            match link.op {
-                Some(op) => concat([word(op.spelling()), word(" "), operand]),
-                None => operand,
-            }
-        })
+        self.phrases(
+            &links,
+            |link| link.operand.span,
+            |p, _, link| {
+                let operand = p.wrapped(link.operand, link.parens);
+                match link.op {
+                    Some(op) => concat([word(op.spelling()), word(" "), operand]),
+                    None => operand,
+                }
+            },
+        )
+    }
+
+    /// `x^3`
+    fn repeated(&mut self, binary: &Binary) -> Doc {
+        let element = self.wrapped(&binary.lhs, parens::left(binary.op, &binary.lhs));
+        let size = self.wrapped(&binary.rhs, parens::right(binary.op, &binary.rhs));
+        concat([element, word("^"), size])
     }
 
     fn when(&mut self, when: &When) -> Doc {
@@ -118,9 +151,11 @@ impl Printer<'_> {
     fn conditional(&mut self, conditional: &If) -> Doc {
         let branches = branches(conditional);
         self.phrases(&branches, Alternative::span, |p, _, branch| match branch {
-            Alternative::If { head, condition, yes } => {
-                concat([word(head), p.expr(condition), word(" then "), p.expr(yes)])
-            }
+            Alternative::If {
+                head,
+                condition,
+                yes,
+            } => concat([word(head), p.expr(condition), word(" then "), p.expr(yes)]),
             Alternative::Else(no) => concat([word("else "), p.expr(no)]),
         })
     }
@@ -130,27 +165,45 @@ impl Printer<'_> {
             Among::AtMostOne => "#",
             Among::Nor => "nor",
         };
-        concat([word(head), self.list(PARENS, elements, |e| e.span, Self::expr)])
+        concat([
+            word(head),
+            self.list(PARENS, elements, |e| e.span, Self::expr),
+        ])
     }
 
     fn merge(&mut self, merge: &Merge) -> Doc {
         match (&merge.on.kind, &merge.cases[..]) {
             (ExprKind::Name(name), cases) if !name.is_qualified() => {
-                let cases = cases.iter().flat_map(|case| [Doc::Line, self.merge_case(case)]);
+                let cases = cases
+                    .iter()
+                    .flat_map(|case| [Doc::Line, self.merge_case(case)]);
                 let cases = concat(cases.collect::<Vec<_>>());
                 group(concat([word("merge "), text(&**name), indent(cases)]))
             }
             (_, cases) => {
                 let on = self.expr(&merge.on);
-                let rest = cases.iter().flat_map(|case| [word("; "), self.expr(&case.then)]);
-                concat([word("merge("), on, concat(rest.collect::<Vec<_>>()), word(")")])
+                let rest = cases
+                    .iter()
+                    .flat_map(|case| [word("; "), self.expr(&case.then)]);
+                concat([
+                    word("merge("),
+                    on,
+                    concat(rest.collect::<Vec<_>>()),
+                    word(")"),
+                ])
             }
         }
     }
 
     fn merge_case(&mut self, case: &MergeCase) -> Doc {
         let value = text(&*case.value.name);
-        concat([word("("), value, word(" -> "), self.expr(&case.then), word(")")])
+        concat([
+            word("("),
+            value,
+            word(" -> "),
+            self.expr(&case.then),
+            word(")"),
+        ])
     }
 
     fn struct_expr(&mut self, value: &StructExpr) -> Doc {
@@ -162,11 +215,19 @@ impl Printer<'_> {
         };
         let base = concat([word("{"), self.base(base), word(" with")]);
         let after_base = brackets(" ", ";", "}");
-        concat([name, base, self.list(after_base, &value.fields, field_span, field)])
+        concat([
+            name,
+            base,
+            self.list(after_base, &value.fields, field_span, field),
+        ])
     }
 
     fn field_value(&mut self, field: &FieldValue) -> Doc {
-        concat([text(&*field.field.name), word(" = "), self.expr(&field.value)])
+        concat([
+            text(&*field.field.name),
+            word(" = "),
+            self.expr(&field.value),
+        ])
     }
 
     fn update(&mut self, update: &Update) -> Doc {
@@ -228,10 +289,16 @@ fn links_to_left(mut binary: &Binary) -> Vec<Link<'_>> {
             parens: parens::right(op, &binary.rhs),
         });
         match &lhs.kind {
-            ExprKind::Binary(inner) if inner.op.level() == op.level() && !parens::left(op, lhs) => binary = inner,
+            ExprKind::Binary(inner) if inner.op.level() == op.level() && !parens::left(op, lhs) => {
+                binary = inner
+            }
             _ => {
                 let parens = parens::left(op, lhs);
-                links.push(Link { op: None, operand: lhs, parens });
+                links.push(Link {
+                    op: None,
+                    operand: lhs,
+                    parens,
+                });
                 links.reverse();
                 return links;
             }
@@ -245,13 +312,21 @@ fn links_to_right(mut binary: &Binary) -> Vec<Link<'_>> {
     loop {
         let (op, rhs) = (binary.op, &binary.rhs);
         let parens = parens::left(op, &binary.lhs);
-        links.push(Link { op: before, operand: &binary.lhs, parens });
+        links.push(Link {
+            op: before,
+            operand: &binary.lhs,
+            parens,
+        });
         before = Some(op);
         match &rhs.kind {
             ExprKind::Binary(inner) if inner.op.level() == op.level() => binary = inner,
             _ => {
                 let parens = parens::right(op, rhs);
-                links.push(Link { op: before, operand: rhs, parens });
+                links.push(Link {
+                    op: before,
+                    operand: rhs,
+                    parens,
+                });
                 return links;
             }
         }

@@ -149,7 +149,9 @@ impl Layout {
                 Doc::Line | Doc::Soft | Doc::Hard => self.break_line(margin),
                 Doc::Empty => self.end_line(),
                 Doc::Suffix(comment) => self.suffix(comment),
-                Doc::Concat(parts) => todo.extend(parts.iter().rev().map(|part| (margin, mode, part))),
+                Doc::Concat(parts) => {
+                    todo.extend(parts.iter().rev().map(|part| (margin, mode, part)))
+                }
                 Doc::Indent(by, doc) => todo.push((margin + by, mode, doc)),
                 Doc::Group(doc) => {
                     let mode = match mode == Mode::Flat || self.fits(margin, doc, &todo) {
@@ -164,12 +166,19 @@ impl Layout {
 
     /// Whether the group, on one line, and what follows it up to the next end of a line, fits.
     fn fits(&self, margin: usize, group: &Doc, rest: &[(usize, Mode, &Doc)]) -> bool {
-        let used = if self.line.is_empty() { margin } else { self.column };
+        let used = if self.line.is_empty() {
+            margin
+        } else {
+            self.column
+        };
         let mut left = WIDTH.saturating_sub(used);
         let mut todo = vec![(Mode::Flat, group)];
         let mut rest = rest.iter().rev();
         loop {
-            let Some((mode, doc)) = todo.pop().or_else(|| rest.next().map(|(_, mode, doc)| (*mode, *doc))) else {
+            let Some((mode, doc)) = todo
+                .pop()
+                .or_else(|| rest.next().map(|(_, mode, doc)| (*mode, *doc)))
+            else {
                 return true;
             };
             let width = match doc {
@@ -253,26 +262,45 @@ mod tests {
             parts.extend((i > 0).then_some(concat([word(","), Doc::Line])));
             parts.push(word(element));
         }
-        group(concat([word("("), indent(concat(parts)), Doc::Soft, word(")")]))
+        group(concat([
+            word("("),
+            indent(concat(parts)),
+            Doc::Soft,
+            word(")"),
+        ]))
     }
 
     #[test]
     fn a_group_breaks_if_it_does_not_fit() {
         assert_eq!(lay_out(&list(&["a", "b"])), "(a, b)\n");
         let long = "a_name_of_sixty_characters_a_name_of_sixty_characters_a_name";
-        assert_eq!(lay_out(&list(&[long, long])), format!("(\n  {long},\n  {long}\n)\n"));
+        assert_eq!(
+            lay_out(&list(&[long, long])),
+            format!("(\n  {long},\n  {long}\n)\n")
+        );
     }
 
     #[test]
     fn what_breaks_inside_breaks_outside() {
-        let inner = concat([word("a"), Doc::Suffix("-- why".into()), Doc::Line, word("b")]);
+        let inner = concat([
+            word("a"),
+            Doc::Suffix("-- why".into()),
+            Doc::Line,
+            word("b"),
+        ]);
         assert_eq!(lay_out(&group(inner)), "a  -- why\nb\n");
     }
 
     #[test]
     fn suffixes_of_adjacent_lines_stand_in_one_column() {
         let line = |code, why: &str| concat([word(code), Doc::Suffix(why.into()), Doc::Hard]);
-        let doc = concat([line("x", "-- 1"), line("long", "-- 2"), word("y"), Doc::Hard, line("z", "-- 3")]);
+        let doc = concat([
+            line("x", "-- 1"),
+            line("long", "-- 2"),
+            word("y"),
+            Doc::Hard,
+            line("z", "-- 3"),
+        ]);
         assert_eq!(lay_out(&doc), "x     -- 1\nlong  -- 2\ny\nz  -- 3\n\n");
     }
 }

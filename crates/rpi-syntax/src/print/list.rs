@@ -26,7 +26,11 @@ pub(super) const STATIC_PARAMS: Brackets = brackets("<<", ";", ">>");
 pub(super) const SPACED_COMMAS: Brackets = spaced(",");
 pub(super) const SPACED_SEMIS: Brackets = spaced(";");
 
-pub(super) const fn brackets(open: &'static str, separator: &'static str, close: &'static str) -> Brackets {
+pub(super) const fn brackets(
+    open: &'static str,
+    separator: &'static str,
+    close: &'static str,
+) -> Brackets {
     Brackets {
         open,
         separator,
@@ -71,8 +75,16 @@ impl Printer<'_> {
         span: impl Fn(&T) -> Span,
         mut write: impl FnMut(&mut Self, &T) -> Doc,
     ) -> Doc {
-        let end = elements.last().map_or(0, |last| self.trivia.next_token(span(last).end));
-        let edge = || if brackets.spaced { Doc::Line } else { Doc::Soft };
+        let end = elements
+            .last()
+            .map_or(0, |last| self.trivia.next_token(span(last).end));
+        let edge = || {
+            if brackets.spaced {
+                Doc::Line
+            } else {
+                Doc::Soft
+            }
+        };
         let mut parts = Vec::new();
         for (i, element) in elements.iter().enumerate() {
             let limit = elements.get(i + 1).map_or(end, |next| span(next).start);
@@ -85,6 +97,7 @@ impl Printer<'_> {
         }
         let own = self.trivia.before(end);
         parts.extend(own.into_iter().flat_map(|own| [Doc::Hard, own.doc]));
+        self.trivia.reach(end + brackets.close.len() as u32);
         bracketed(brackets, concat(parts), edge())
     }
 
@@ -98,9 +111,14 @@ impl Printer<'_> {
     ) -> Doc {
         let mut parts = Vec::new();
         for (i, element) in elements.iter().enumerate() {
-            let placed = self.placed(span(element), |p| write(p, i, element));
-            let line = joined(placed.lines(true));
-            parts.push(if i == 0 { line } else { indent(concat([Doc::Line, line])) });
+            // The first one does not begin a line: it has no place for comments before it.
+            parts.push(match i {
+                0 => write(self, 0, element),
+                _ => {
+                    let placed = self.placed(span(element), |p| write(p, i, element));
+                    indent(concat([Doc::Line, joined(placed.lines(true))]))
+                }
+            });
             if let Some(next) = elements.get(i + 1) {
                 parts.extend(self.trivia.after(span(element).end, span(next).start));
             }
@@ -118,7 +136,9 @@ impl Printer<'_> {
         end: u32,
         mut write: impl FnMut(&mut Self, usize, &T) -> (Doc, bool),
     ) -> Doc {
-        let end = elements.last().map_or(end, |last| self.trivia.next_token(span(last).end));
+        let end = elements
+            .last()
+            .map_or(end, |last| self.trivia.next_token(span(last).end));
         let mut block: Vec<(bool, Doc)> = Vec::new();
         let mut was_apart = false;
         for (i, element) in elements.iter().enumerate() {

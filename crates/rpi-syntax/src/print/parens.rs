@@ -43,7 +43,10 @@ pub(super) fn operand(op: UnaryOp, operand: &Expr) -> bool {
 /// Whether `.f` or `[i]` can not follow the expression directly.
 pub(super) fn base(base: &Expr) -> bool {
     use ExprKind::{Bool, Merge, Number, Quantity, Str};
-    let literal = matches!(base.kind, Bool(_) | Number(_) | Quantity(_) | Str(_) | Merge(_));
+    let literal = matches!(
+        base.kind,
+        Bool(_) | Number(_) | Quantity(_) | Str(_) | Merge(_)
+    );
     literal || level(base) < LEVEL_PRIMARY
 }
 

@@ -17,7 +17,7 @@ struct Columns {
 
 impl Printer<'_> {
     pub(super) fn task(&mut self, task: &TaskDecl, end: u32) -> Doc {
-        let name = text(&*task.name.name);
+        let name = self.name(&task.name);
         let statics = self.static_params(&task.statics);
         let params = self.params(&task.params);
         let head = group(concat([word("task "), name, statics, indent(params)]));
@@ -27,10 +27,18 @@ impl Printer<'_> {
 
     fn steps(&mut self, steps: &[Step], end: u32) -> Doc {
         let columns = self.columns(steps);
-        self.lines(steps, |step| step.span, end, |p, i, step| {
-            let doc = p.doc_lines(step.doc.as_ref());
-            (concat([doc, p.step(&step.kind, columns[i], step.span)]), false)
-        })
+        self.lines(
+            steps,
+            |step| step.span,
+            end,
+            |p, i, step| {
+                let doc = p.doc_lines(step.doc.as_ref());
+                (
+                    concat([doc, p.step(&step.kind, columns[i], step.span)]),
+                    false,
+                )
+            },
+        )
     }
 
     fn step(&mut self, kind: &StepKind, columns: Columns, span: Span) -> Doc {
@@ -56,7 +64,10 @@ impl Printer<'_> {
             return concat([head, Doc::Hard, block("let", steps, "tel")]);
         }
         let steps = steps.iter().flat_map(|step| {
-            [Doc::Line, self.step(&step.kind, Columns::default(), step.span)]
+            [
+                Doc::Line,
+                self.step(&step.kind, Columns::default(), step.span),
+            ]
         });
         let body = one_line_body(concat(steps.collect::<Vec<_>>()));
         group(concat([head, Doc::Line, body]))
@@ -68,12 +79,16 @@ impl Printer<'_> {
         if run.branches.is_empty() {
             return concat([label, call, word(";")]);
         }
-        let gap = match (columns.call, call.flat_width()) {
-            (column, Some(width)) if column > 0 => " ".repeat(column - width + 1),
-            _ => " ".to_owned(),
-        };
+        let width = call.flat_width().unwrap_or(columns.call);
+        let gap = " ".repeat(columns.call.saturating_sub(width) + 1);
         let branches = self.branches(&run.branches);
-        group(concat([label, call, text(gap), indent(concat([Doc::Line, branches])), word(";")]))
+        group(concat([
+            label,
+            call,
+            text(gap),
+            indent(concat([Doc::Line, branches])),
+            word(";"),
+        ]))
     }
 
     fn label(&self, run: &Run, columns: Columns) -> Doc {
@@ -89,39 +104,61 @@ impl Printer<'_> {
 
     fn branches(&mut self, branches: &[Branch]) -> Doc {
         let branches = branches.iter().enumerate().flat_map(|(i, branch)| {
-            let gap = if i == 0 { nothing() } else { concat([Doc::Line, word("| ")]) };
+            let gap = if i == 0 {
+                nothing()
+            } else {
+                concat([Doc::Line, word("| ")])
+            };
             let on: Vec<&str> = branch.on.iter().map(on_result).collect();
-            [gap, text(format!("on {} then {}", on.join(", "), next(&branch.then)))]
+            [
+                gap,
+                text(format!("on {} then {}", on.join(", "), next(&branch.then))),
+            ]
         });
         concat(branches)
     }
 
     /// The columns of each step; steps with labels in a row share them.
     fn columns(&self, steps: &[Step]) -> Vec<Columns> {
-        let labelled = |step: &Step| matches!(&step.kind, StepKind::Run(run) if run.label.is_some());
+        let labelled =
+            |step: &Step| matches!(&step.kind, StepKind::Run(run) if run.label.is_some());
         let runs = steps.chunk_by(|a, b| labelled(a) && labelled(b));
         let columns = runs.flat_map(|run| std::iter::repeat_n(self.shared_columns(run), run.len()));
         columns.collect()
     }
 
     fn shared_columns(&self, steps: &[Step]) -> Columns {
-        let runs = || steps.iter().filter_map(|step| match &step.kind {
-            StepKind::Run(run) => Some(run),
-            _ => None,
-        });
+        let runs = || {
+            steps.iter().filter_map(|step| match &step.kind {
+                StepKind::Run(run) => Some(run),
+                _ => None,
+            })
+        };
         let labels = runs().filter_map(|run| run.label.as_ref());
         let label = labels.map(|label| label.name.chars().count() + 2).max();
-        let calls = runs().filter(|run| !run.branches.is_empty());
-        // Measured without comments: those are placed when the step is written.
-        let widths: Option<Vec<usize>> = calls
-            .map(|run| Printer::new(self.mode, None).run_call(run).flat_width())
-            .collect();
+        let label = label.unwrap_or(0);
+        let calls = runs().filter_map(|run| self.width_in_column(run, label));
         Columns {
-            label: label.unwrap_or(0),
-            call: widths.and_then(|widths| widths.into_iter().max()).unwrap_or(0),
+            label,
+            call: calls.max().unwrap_or(0),
         }
     }
+
+    /// The width of the call, if there is room for its branches on the same line.
+    fn width_in_column(&self, run: &Run, label: usize) -> Option<usize> {
+        if run.branches.is_empty() {
+            return None;
+        }
+        // Measured without comments: those are placed when the step is written.
+        let mut plain = Printer::new(self.mode, None);
+        let call = plain.run_call(run).flat_width()?;
+        let branches = group(plain.branches(&run.branches)).flat_width()?;
+        (label + call + branches <= ROOM).then_some(call)
+    }
 }
+
+/// Longer steps are broken; the rest of a line is for indentation.
+const ROOM: usize = super::layout::WIDTH - 10;
 
 fn on_result(result: &OnResult) -> &str {
     match result {

@@ -52,7 +52,9 @@ impl<'a> Trivia<'a> {
         let mut suffixes = Vec::new();
         while let Some(comment) = self.comments.first()
             && (start..limit).contains(&comment.span.start)
-            && !self.between(self.reached, comment.span.start).contains('\n')
+            && !self
+                .between(self.reached, comment.span.start)
+                .contains('\n')
         {
             suffixes.push(Doc::Suffix(self.written(comment.span).to_owned()));
             let ends_line = !matches!(comment.kind, CommentKind::Block | CommentKind::Contract);
@@ -77,7 +79,10 @@ impl<'a> Trivia<'a> {
         let mut comments = self.comments[from..].iter();
         loop {
             let rest = self.source.get(at as usize..).unwrap_or("");
-            let blank = rest.len() - rest.trim_start_matches([' ', '\t', '\r', '\n', ';', ',']).len();
+            let blank = rest.len()
+                - rest
+                    .trim_start_matches([' ', '\t', '\r', '\n', ';', ','])
+                    .len();
             at += blank as u32;
             match comments.next() {
                 Some(comment) if comment.span.start == at => at = comment.span.end,
@@ -89,6 +94,11 @@ impl<'a> Trivia<'a> {
     /// Whether a comment before `end` has not been placed.
     pub(super) fn any_before(&self, end: u32) -> bool {
         self.comments.first().is_some_and(|c| c.span.start < end)
+    }
+
+    /// How far the source has been written.
+    pub(super) fn reached(&self) -> u32 {
+        self.reached
     }
 
     /// Notes that the source has been written up to `offset`.

@@ -3,6 +3,7 @@
 use super::Printer;
 use super::layout::{Doc, concat, nothing, text, word};
 use super::list::{PORTS, SPACED_COMMAS, SPACED_SEMIS, STATIC_PARAMS};
+use crate::Mode;
 use crate::ast::*;
 use crate::ops::BinaryOp;
 use std::fmt::Write as _;
@@ -21,9 +22,12 @@ impl Printer<'_> {
             TypeKind::Optional(inner) => concat([self.ty(inner), word("?")]),
             TypeKind::Subrange(range) => self.subrange(range),
             TypeKind::Enum(values) => {
-                let values = self.list(SPACED_COMMAS, values, |v| v.name.span, |p, value| {
-                    concat([p.doc_lines(value.doc.as_ref()), text(&*value.name.name)])
-                });
+                let values = self.list(
+                    SPACED_COMMAS,
+                    values,
+                    |v| v.name.span,
+                    |p, value| concat([p.doc_lines(value.doc.as_ref()), text(&*value.name.name)]),
+                );
                 concat([word("enum "), values])
             }
             TypeKind::Struct(fields) => {
@@ -79,13 +83,22 @@ impl Printer<'_> {
                 let _ = write!(written, "^{}", factor.power.abs());
             }
         }
-        text(if written.is_empty() { "1".to_owned() } else { written })
+        text(if written.is_empty() {
+            "1".to_owned()
+        } else {
+            written
+        })
     }
 
     /// `a, b: T when c = d`
     pub(super) fn var_decl(&mut self, var: &VarDecl) -> Doc {
         let head = if var.is_const { "const " } else { "" };
-        let mut parts = vec![self.doc_lines(var.doc.as_ref()), word(head), text(names(&var.names)), word(": ")];
+        let mut parts = vec![
+            self.doc_lines(var.doc.as_ref()),
+            word(head),
+            text(names(&var.names)),
+            word(": "),
+        ];
         parts.push(self.ty(&var.ty));
         if let Some(clock) = &var.clock {
             parts.extend([word(" when "), self.clock(clock)]);
@@ -127,12 +140,28 @@ impl Printer<'_> {
     fn static_param(&mut self, param: &StaticParam) -> Doc {
         let written = match &param.kind {
             StaticParamKind::Type(name) => concat([word("type "), text(&*name.name)]),
-            StaticParamKind::Value(def) => self.const_def(def),
+            StaticParamKind::Value(def) => {
+                // Lustre V6 has no parameter without a word before it.
+                let head = if self.mode == Mode::Lustre {
+                    "const "
+                } else {
+                    ""
+                };
+                concat([word(head), self.const_def(def)])
+            }
             StaticParamKind::Node(kind, signature) => {
                 concat([word(kind.word()), word(" "), self.signature(signature)])
             }
         };
         concat([self.doc_lines(param.doc.as_ref()), written])
+    }
+}
+
+impl Printer<'_> {
+    /// A name that a head declares.
+    pub(super) fn name(&mut self, name: &Ident) -> Doc {
+        self.trivia.reach(name.span.end);
+        text(&*name.name)
     }
 }
 

@@ -1,0 +1,59 @@
+//! Formatting: the same tree, the same comments, and nothing left to change.
+
+use crate::support::{assert_same, comments, exact, meaning, parse_clean, programs};
+use rpi_syntax::{Mode, format, print};
+
+#[track_caller]
+fn formatted(text: &str, mode: Mode) -> String {
+    format(text, mode).unwrap_or_else(|_| panic!("has errors:\n{text}"))
+}
+
+/// What must hold of every text without errors.
+#[track_caller]
+pub(crate) fn check(text: &str, mode: Mode) {
+    let before = parse_clean(text, mode);
+    let once = formatted(text, mode);
+    let after = parse_clean(&once, mode);
+    assert_same(
+        &exact(&before.file),
+        &exact(&after.file),
+        "the tree changes",
+    );
+    assert_eq!(
+        comments(text, &before),
+        comments(&once, &after),
+        "comments change:\n{once}"
+    );
+    assert_same(
+        &once,
+        &formatted(&once, mode),
+        "formatting again changes something",
+    );
+    for line in once.lines() {
+        assert_eq!(line, line.trim_end(), "space at the end of a line:\n{once}");
+    }
+}
+
+#[test]
+fn programs_keep_tree_and_comments() {
+    for program in programs() {
+        println!("{}", program.name);
+        check(&program.text, program.mode);
+    }
+}
+
+#[test]
+fn trees_without_text_read_back() {
+    for program in programs() {
+        println!("{}", program.name);
+        let tree = parse_clean(&program.text, program.mode).file;
+        let text = print(&tree, program.mode);
+        let again = parse_clean(&text, program.mode).file;
+        assert_same(&meaning(&tree), &meaning(&again), "the tree changes");
+        assert_same(
+            &text,
+            &formatted(&text, program.mode),
+            "printed text is not formatted",
+        );
+    }
+}

@@ -1,0 +1,91 @@
+//! What the tests share.
+
+use rpi_diag::{FileId, SourceMap, Style, render};
+use rpi_syntax::ast::File;
+use rpi_syntax::{Mode, Parens, Parse, dump_ast, parse};
+use std::path::Path;
+
+/// A program of `tests/programs`.
+pub(crate) struct Program {
+    pub(crate) name: String,
+    pub(crate) text: String,
+    pub(crate) mode: Mode,
+}
+
+/// All programs of `tests/programs`, by name.
+pub(crate) fn programs() -> Vec<Program> {
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/programs");
+    let files = std::fs::read_dir(folder).expect("the folder is part of the crate");
+    let mut paths: Vec<_> = files.map(|file| file.expect("readable").path()).collect();
+    paths.sort();
+    let program = |path: &std::path::PathBuf| {
+        let name = path
+            .file_name()
+            .and_then(|name| name.to_str())
+            .unwrap_or_default();
+        Program {
+            name: name.to_owned(),
+            text: std::fs::read_to_string(path).expect("programs are UTF-8"),
+            mode: Mode::of_path(name),
+        }
+    };
+    paths.iter().map(program).collect()
+}
+
+/// The tree of a text without errors; shows them if there are any.
+#[track_caller]
+pub(crate) fn parse_clean(text: &str, mode: Mode) -> Parse {
+    let parsed = parse(FileId(0), text, mode);
+    let errors: Vec<_> = parsed
+        .findings
+        .iter()
+        .filter(|finding| finding.severity() == rpi_diag::Severity::Error)
+        .cloned()
+        .collect();
+    if !errors.is_empty() {
+        let mut sources = SourceMap::new();
+        sources.add("text", text);
+        panic!("{}\n{text}", render(&errors, &sources, Style::PLAIN));
+    }
+    parsed
+}
+
+/// The tree as text, with the writer's parentheses.
+pub(crate) fn exact(file: &File) -> String {
+    dump_ast(file, Parens::Keep)
+}
+
+/// The tree as text, without the writer's parentheses.
+pub(crate) fn meaning(file: &File) -> String {
+    dump_ast(file, Parens::Drop)
+}
+
+/// The texts of all comments, sorted.
+pub(crate) fn comments(text: &str, parsed: &Parse) -> Vec<String> {
+    let written = |c: &rpi_syntax::Comment| {
+        text[c.span.start as usize..c.span.end as usize]
+            .trim_end()
+            .to_owned()
+    };
+    let mut comments: Vec<String> = parsed.comments.all.iter().map(written).collect();
+    comments.sort();
+    comments
+}
+
+/// Compares two texts line by line, and shows the first difference.
+#[track_caller]
+pub(crate) fn assert_same(left: &str, right: &str, what: &str) {
+    let differs = |(_, (a, b)): &(usize, (&str, &str))| a != b;
+    let pairs = left.lines().chain([""]).zip(right.lines().chain([""]));
+    if let Some((line, (a, b))) = pairs.enumerate().find(differs) {
+        panic!(
+            "{what}, from line {}:\n  {a}\n  {b}\n--- in\n{left}\n--- and\n{right}",
+            line + 1
+        );
+    }
+    assert_eq!(
+        left.len(),
+        right.len(),
+        "{what}: one goes on\n{left}\n---\n{right}"
+    );
+}
