@@ -152,7 +152,7 @@ impl Printer<'_> {
         concat(parts)
     }
 
-    fn claim(&mut self, claim: &Claim) -> Doc {
+    pub(super) fn claim(&mut self, claim: &Claim) -> Doc {
         let label = match &claim.label {
             Some(label) => text(format!("{} ", quote(&label.name))),
             None => nothing(),
@@ -235,75 +235,6 @@ impl Printer<'_> {
         );
         concat([word(head), alternatives, word(";")])
     }
-
-    /// `con ... noc` on lines of its own, if there is one.
-    pub(super) fn contract(&mut self, contract: Option<&Contract>) -> Doc {
-        let Some(contract) = contract else {
-            return nothing();
-        };
-        self.trivia.reach(contract.span.start);
-        let locals = contract
-            .locals
-            .iter()
-            .flat_map(|l| self.contract_locals(l))
-            .collect::<Vec<_>>();
-        let claims = self.claims(&contract.claims);
-        let modes = contract
-            .modes
-            .iter()
-            .flat_map(|m| [Doc::Hard, self.mode(m)])
-            .collect::<Vec<_>>();
-        let parts = indent(concat([concat(locals), claims, concat(modes)]));
-        self.trivia.reach(contract.span.end);
-        concat([Doc::Hard, word("con"), parts, Doc::Hard, word("noc")])
-    }
-
-    /// Each with its word before it: in a contract, a section has one declaration.
-    fn contract_locals(&mut self, locals: &Locals) -> Vec<Doc> {
-        let line = |head, doc| [Doc::Hard, word(head), doc, word(";")];
-        match locals {
-            Locals::Var(vars) => vars
-                .iter()
-                .flat_map(|v| line("var ", self.var_decl(v)))
-                .collect(),
-            Locals::Const(defs) => defs
-                .iter()
-                .flat_map(|d| line("const ", self.const_def(d)))
-                .collect(),
-        }
-    }
-
-    fn claims(&mut self, claims: &[Claim]) -> Doc {
-        if claims.is_empty() {
-            return nothing();
-        }
-        let lines = self.lines(claims, claim_span, 0, |p, _, claim| {
-            (concat([p.claim(claim), word(";")]), false)
-        });
-        concat([Doc::Hard, lines])
-    }
-
-    fn mode(&mut self, mode: &ContractMode) -> Doc {
-        let require = |p: &mut Self, claim: &Claim, head: &'static str| {
-            let label = claim.label.as_ref().map(|l| format!("{} ", quote(&l.name)));
-            let label = text(label.unwrap_or_default());
-            concat([
-                Doc::Line,
-                word(head),
-                label,
-                p.expr(&claim.condition),
-                word(";"),
-            ])
-        };
-        let mut parts: Vec<Doc> = mode
-            .requires
-            .iter()
-            .map(|c| require(self, c, "require "))
-            .collect();
-        parts.extend(mode.ensures.iter().map(|c| require(self, c, "ensure ")));
-        let head = text(format!("mode {} (", mode.name.name));
-        group(concat([head, indent(concat(parts)), Doc::Line, word(");")]))
-    }
 }
 
 /// More statements than these are never set on one line.
@@ -375,11 +306,6 @@ fn one_clause(transitions: &[Transition]) -> impl Iterator<Item = &[Transition]>
 fn body_span(state: &State) -> Span {
     let end = state.until.first().map_or(state.span.end, |t| t.span.start);
     Span { end, ..state.span }
-}
-
-fn claim_span(claim: &Claim) -> Span {
-    let label = claim.label.as_ref().map_or(Span::NONE, |label| label.span);
-    label.merge(claim.condition.span)
 }
 
 impl EndKind {

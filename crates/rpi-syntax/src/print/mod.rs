@@ -6,10 +6,11 @@
 //! | `trivia.rs` | comments |
 //! | `list.rs` | lists in brackets and lists of lines, with their comments |
 //! | `parens.rs` | where parentheses must stand |
-//! | `expr.rs`, `call.rs`, `ty.rs`, `decl.rs`, `body.rs`, `task.rs` | the forms of the language |
+//! | `expr.rs`, `call.rs`, `ty.rs`, `decl.rs`, `body.rs`, `contract.rs`, `task.rs` | the forms of the language |
 
 mod body;
 mod call;
+mod contract;
 mod decl;
 mod expr;
 mod layout;
