@@ -1,0 +1,570 @@
+//! Primitives by example: parameters and inputs, and what must come out. Those that the recorded traces exercise are
+//! tested there.
+
+mod common;
+
+use common::{DT, Rig, array, get, matrix, near, of, reals};
+use rpi_image::{Scalar, Type, Value};
+use rpi_prims::FaultCode;
+use rpi_prims::flow::{Pose, Rotation, Time, Twist, Vector, Wrench};
+use rpi_prims::geometry;
+
+rpi_testkit::trap_allocations!();
+
+/// One line: primitive, inputs, outputs.
+type Line<'a> = (&'a str, &'a [Value], &'a [Value]);
+
+fn check(lines: &[Line<'_>]) {
+    for (name, inputs, outputs) in lines {
+        let mut rig = Rig::new(name, &[]);
+        let given = rig.give(inputs);
+        assert_eq!(rig.fault, None, "{name}");
+        same(name, &given, outputs);
+    }
+}
+
+#[track_caller]
+fn same(name: &str, given: &[Value], wanted: &[Value]) {
+    assert_eq!(given.len(), wanted.len(), "{name}");
+    for (given, wanted) in given.iter().zip(wanted) {
+        assert_eq!(given.ty(), wanted.ty(), "{name}");
+        match wanted.ty() {
+            Some(
+                Type::One(Scalar::Bool | Scalar::Int | Scalar::Time) | Type::Array(Scalar::Bool, _),
+            ) => {
+                assert_eq!(given, wanted, "{name}");
+            }
+            _ => near(&reals(given), &reals(wanted)),
+        }
+    }
+}
+
+#[test]
+fn reals_and_their_functions() {
+    check(&[
+        ("Core::DoubleModulo", &[of(7.5), of(2.0)], &[of(1.5)]),
+        ("Core::DoubleModulo", &[of(-7.5), of(2.0)], &[of(-1.5)]),
+        ("Core::DoubleLog", &[of(core::f64::consts::E)], &[of(1.0)]),
+        ("Rpi::DoubleSubtract", &[of(1.0), of(3.0)], &[of(-2.0)]),
+        ("Rpi::DoubleNegate", &[of(1.5)], &[of(-1.5)]),
+        ("Rpi::DoubleAbsolute", &[of(-1.5)], &[of(1.5)]),
+        ("Rpi::DoubleMinimum", &[of(f64::NAN), of(3.0)], &[of(3.0)]),
+        ("Rpi::DoubleMaximum", &[of(1.0), of(3.0)], &[of(3.0)]),
+        (
+            "Rpi::DoubleGreaterOrEqual",
+            &[of(3.0), of(3.0)],
+            &[of(true)],
+        ),
+        (
+            "Rpi::DoubleGreaterOrEqual",
+            &[of(f64::NAN), of(3.0)],
+            &[of(false)],
+        ),
+        ("Rpi::DoubleFloor", &[of(-1.5)], &[of(-2.0)]),
+        ("Rpi::DoubleCeiling", &[of(-1.5)], &[of(-1.0)]),
+        ("Rpi::DoubleRound", &[of(2.5)], &[of(3.0)]),
+        ("Rpi::DoubleExponential", &[of(0.0)], &[of(1.0)]),
+        (
+            "Rpi::DoubleAtan",
+            &[of(1.0)],
+            &[of(core::f64::consts::FRAC_PI_4)],
+        ),
+    ]);
+}
+
+#[test]
+fn integers_booleans_and_times() {
+    check(&[
+        ("Rpi::IntSubtract", &[of(1_i64), of(3_i64)], &[of(-2_i64)]),
+        ("Rpi::IntNegate", &[of(5_i64)], &[of(-5_i64)]),
+        ("Rpi::IntModulo", &[of(-7_i64), of(3_i64)], &[of(-1_i64)]),
+        ("Rpi::IntPower", &[of(-2_i64), of(3_i64)], &[of(-8_i64)]),
+        ("Rpi::IntPower", &[of(-1_i64), of(i64::MAX)], &[of(-1_i64)]),
+        ("Rpi::IntAbsolute", &[of(-5_i64)], &[of(5_i64)]),
+        ("Rpi::IntMinimum", &[of(-5_i64), of(2_i64)], &[of(-5_i64)]),
+        ("Rpi::IntMaximum", &[of(-5_i64), of(2_i64)], &[of(2_i64)]),
+        (
+            "Rpi::IntGreaterOrEqual",
+            &[of(2_i64), of(2_i64)],
+            &[of(true)],
+        ),
+        (
+            "Core::IntEquals",
+            &[of(i64::MIN), of(i64::MAX)],
+            &[of(false)],
+        ),
+        ("Rpi::BooleanXor", &[of(true), of(true)], &[of(false)]),
+        ("Rpi::BooleanImplies", &[of(false), of(false)], &[of(true)]),
+        ("Rpi::BooleanEquals", &[of(false), of(false)], &[of(true)]),
+        ("Rpi::TimeEquals", &[of(Time(5)), of(Time(5))], &[of(true)]),
+        (
+            "Rpi::TimeGreater",
+            &[of(Time(5)), of(Time(5))],
+            &[of(false)],
+        ),
+        (
+            "Rpi::TimeGreaterOrEqual",
+            &[of(Time(5)), of(Time(5))],
+            &[of(true)],
+        ),
+    ]);
+}
+
+#[test]
+fn faults_have_their_codes() {
+    let cases: [(&str, &[Value], FaultCode); 8] = [
+        (
+            "Rpi::IntSubtract",
+            &[of(i64::MIN), of(1_i64)],
+            FaultCode::IntegerOverflow,
+        ),
+        (
+            "Rpi::IntNegate",
+            &[of(i64::MIN)],
+            FaultCode::IntegerOverflow,
+        ),
+        (
+            "Rpi::IntAbsolute",
+            &[of(i64::MIN)],
+            FaultCode::IntegerOverflow,
+        ),
+        (
+            "Rpi::IntPower",
+            &[of(2_i64), of(63_i64)],
+            FaultCode::IntegerOverflow,
+        ),
+        (
+            "Rpi::IntModulo",
+            &[of(1_i64), of(0_i64)],
+            FaultCode::DivisionByZero,
+        ),
+        (
+            "Core::TimeAdd",
+            &[of(Time(i64::MAX)), of(1.0)],
+            FaultCode::IntegerOverflow,
+        ),
+        ("Rpi::Assert", &[of(false)], FaultCode::AssertionFailed),
+        ("EStop", &[of(true)], FaultCode::EmergencyStop),
+    ];
+    for (name, inputs, code) in cases {
+        let mut rig = Rig::new(name, &[]);
+        rig.give(inputs);
+        assert_eq!(rig.fault, Some(code), "{name}");
+    }
+}
+
+fn wrench(force: Vector, torque: Vector) -> Wrench {
+    Wrench { force, torque }
+}
+
+fn twist(linear: Vector, angular: Vector) -> Twist {
+    Twist { linear, angular }
+}
+
+#[test]
+fn vectors_twists_and_wrenches() {
+    let (a, b) = (Vector::new(1.0, 2.0, 3.0), Vector::new(-4.0, 5.0, 0.5));
+    let quarter: Rotation = geometry::from_abc(core::f64::consts::FRAC_PI_2, 0.0, 0.0);
+    let parts = [1.0, 2.0, 3.0, 0.1, 0.2, 0.3].map(of);
+    let about_zyx = Vector::new(0.3, 0.2, 0.1);
+    check(&[
+        ("Rpi::VectorSubtract", &[of(a), of(b)], &[of(a - b)]),
+        ("Rpi::VectorNegate", &[of(a)], &[of(-a)]),
+        (
+            "Rpi::VectorNorm",
+            &[of(Vector::new(2.0, 3.0, 6.0))],
+            &[of(7.0)],
+        ),
+        (
+            "World::VectorRotate",
+            &[of(Vector::x()), of(quarter)],
+            &[of(Vector::y())],
+        ),
+        (
+            "World::TwistRotate",
+            &[of(twist(Vector::x(), Vector::z())), of(quarter)],
+            &[of(twist(Vector::y(), Vector::z()))],
+        ),
+        (
+            "World::TwistChangeCenter",
+            &[of(twist(Vector::x(), Vector::z())), of(Vector::x())],
+            &[of(twist(Vector::new(1.0, 1.0, 0.0), Vector::z()))],
+        ),
+        ("World::TwistFromXYZ", &parts, &[of(twist(a, about_zyx))]),
+        ("World::TwistToXYZ", &[of(twist(a, about_zyx))], &parts),
+        ("World::WrenchFromXYZ", &parts, &[of(wrench(a, about_zyx))]),
+        (
+            "Rpi::TwistScale",
+            &[of(twist(a, b)), of(2.0)],
+            &[of(twist(a * 2.0, b * 2.0))],
+        ),
+        (
+            "Rpi::WrenchAdd",
+            &[of(wrench(a, b)), of(wrench(b, a))],
+            &[of(wrench(a + b, a + b))],
+        ),
+        ("Rpi::WrenchToParts", &[of(wrench(a, b))], &[of(a), of(b)]),
+        ("Rpi::WrenchFromParts", &[of(a), of(b)], &[of(wrench(a, b))]),
+        (
+            "Rpi::RotationExponential",
+            &[of(Vector::z() * core::f64::consts::FRAC_PI_2)],
+            &[of(quarter)],
+        ),
+        (
+            "Rpi::RotationLogarithm",
+            &[of(quarter)],
+            &[of(Vector::z() * core::f64::consts::FRAC_PI_2)],
+        ),
+    ]);
+}
+
+#[test]
+fn poses() {
+    let turned = geometry::from_abc(core::f64::consts::FRAC_PI_2, 0.0, 0.0);
+    let pose = Pose::from_parts(Vector::new(1.0, 2.0, 3.0).into(), turned);
+    check(&[
+        (
+            "World::FrameFromXYZ",
+            &[of(1.0), of(2.0), of(3.0), of(turned)],
+            &[of(pose)],
+        ),
+        (
+            "World::FrameToXYZ",
+            &[of(pose)],
+            &[of(1.0), of(2.0), of(3.0), of(turned)],
+        ),
+        (
+            "Rpi::FrameApply",
+            &[of(pose), of(Vector::x())],
+            &[of(Vector::new(1.0, 3.0, 3.0))],
+        ),
+        (
+            "World::FrameTransform",
+            &[of(pose), of(pose.inverse())],
+            &[of(Pose::identity())],
+        ),
+    ]);
+}
+
+#[test]
+fn euler_angles_at_the_gimbal_lock() {
+    let lock = core::f64::consts::FRAC_PI_2;
+    for (a, b, c) in [(0.3, lock, 0.1), (0.3, -lock, 0.1), (-2.0, lock, 1.0)] {
+        let rotation = geometry::from_abc(a, b, c);
+        let (a, b, c) = geometry::to_abc(rotation);
+        assert_eq!(c, 0.0);
+        assert!((b.abs() - lock).abs() < 1e-7);
+        let angle = geometry::to_axis_angle(rotation.inverse() * geometry::from_abc(a, b, c)).1;
+        assert!(angle < 1e-7, "{angle}");
+    }
+}
+
+const A: [[f64; 3]; 3] = [[2.0, 1.0, 0.0], [1.0, 3.0, 1.0], [0.0, 1.0, 4.0]];
+
+#[test]
+fn matrices() {
+    let a = matrix(A);
+    let x = array(&[1.0, -2.0, 3.0]);
+    let ax = array(&[0.0, -2.0, 10.0]);
+    let square = [[5.0, 5.0, 1.0], [5.0, 11.0, 7.0], [1.0, 7.0, 17.0]];
+    check(&[
+        ("Core::MatrixApply", &[a.clone(), x.clone()], &[ax.clone()]),
+        ("Core::MatrixSolve", &[a.clone(), ax], &[x]),
+        (
+            "Core::MatrixMultiply",
+            &[a.clone(), a.clone()],
+            &[matrix(square)],
+        ),
+        (
+            "Core::MatrixTranspose",
+            &[matrix([[1.0, 2.0, 3.0], [4.0, 5.0, 6.0], [7.0, 8.0, 9.0]])],
+            &[matrix([[1.0, 4.0, 7.0], [2.0, 5.0, 8.0], [3.0, 6.0, 9.0]])],
+        ),
+        (
+            "Core::MatrixScale",
+            &[a.clone(), of(2.0)],
+            &[matrix(A.map(|row| row.map(|v| 2.0 * v)))],
+        ),
+    ]);
+    let singular = matrix([[1.0, 2.0, 3.0], [2.0, 4.0, 6.0], [0.0, 0.0, 1.0]]);
+    let out = Rig::new("Core::MatrixSolve", &[]).give(&[singular, array(&[1.0, 0.0, 0.0])]);
+    assert!(reals(&out[0]).iter().all(|v| v.is_nan()));
+}
+
+fn with(name: &str, params: &[(&str, i64)], inputs: &[Value]) -> Value {
+    let params: Vec<_> = params
+        .iter()
+        .map(|(name, value)| (*name, of(*value)))
+        .collect();
+    Rig::new(name, &params).give(inputs).remove(0)
+}
+
+#[test]
+fn parts_of_matrices() {
+    let counted = matrix([[1.0, 2.0, 3.0], [4.0, 5.0, 6.0], [7.0, 8.0, 9.0]]);
+    let of_counted = std::slice::from_ref(&counted);
+    let corner = [
+        ("StartRow", 1),
+        ("StartCol", 1),
+        ("BlockWidth", 2),
+        ("BlockHeight", 2),
+    ];
+    same(
+        "get",
+        &[with(
+            "Core::MatrixGet",
+            &[("Row", 1), ("Col", 2)],
+            of_counted,
+        )],
+        &[of(6.0)],
+    );
+    same(
+        "block",
+        &[with("Core::MatrixBlockGet", &corner, of_counted)],
+        &[matrix([[5.0, 6.0], [8.0, 9.0]])],
+    );
+    let rows = with(
+        "Core::MatrixArrayGet",
+        &[("StartCol", 1), ("BlockWidth", 2), ("Size", 3)],
+        of_counted,
+    );
+    same("rows", &[rows], &[array(&[2.0, 3.0, 5.0])]);
+    let set = with(
+        "Core::MatrixSet",
+        &[("Row", 0), ("Col", 2)],
+        &[counted.clone(), of(-1.0)],
+    );
+    same(
+        "set",
+        &[set],
+        &[matrix([[1.0, 2.0, -1.0], [4.0, 5.0, 6.0], [7.0, 8.0, 9.0]])],
+    );
+    let filled = with(
+        "Core::MatrixArraySet",
+        &[("StartRow", 1), ("BlockWidth", 2)],
+        &[counted.clone(), array(&[0.1, 0.2, 0.3])],
+    );
+    same(
+        "filled",
+        &[filled],
+        &[matrix([[1.0, 2.0, 3.0], [0.1, 0.2, 6.0], [0.3, 8.0, 9.0]])],
+    );
+    let select = [
+        ("SelectedRows", array(&[2_i64, 0])),
+        ("SelectedCols", array(&[1_i64])),
+    ];
+    let selected = Rig::new("Core::MatrixSelect", &select).give(of_counted);
+    same("selected", &selected, &[matrix([[8.0], [2.0]])]);
+    same(
+        "created",
+        &[with("Core::MatrixCreate", &[("Rows", 2), ("Cols", 1)], &[])],
+        &[matrix([[0.0], [0.0]])],
+    );
+}
+
+#[test]
+fn slices_of_arrays() {
+    let three = array(&[1.0, 2.0, 3.0]);
+    same(
+        "slice",
+        &[with(
+            "Core::DoubleArraySlice",
+            &[("Size", 2), ("Start", 1)],
+            &[three.clone()],
+        )],
+        &[array(&[2.0, 3.0])],
+    );
+    same(
+        "get",
+        &[with("Core::DoubleArrayGet", &[("Index", 2)], &[three])],
+        &[of(3.0)],
+    );
+}
+
+#[test]
+fn indices_outside_are_refused_when_sizes_are_known() {
+    use rpi_image::ShapeArgs;
+    let cases: [(&str, &[(&str, i64)]); 6] = [
+        ("Core::DoubleArrayGet", &[("Index", 3)]),
+        ("Core::DoubleArraySet", &[("Index", -1)]),
+        ("Core::DoubleArraySlice", &[("Size", 2), ("Start", 2)]),
+        ("Core::MatrixGet", &[("Row", 3)]),
+        (
+            "Core::MatrixBlockGet",
+            &[("StartCol", 2), ("BlockWidth", 2)],
+        ),
+        ("Core::MatrixArrayGet", &[("Size", 4)]),
+    ];
+    for (name, given) in cases {
+        let desc = rpi_prims::PrimId::of(name).expect("registered").desc();
+        let params = desc.params.iter().map(|p| {
+            let value = given
+                .iter()
+                .find(|(name, _)| *name == p.name)
+                .map(|(_, v)| of(*v));
+            value.unwrap_or_else(|| p.default.value(Type::One(Scalar::Int)).expect("a default"))
+        });
+        let params: Vec<Value> = params.collect();
+        let input = if name.contains("Matrix") {
+            Type::Matrix(3, 3)
+        } else {
+            Type::Array(Scalar::Real, 3)
+        };
+        let args = ShapeArgs {
+            inputs: &[Some(input), Some(Type::One(Scalar::Real))],
+            params: &params,
+        };
+        assert_eq!(desc.out_type(0, &args), None, "{name}");
+    }
+}
+
+fn bits(text: &str) -> Value {
+    array(&text.bytes().map(|b| b == b'1').collect::<Vec<_>>())
+}
+
+#[test]
+fn numbers_as_bits_lowest_first() {
+    let dec = |name: &str, n: i64, signed: bool, value: i64| {
+        let params = [("amountBits", of(n)), ("signBit", of(signed))];
+        Rig::new(name, &params).give(&[of(value)])
+    };
+    assert_eq!(
+        dec("Core::DecToBin", 4, false, 6),
+        [bits("0110"), of(false)]
+    );
+    assert_eq!(dec("Core::DecToBin", 4, false, 16)[1], of(true));
+    assert_eq!(
+        dec("Core::DecToBin", 4, true, -2),
+        [bits("0111"), of(false)]
+    );
+    assert_eq!(dec("Core::DecToBin", 4, true, 8)[1], of(true));
+    assert_eq!(
+        dec("Core::DecToBCD", 8, false, 42),
+        [bits("01000010"), of(false)]
+    );
+    assert_eq!(
+        dec("Core::DecToBCD", 9, true, -42),
+        [bits("010000101"), of(false)]
+    );
+    assert_eq!(dec("Core::DecToBCD", 8, false, 142)[1], of(true));
+    assert_eq!(dec("Core::DecToBCD", 8, false, -4)[1], of(true));
+    let number = |name: &str, text: &str, signed: bool| {
+        let mut rig = Rig::new(name, &[("amountBits", of(3_i64)), ("signBit", of(signed))]);
+        (get::<i64>(&rig.give(&[bits(text)])[0]), rig.fault)
+    };
+    assert_eq!(number("Core::BinToDec", "011", false), (6, None));
+    assert_eq!(number("Core::BinToDec", "011", true), (-2, None));
+    assert_eq!(number("Core::BCDToDec", "101", false), (5, None));
+    assert_eq!(number("Core::BCDToDec", "101", true), (-1, None));
+}
+
+#[test]
+fn latches_and_holds() {
+    let mut trigger = Rig::new("Core::Trigger", &[]);
+    let mut step = |on: bool, off: bool, reset: bool| {
+        get::<bool>(&trigger.give(&[of(on), of(off), of(reset)])[0])
+    };
+    assert!(!step(false, false, false));
+    assert!(step(true, false, false));
+    assert!(step(false, false, false));
+    assert!(!step(true, true, false));
+    assert!(!step(true, false, false), "off for good");
+    assert!(step(true, false, true), "armed again");
+
+    let mut hold = Rig::new("Rpi::DoubleHold", &[]);
+    let mut step = |value: Option<f64>| hold.step(&[value.map(of), Some(of(9.0))]).remove(0);
+    assert_eq!(step(None), Some(of(9.0)));
+    assert_eq!(step(Some(1.0)), Some(of(1.0)));
+    assert_eq!(step(None), Some(of(1.0)));
+}
+
+#[test]
+fn a_mean_forgets_what_has_left_the_window() {
+    let mut mean = Rig::new("Core::DoubleAverage", &[("Duration", of(3.0 * DT))]);
+    let mut push = |x: f64| get::<f64>(&mean.give(&[of(x), of(false)])[0]);
+    push(1e300);
+    push(f64::INFINITY);
+    for _ in 0..6 {
+        push(1.0);
+    }
+    assert_eq!(push(1.0), 1.0);
+}
+
+#[test]
+fn ranges_of_time_line_up() {
+    let mut rig = Rig::new(
+        "Core::TimeConsistentRange",
+        &[("MaxSize", of(1e-6)), ("MaxAge", of(2.0 * DT))],
+    );
+    let mut step = |first: (i64, i64), second: (i64, i64)| {
+        let times = [first.0, first.1, second.0, second.1].map(|t| Some(of(Time(t))));
+        let out = rig.step(&times);
+        out[0]
+            .clone()
+            .zip(out[1].clone())
+            .map(|(a, b)| (get::<Time>(&a).0, get::<Time>(&b).0))
+    };
+    assert_eq!(step((0, 100), (50, 200)), Some((0, 200)));
+    assert_eq!(
+        step((5000, 5100), (300, 400)),
+        Some((0, 400)),
+        "the new second with the old first"
+    );
+    assert_eq!(
+        step((9000, 9100), (5200, 5300)),
+        Some((5000, 5300)),
+        "the new second with the old first"
+    );
+    assert_eq!(
+        step((90_000, 90_100), (50_000, 50_100)),
+        Some((5000, 5300)),
+        "the last one, kept"
+    );
+    for t in 1..5 {
+        step((1_000_000 * t, 1_000_000 * t), (0, 0));
+    }
+    assert_eq!(step((90_000, 90_100), (0, 0)), None, "older than allowed");
+}
+
+#[test]
+fn following_a_moving_goal() {
+    let mut rig = Rig::new("Core::OTG2", &[]);
+    let (mut position, mut velocity, mut goal) = (0.0, 0.0, 0.1);
+    for _ in 0..400 {
+        goal += 0.2 * DT;
+        let out = rig.give(&[position, velocity, goal, 1.0, 2.0].map(of));
+        (position, velocity) = (get(&out[0]), get(&out[1]));
+    }
+    assert!(
+        (position - goal - 0.2 * DT).abs() < 1e-4 && (velocity - 0.2).abs() < 0.03,
+        "{position} {velocity}"
+    );
+}
+
+#[test]
+fn platforms_drive_to_their_goals() {
+    for (name, tolerance) in [
+        ("RobotBase::OmnidirectionalBaseController", 2e-3),
+        ("RobotBase::DifferentialDriveController", 2e-2),
+    ] {
+        let goal = Pose::from_parts(
+            Vector::new(-0.4, 0.3, 0.0).into(),
+            geometry::from_abc(0.5, 0.0, 0.0),
+        );
+        let (mut at, mut velocity) = (Pose::identity(), Twist::default());
+        let mut rig = Rig::new(name, &[]);
+        for _ in 0..3000 {
+            let inputs = [of(at), of(velocity), of(goal)];
+            let out = rig.step(&inputs.map(Some)).remove(0).expect("present");
+            velocity = get::<Twist>(&out);
+            let turned = geometry::exp(velocity.angular * DT);
+            at *= Pose::from_parts((velocity.linear * DT).into(), turned);
+        }
+        let left = goal.inverse() * at;
+        assert!(left.translation.vector.norm() < tolerance, "{name} {left}");
+        assert!(
+            geometry::log(left.rotation).norm() < tolerance,
+            "{name} {left}"
+        );
+    }
+}
