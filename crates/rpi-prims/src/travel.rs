@@ -75,7 +75,7 @@ impl Travel {
         dt: f64,
     ) -> (Travel, f64) {
         let mut travel = Travel::plan(distance, entry, leave, bounds);
-        if !(travel.distance > 0.0) {
+        if travel.distance.is_nan() || travel.distance <= 0.0 {
             return (travel, 0.0);
         }
         let periods = libm::ceil(travel.duration() / dt - ROUNDING);
