@@ -1,0 +1,204 @@
+//! Dimensions: products of powers of the base dimensions.
+
+use super::Ratio;
+use std::fmt;
+
+/// A base dimension, named by its SI unit.
+#[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Debug)]
+pub enum Base {
+    /// Mass, `kg`.
+    Mass,
+    /// Length, `m`.
+    Length,
+    /// Time, `s`.
+    Time,
+    /// Electric current, `A`.
+    Current,
+    /// Thermodynamic temperature, `K`.
+    Temperature,
+    /// Amount of substance, `mol`.
+    Amount,
+    /// Luminous intensity, `cd`.
+    Luminosity,
+    /// Plane angle, `rad`.
+    Angle,
+}
+
+const BASES: usize = 8;
+
+/// The units of the base dimensions, in the order of [`Base`], which is the order of printing.
+const BASE_UNITS: [&str; BASES] = ["kg", "m", "s", "A", "K", "mol", "cd", "rad"];
+
+/// Dimensions that print by a name of their own.
+const NAMED: [(&str, [i32; BASES]); 8] = [
+    ("N", [1, 1, -2, 0, 0, 0, 0, 0]),
+    ("J", [1, 2, -2, 0, 0, 0, 0, 0]),
+    ("W", [1, 2, -3, 0, 0, 0, 0, 0]),
+    ("Pa", [1, -1, -2, 0, 0, 0, 0, 0]),
+    ("C", [0, 0, 1, 1, 0, 0, 0, 0]),
+    ("V", [1, 2, -3, -1, 0, 0, 0, 0]),
+    ("Ohm", [1, 2, -3, -2, 0, 0, 0, 0]),
+    ("T", [1, 0, -2, -1, 0, 0, 0, 0]),
+];
+
+/// A dimension.
+#[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Debug)]
+pub struct Dim([Ratio; BASES]);
+
+impl Dim {
+    /// The dimension of plain numbers.
+    pub const ONE: Dim = Dim([Ratio::ZERO; BASES]);
+    /// Length, m.
+    pub const LENGTH: Dim = Dim::base(Base::Length);
+    /// Time, s.
+    pub const TIME: Dim = Dim::base(Base::Time);
+    /// Plane angle, rad.
+    pub const ANGLE: Dim = Dim::base(Base::Angle);
+
+    /// A base dimension.
+    #[must_use]
+    pub const fn base(base: Base) -> Dim {
+        let mut exponents = [Ratio::ZERO; BASES];
+        exponents[base as usize] = Ratio::ONE;
+        Dim(exponents)
+    }
+
+    /// Whole exponents in the order of [`Base`]; none if one does not fit.
+    #[must_use]
+    pub fn whole(exponents: [i32; BASES]) -> Option<Dim> {
+        let mut dim = Dim::ONE;
+        for (to, from) in dim.0.iter_mut().zip(exponents) {
+            *to = Ratio::whole(from)?;
+        }
+        Some(dim)
+    }
+
+    /// The exponent of a base dimension.
+    #[must_use]
+    pub fn exponent(self, base: Base) -> Ratio {
+        self.0[base as usize]
+    }
+
+    /// Product; none if an exponent does not fit.
+    #[must_use]
+    pub fn times(self, other: Dim) -> Option<Dim> {
+        let mut dim = self;
+        for (to, with) in dim.0.iter_mut().zip(other.0) {
+            *to = to.plus(with)?;
+        }
+        Some(dim)
+    }
+
+    /// Power; none if an exponent does not fit.
+    #[must_use]
+    pub fn power(self, exponent: Ratio) -> Option<Dim> {
+        let mut dim = self;
+        for to in &mut dim.0 {
+            *to = to.times(exponent)?;
+        }
+        Some(dim)
+    }
+
+    /// Quotient; none if an exponent does not fit.
+    #[must_use]
+    pub fn over(self, other: Dim) -> Option<Dim> {
+        self.times(other.inverse())
+    }
+
+    /// One over it.
+    #[must_use]
+    pub fn inverse(self) -> Dim {
+        Dim(self.0.map(Ratio::opposite))
+    }
+
+    /// Whether values of both may be added and compared: equal apart from the angle (see the module text).
+    #[must_use]
+    pub fn meets(self, other: Dim) -> bool {
+        self.without_angle() == other.without_angle()
+    }
+
+    /// Whether it is that of plain numbers, angles included.
+    #[must_use]
+    pub fn is_plain(self) -> bool {
+        self.meets(Dim::ONE)
+    }
+
+    fn without_angle(self) -> Dim {
+        let mut dim = self;
+        dim.0[Base::Angle as usize] = Ratio::ZERO;
+        dim
+    }
+
+    fn name(self) -> Option<&'static str> {
+        let is = |row: &&(&str, [i32; BASES])| Dim::whole(row.1) == Some(self);
+        NAMED.iter().find(is).map(|row| row.0)
+    }
+
+    /// Factors whose exponents have this sign, with the sign taken off, joined by `*`.
+    fn product(self, negative: bool) -> Vec<String> {
+        let signed = |e: Ratio| !e.is_zero() && e.is_negative() == negative;
+        let factor = |(unit, e): (&str, Ratio)| {
+            let e = if negative { e.opposite() } else { e };
+            match e == Ratio::ONE {
+                true => unit.to_owned(),
+                false => format!("{unit}^{e}"),
+            }
+        };
+        let all = BASE_UNITS.into_iter().zip(self.0);
+        all.filter(|(_, e)| signed(*e)).map(factor).collect()
+    }
+}
+
+/// As it is written between brackets: `m/s^2`, `N`, `1/s`, `1`.
+impl fmt::Display for Dim {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        if let Some(name) = self.name() {
+            return f.write_str(name);
+        }
+        let (above, below) = (self.product(false), self.product(true));
+        let above = match above.is_empty() {
+            true => "1".to_owned(),
+            false => above.join("*"),
+        };
+        f.write_str(&above)?;
+        below.iter().try_for_each(|factor| write!(f, "/{factor}"))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn speed() -> Dim {
+        Dim::LENGTH.over(Dim::TIME).unwrap()
+    }
+
+    #[test]
+    fn printing() {
+        assert_eq!(Dim::ONE.to_string(), "1");
+        assert_eq!(speed().to_string(), "m/s");
+        assert_eq!(speed().over(Dim::TIME).unwrap().to_string(), "m/s^2");
+        assert_eq!(Dim::TIME.inverse().to_string(), "1/s");
+        let newton = Dim::whole([1, 1, -2, 0, 0, 0, 0, 0]).unwrap();
+        assert_eq!(newton.to_string(), "N");
+        let damping = newton.over(speed()).unwrap();
+        assert_eq!(damping.to_string(), "kg/s");
+        let root = Dim::LENGTH.power(Ratio::HALF).unwrap();
+        assert_eq!(root.to_string(), "m^(1/2)");
+    }
+
+    #[test]
+    fn angles_meet_plain_numbers_and_nothing_else_does() {
+        assert!(Dim::ANGLE.meets(Dim::ONE) && Dim::ANGLE.is_plain());
+        assert_ne!(Dim::ANGLE, Dim::ONE);
+        assert!(!Dim::LENGTH.meets(Dim::ONE));
+        assert!(!speed().meets(Dim::LENGTH));
+    }
+
+    #[test]
+    fn exponents_that_do_not_fit_are_refused() {
+        let big = Dim::LENGTH.power(Ratio::whole(100).unwrap()).unwrap();
+        assert_eq!(big.times(big), None);
+        assert_eq!(big.over(big), Some(Dim::ONE));
+    }
+}

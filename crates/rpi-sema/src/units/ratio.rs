@@ -1,0 +1,133 @@
+//! Small rational numbers, the exponents of dimensions.
+
+use std::fmt;
+
+/// A rational number in lowest terms with a positive denominator.
+#[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Debug)]
+pub struct Ratio {
+    num: i8,
+    den: i8,
+}
+
+impl Ratio {
+    /// 0.
+    pub const ZERO: Ratio = Ratio { num: 0, den: 1 };
+    /// 1.
+    pub const ONE: Ratio = Ratio { num: 1, den: 1 };
+    /// 1/2, the exponent of a square root.
+    pub const HALF: Ratio = Ratio { num: 1, den: 2 };
+
+    /// `num / den` in lowest terms; none if `den` is 0 or it does not fit.
+    #[must_use]
+    pub fn new(num: i32, den: i32) -> Option<Ratio> {
+        let common = gcd(num.unsigned_abs(), den.unsigned_abs()).cast_signed();
+        if den == 0 || common == 0 {
+            return None;
+        }
+        let sign = den.signum();
+        Some(Ratio {
+            num: i8::try_from(sign * num / common).ok()?,
+            den: i8::try_from(sign * den / common).ok()?,
+        })
+    }
+
+    /// A whole number, if it fits.
+    #[must_use]
+    pub fn whole(value: i32) -> Option<Ratio> {
+        Ratio::new(value, 1)
+    }
+
+    /// The ratio that a real is, if it is one with a small denominator.
+    #[must_use]
+    pub fn of_real(value: f64) -> Option<Ratio> {
+        (1..=12i32).find_map(|den| {
+            let num = value * f64::from(den);
+            let near = (num - num.round()).abs() < 1e-9 && num.abs() < 1e3;
+            near.then(|| Ratio::new(num.round() as i32, den)).flatten()
+        })
+    }
+
+    /// Sum, if it fits.
+    #[must_use]
+    pub fn plus(self, other: Ratio) -> Option<Ratio> {
+        let (a, b) = (self.wide(), other.wide());
+        Ratio::new(a.0 * b.1 + b.0 * a.1, a.1 * b.1)
+    }
+
+    /// Product, if it fits.
+    #[must_use]
+    pub fn times(self, other: Ratio) -> Option<Ratio> {
+        let (a, b) = (self.wide(), other.wide());
+        Ratio::new(a.0 * b.0, a.1 * b.1)
+    }
+
+    /// The opposite.
+    #[must_use]
+    pub fn opposite(self) -> Ratio {
+        Ratio {
+            num: -self.num,
+            den: self.den,
+        }
+    }
+
+    /// Whether it is 0.
+    #[must_use]
+    pub fn is_zero(self) -> bool {
+        self.num == 0
+    }
+
+    /// Whether it is below 0.
+    #[must_use]
+    pub fn is_negative(self) -> bool {
+        self.num < 0
+    }
+
+    fn wide(self) -> (i32, i32) {
+        (self.num.into(), self.den.into())
+    }
+}
+
+impl fmt::Display for Ratio {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self.den {
+            1 => write!(f, "{}", self.num),
+            den => write!(f, "({}/{den})", self.num),
+        }
+    }
+}
+
+fn gcd(a: u32, b: u32) -> u32 {
+    match b {
+        0 => a,
+        _ => gcd(b, a % b),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn lowest_terms_and_positive_denominator() {
+        assert_eq!(Ratio::new(2, -4), Ratio::new(-1, 2));
+        assert_eq!(Ratio::new(0, 5), Some(Ratio::ZERO));
+        assert_eq!(Ratio::new(1, 0), None);
+        assert_eq!(Ratio::new(200, 1), None);
+    }
+
+    #[test]
+    fn arithmetic() {
+        let third = Ratio::new(1, 3).unwrap();
+        assert_eq!(Ratio::HALF.plus(third), Ratio::new(5, 6));
+        assert_eq!(Ratio::HALF.times(third), Ratio::new(1, 6));
+        assert_eq!(Ratio::HALF.plus(Ratio::HALF.opposite()), Some(Ratio::ZERO));
+    }
+
+    #[test]
+    fn reals_with_small_denominators_are_ratios() {
+        assert_eq!(Ratio::of_real(0.5), Some(Ratio::HALF));
+        assert_eq!(Ratio::of_real(-2.0), Ratio::whole(-2));
+        assert_eq!(Ratio::of_real(std::f64::consts::PI), None);
+        assert_eq!(Ratio::of_real(f64::NAN), None);
+    }
+}

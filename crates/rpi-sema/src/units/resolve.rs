@@ -1,0 +1,127 @@
+//! From a unit as it is written to a dimension and a factor.
+
+use super::table::{Factor, PREFIXES, UNITS, UnitRow};
+use super::{Dim, Ratio};
+use rpi_diag::{Span, suggest};
+use rpi_syntax::ast::{Unit, UnitFactor};
+
+/// What a unit means.
+#[derive(Clone, Copy, PartialEq, Debug)]
+pub struct Measure {
+    /// Its dimension.
+    pub dim: Dim,
+    /// From its numbers to coherent ones.
+    pub factor: Factor,
+}
+
+/// What can be wrong with a unit.
+#[derive(Clone, PartialEq, Debug)]
+pub enum UnitFault {
+    /// No such unit.
+    Unknown {
+        /// As it was written.
+        name: String,
+        /// Where.
+        span: Span,
+        /// The nearest unit there is.
+        near: Option<String>,
+    },
+    /// An exponent that no quantity has.
+    Exponent {
+        /// Where.
+        span: Span,
+    },
+}
+
+/// The meaning of a unit.
+///
+/// # Errors
+/// For a name that is no unit, and for exponents out of range.
+pub fn resolve(unit: &Unit) -> Result<Measure, UnitFault> {
+    let plain = Measure {
+        dim: Dim::ONE,
+        factor: Factor::ONE,
+    };
+    unit.factors.iter().try_fold(plain, |whole, part| {
+        let part_measure = factor(part)?;
+        let dim = whole.dim.times(part_measure.dim);
+        Ok(Measure {
+            dim: dim.ok_or(UnitFault::Exponent { span: unit.span })?,
+            factor: whole.factor.times(part_measure.factor),
+        })
+    })
+}
+
+fn factor(part: &UnitFactor) -> Result<Measure, UnitFault> {
+    let (prefix, row) = find(&part.unit.name).ok_or_else(|| unknown(part))?;
+    let power = Ratio::whole(part.power).and_then(|power| row.dim().power(power));
+    Ok(Measure {
+        dim: power.ok_or(UnitFault::Exponent {
+            span: part.unit.span,
+        })?,
+        factor: prefix.times(row.factor).power(part.power),
+    })
+}
+
+/// A unit and its prefix. A unit without prefix wins: `min` is a minute, `cd` a candela.
+fn find(name: &str) -> Option<(Factor, &'static UnitRow)> {
+    if let Some(row) = UNITS.iter().find(|row| row.name == name) {
+        return Some((Factor::ONE, row));
+    }
+    PREFIXES.iter().find_map(|(prefix, factor)| {
+        let rest = name.strip_prefix(prefix)?;
+        let row = UNITS.iter().find(|row| row.prefixes && row.name == rest)?;
+        Some((*factor, row))
+    })
+}
+
+fn unknown(part: &UnitFactor) -> UnitFault {
+    let common = ["mm", "cm", "km", "kg", "ms", "us", "kN", "mA", "kW", "mV"];
+    let names = UNITS.iter().map(|row| row.name).chain(common);
+    UnitFault::Unknown {
+        name: part.unit.name.to_string(),
+        span: part.unit.span,
+        near: suggest(&part.unit.name, names),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn of(factors: &[(&str, i32)]) -> Result<Measure, UnitFault> {
+        resolve(&Unit::synthetic(factors.iter().copied()))
+    }
+
+    fn apply(value: f64, factors: &[(&str, i32)]) -> (f64, String) {
+        let measure = of(factors).unwrap();
+        (measure.factor.apply(value), measure.dim.to_string())
+    }
+
+    #[test]
+    fn prefixes_and_powers() {
+        let mm_per_s = [("mm", 1), ("s", -1)];
+        assert_eq!(apply(250.0, &mm_per_s), (0.25, "m/s".into()));
+        assert_eq!(apply(9.0, &[("mm", 1)]), (0.009, "m".into()));
+        assert_eq!(apply(1.0, &[("cm", 2)]), (1e-4, "m^2".into()));
+        assert_eq!(apply(2.0, &[("kN", 1)]), (2000.0, "N".into()));
+        assert_eq!(apply(90.0, &[("deg", 1)]).0, std::f64::consts::FRAC_PI_2);
+        assert_eq!(apply(60.0, &[("%", 1)]), (0.6, "1".into()));
+    }
+
+    #[test]
+    fn units_win_over_prefixed_ones() {
+        assert_eq!(apply(1.0, &[("min", 1)]), (60.0, "s".into()));
+        assert_eq!(apply(1.0, &[("cd", 1)]), (1.0, "cd".into()));
+        assert_eq!(apply(1.0, &[("Pa", 1)]).1, "Pa");
+    }
+
+    #[test]
+    fn faults_say_what_is_wrong() {
+        let Err(UnitFault::Unknown { near, .. }) = of(&[("rmp", 1)]) else {
+            panic!("`rmp` is no unit");
+        };
+        assert_eq!(near.as_deref(), Some("rpm"));
+        assert!(matches!(of(&[("m", 500)]), Err(UnitFault::Exponent { .. })));
+    }
+}

@@ -1,0 +1,153 @@
+//! The table of units and prefixes.
+
+use super::Dim;
+
+/// The factor from a unit to the coherent one, as a fraction: exact for powers of ten, so that `9[mm]` is exactly the
+/// real nearest to 0.009.
+#[derive(Clone, Copy, PartialEq, Debug)]
+pub struct Factor {
+    /// Numerator.
+    pub num: f64,
+    /// Denominator.
+    pub den: f64,
+}
+
+impl Factor {
+    /// 1.
+    pub const ONE: Factor = Factor { num: 1.0, den: 1.0 };
+
+    /// Product.
+    #[must_use]
+    pub fn times(self, other: Factor) -> Factor {
+        Factor {
+            num: self.num * other.num,
+            den: self.den * other.den,
+        }
+    }
+
+    /// Whole power.
+    #[must_use]
+    pub fn power(self, exponent: i32) -> Factor {
+        let (num, den) = match exponent < 0 {
+            true => (self.den, self.num),
+            false => (self.num, self.den),
+        };
+        let n = exponent.saturating_abs();
+        Factor {
+            num: num.powi(n),
+            den: den.powi(n),
+        }
+    }
+
+    /// A number of this unit in coherent units.
+    #[must_use]
+    pub fn apply(self, value: f64) -> f64 {
+        value * self.num / self.den
+    }
+}
+
+/// A unit.
+#[derive(Debug)]
+pub struct UnitRow {
+    /// How it is written.
+    pub name: &'static str,
+    /// What it is, in words.
+    pub doc: &'static str,
+    /// To coherent units.
+    pub factor: Factor,
+    /// Whether it takes prefixes.
+    pub prefixes: bool,
+    /// Exponents of kg, m, s, A, K, mol, cd, rad.
+    exponents: [i32; 8],
+}
+
+impl UnitRow {
+    /// Its dimension.
+    #[must_use]
+    pub fn dim(&self) -> Dim {
+        Dim::whole(self.exponents).unwrap_or(Dim::ONE)
+    }
+}
+
+const fn row(
+    name: &'static str,
+    doc: &'static str,
+    (num, den): (f64, f64),
+    prefixes: bool,
+    exponents: [i32; 8],
+) -> UnitRow {
+    UnitRow {
+        name,
+        doc,
+        factor: Factor { num, den },
+        prefixes,
+        exponents,
+    }
+}
+
+use std::f64::consts::PI;
+
+/// Every unit without its prefixes (BIPM, The International System of Units, 9th edition, tables 2, 4 and 8; and what
+/// machines are measured in).
+#[rustfmt::skip]
+pub const UNITS: &[UnitRow] = &[
+    row("m",      "metre",              (1.0, 1.0),            true,  [0, 1, 0, 0, 0, 0, 0, 0]),
+    row("g",      "gram",               (1.0, 1e3),            true,  [1, 0, 0, 0, 0, 0, 0, 0]),
+    row("s",      "second",             (1.0, 1.0),            true,  [0, 0, 1, 0, 0, 0, 0, 0]),
+    row("A",      "ampere",             (1.0, 1.0),            true,  [0, 0, 0, 1, 0, 0, 0, 0]),
+    row("K",      "kelvin",             (1.0, 1.0),            true,  [0, 0, 0, 0, 1, 0, 0, 0]),
+    row("mol",    "mole",               (1.0, 1.0),            true,  [0, 0, 0, 0, 0, 1, 0, 0]),
+    row("cd",     "candela",            (1.0, 1.0),            true,  [0, 0, 0, 0, 0, 0, 1, 0]),
+    row("rad",    "radian",             (1.0, 1.0),            true,  [0, 0, 0, 0, 0, 0, 0, 1]),
+    row("deg",    "degree of arc",      (PI, 180.0),           false, [0, 0, 0, 0, 0, 0, 0, 1]),
+    row("arcmin", "minute of arc",      (PI, 10_800.0),        false, [0, 0, 0, 0, 0, 0, 0, 1]),
+    row("arcsec", "second of arc",      (PI, 648_000.0),       false, [0, 0, 0, 0, 0, 0, 0, 1]),
+    row("rev",    "revolution",         (2.0 * PI, 1.0),       false, [0, 0, 0, 0, 0, 0, 0, 1]),
+    row("rpm",    "revolution per minute", (2.0 * PI, 60.0),   false, [0, 0, -1, 0, 0, 0, 0, 1]),
+    row("Hz",     "hertz",              (1.0, 1.0),            true,  [0, 0, -1, 0, 0, 0, 0, 0]),
+    row("N",      "newton",             (1.0, 1.0),            true,  [1, 1, -2, 0, 0, 0, 0, 0]),
+    row("Pa",     "pascal",             (1.0, 1.0),            true,  [1, -1, -2, 0, 0, 0, 0, 0]),
+    row("bar",    "bar",                (1e5, 1.0),            true,  [1, -1, -2, 0, 0, 0, 0, 0]),
+    row("J",      "joule",              (1.0, 1.0),            true,  [1, 2, -2, 0, 0, 0, 0, 0]),
+    row("W",      "watt",               (1.0, 1.0),            true,  [1, 2, -3, 0, 0, 0, 0, 0]),
+    row("Wh",     "watt hour",          (3600.0, 1.0),         true,  [1, 2, -2, 0, 0, 0, 0, 0]),
+    row("C",      "coulomb",            (1.0, 1.0),            true,  [0, 0, 1, 1, 0, 0, 0, 0]),
+    row("V",      "volt",               (1.0, 1.0),            true,  [1, 2, -3, -1, 0, 0, 0, 0]),
+    row("F",      "farad",              (1.0, 1.0),            true,  [-1, -2, 4, 2, 0, 0, 0, 0]),
+    row("Ohm",    "ohm",                (1.0, 1.0),            true,  [1, 2, -3, -2, 0, 0, 0, 0]),
+    row("S",      "siemens",            (1.0, 1.0),            true,  [-1, -2, 3, 2, 0, 0, 0, 0]),
+    row("Wb",     "weber",              (1.0, 1.0),            true,  [1, 2, -2, -1, 0, 0, 0, 0]),
+    row("T",      "tesla",              (1.0, 1.0),            true,  [1, 0, -2, -1, 0, 0, 0, 0]),
+    row("H",      "henry",              (1.0, 1.0),            true,  [1, 2, -2, -2, 0, 0, 0, 0]),
+    row("min",    "minute",             (60.0, 1.0),           false, [0, 0, 1, 0, 0, 0, 0, 0]),
+    row("h",      "hour",               (3600.0, 1.0),         false, [0, 0, 1, 0, 0, 0, 0, 0]),
+    row("d",      "day",                (86_400.0, 1.0),       false, [0, 0, 1, 0, 0, 0, 0, 0]),
+    row("l",      "litre",              (1.0, 1e3),            true,  [0, 3, 0, 0, 0, 0, 0, 0]),
+    row("L",      "litre",              (1.0, 1e3),            true,  [0, 3, 0, 0, 0, 0, 0, 0]),
+    row("t",      "tonne",              (1e3, 1.0),            true,  [1, 0, 0, 0, 0, 0, 0, 0]),
+    row("inch",   "inch",               (254.0, 1e4),          false, [0, 1, 0, 0, 0, 0, 0, 0]),
+    row("lbf",    "pound of force",     (4.448_221_615_260_5, 1.0), false, [1, 1, -2, 0, 0, 0, 0, 0]),
+    row("%",      "per cent",           (1.0, 100.0),          false, [0; 8]),
+    row("ppm",    "part per million",   (1.0, 1e6),            false, [0; 8]),
+];
+
+/// The SI prefixes.
+#[rustfmt::skip]
+pub(super) const PREFIXES: &[(&str, Factor)] = &[
+    ("da", Factor { num: 10.0, den: 1.0 }),
+    ("h", Factor { num: 1e2, den: 1.0 }),
+    ("k", Factor { num: 1e3, den: 1.0 }),
+    ("M", Factor { num: 1e6, den: 1.0 }),
+    ("G", Factor { num: 1e9, den: 1.0 }),
+    ("T", Factor { num: 1e12, den: 1.0 }),
+    ("P", Factor { num: 1e15, den: 1.0 }),
+    ("E", Factor { num: 1e18, den: 1.0 }),
+    ("d", Factor { num: 1.0, den: 10.0 }),
+    ("c", Factor { num: 1.0, den: 1e2 }),
+    ("m", Factor { num: 1.0, den: 1e3 }),
+    ("u", Factor { num: 1.0, den: 1e6 }),
+    ("n", Factor { num: 1.0, den: 1e9 }),
+    ("p", Factor { num: 1.0, den: 1e12 }),
+    ("f", Factor { num: 1.0, den: 1e15 }),
+    ("a", Factor { num: 1.0, den: 1e18 }),
+];
