@@ -12,6 +12,7 @@ pub mod catalogue;
 pub mod cx;
 pub mod differences;
 pub mod flow;
+mod fold;
 pub mod geometry;
 mod macros;
 pub mod operand;
@@ -22,4 +23,5 @@ pub mod travel;
 mod window;
 
 pub use cx::{Clock, Cx, Fault, FaultCode};
+pub use fold::fold;
 pub use registry::{Prim, PrimId, RunFn, registry};

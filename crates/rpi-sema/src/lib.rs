@@ -1,3 +1,21 @@
 //! Names, types, units, frames and presence; elaboration of a program to a net.
+//!
+//! The course of a program through this crate:
+//!
+//! 1. [`program`]: the table of declarations, by module and name;
+//! 2. [`check()`]: every callable becomes a [`typed::Unit`];
+//! 3. [`facts`]: which flows can be absent;
+//! 4. [`elab`]: a unit that is run becomes an [`rpi_net::Net`].
+//!
+//! This crate must not know files, memory layout or devices.
 
+mod check;
+pub mod elab;
+pub mod facts;
+mod hash;
+pub mod program;
+pub mod ty;
+pub mod typed;
 pub mod units;
+
+pub use check::{Checked, check, result_identity};

@@ -32,11 +32,7 @@ impl Factor {
             true => (self.den, self.num),
             false => (self.num, self.den),
         };
-        let n = exponent.saturating_abs();
-        Factor {
-            num: num.powi(n),
-            den: den.powi(n),
-        }
+        (0..exponent.unsigned_abs()).fold(Factor::ONE, |whole, _| whole.times(Factor { num, den }))
     }
 
     /// A number of this unit in coherent units.

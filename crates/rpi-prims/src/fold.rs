@@ -1,0 +1,179 @@
+//! Running a primitive once on constants: what is known before the cycle need not be computed in it.
+
+use crate::cx::{Clock, Cx, FaultCode};
+use crate::registry::PrimId;
+use alloc::vec::Vec;
+use rpi_device::{DeviceBank, PortId, PortName, Refusal, ResolveError};
+use rpi_image::{Role, State, Type, Value};
+
+/// The out-ports of a primitive whose in-ports are all constant. `outputs` are their types, sizes resolved.
+///
+/// `None` if its result depends on more than its in-ports and parameters (it is run at two different times to find out),
+/// or may be absent.
+///
+/// # Errors
+/// The fault that it raises on these values.
+#[must_use]
+pub fn fold(
+    prim: PrimId,
+    inputs: &[&Value],
+    params: &[Value],
+    outputs: &[Type],
+) -> Option<Result<Vec<Value>, FaultCode>> {
+    let desc = prim.desc();
+    if desc.role != Role::Compute || !matches!(desc.state, State::None) {
+        return None;
+    }
+    let [once, again] = TIMES.map(|clock| run(prim, inputs, params, outputs, clock));
+    once.filter(|once| again.as_ref() == Some(once))
+}
+
+fn run(
+    prim: PrimId,
+    inputs: &[&Value],
+    params: &[Value],
+    outputs: &[Type],
+    clock: Clock,
+) -> Option<Result<Vec<Value>, FaultCode>> {
+    let code = prim.prim().total?;
+    let mut memory = Memory::default();
+    let all = inputs.iter().copied().chain(params);
+    for value in all {
+        memory.operand(value.ty(), value.cells());
+    }
+    let first = memory.cells.len();
+    for ty in outputs {
+        memory.operand(Some(*ty), &Value::neutral(*ty).cells().to_vec());
+    }
+    let mut cx = Cx {
+        cells: &mut memory.cells,
+        clock,
+        devices: &mut NoDevices,
+        fault: None,
+    };
+    code(&mut cx, &memory.words);
+    match cx.fault {
+        Some(fault) => Some(Err(fault.code)),
+        None => Some(Ok(results(&memory.cells[first..], outputs))),
+    }
+}
+
+/// Two times that have nothing in common.
+const TIMES: [Clock; 2] = [
+    Clock {
+        dt: 0.001,
+        cycle: 0,
+        net_ns: 0,
+        wall_ns: 0,
+    },
+    Clock {
+        dt: 0.01,
+        cycle: 7,
+        net_ns: 70_000_000,
+        wall_ns: 71_000_000,
+    },
+];
+
+/// Cells and operand words of one call.
+#[derive(Default)]
+struct Memory {
+    cells: Vec<u64>,
+    words: Vec<u32>,
+}
+
+impl Memory {
+    /// Appends an operand; a text has no cells and takes no word.
+    fn operand(&mut self, ty: Option<Type>, cells: &[u64]) {
+        let Some(ty) = ty else {
+            return;
+        };
+        self.words.push(u32::try_from(self.cells.len()).unwrap_or(u32::MAX));
+        match ty {
+            Type::One(_) => {}
+            Type::Array(_, n) => self.words.push(n),
+            Type::Matrix(rows, cols) => self.words.extend([rows, cols]),
+        }
+        self.cells.extend_from_slice(cells);
+    }
+}
+
+fn results(mut cells: &[u64], outputs: &[Type]) -> Vec<Value> {
+    let mut values = Vec::with_capacity(outputs.len());
+    for ty in outputs {
+        let (own, rest) = cells.split_at(ty.cells() as usize);
+        values.push(Value::Cells {
+            ty: *ty,
+            cells: own.to_vec(),
+        });
+        cells = rest;
+    }
+    values
+}
+
+/// A cell without devices.
+struct NoDevices;
+
+impl DeviceBank for NoDevices {
+    fn resolve(&mut self, _: &PortName<'_>) -> Result<PortId, ResolveError> {
+        Err(ResolveError::NoDevice)
+    }
+    fn resource(&self, _: PortId) -> u32 {
+        0
+    }
+    fn read(&mut self, _: PortId, _: &mut [u64]) -> bool {
+        false
+    }
+    fn check(&mut self, _: PortId, _: &[u64]) -> Refusal {
+        Refusal::DEVICE_FAILED
+    }
+    fn error(&self, _: PortId) -> i64 {
+        0
+    }
+    fn write(&mut self, _: PortId, _: &[u64]) {}
+    fn call(&mut self, _: PortId, _: &[u64], _: &mut [u64]) -> bool {
+        false
+    }
+    fn moving(&self, _: u32) -> bool {
+        false
+    }
+    fn stop(&mut self, _: u32) {}
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use rpi_image::Scalar;
+
+    fn folded(name: &str, inputs: &[Value], out: Scalar) -> Option<Result<Value, FaultCode>> {
+        let inputs: Vec<&Value> = inputs.iter().collect();
+        let result = fold(PrimId::of(name)?, &inputs, &[], &[Type::One(out)])?;
+        Some(result.map(|values| values[0].clone()))
+    }
+
+    #[test]
+    fn pure_primitives_fold() {
+        let sum = folded("Core::DoubleAdd", &[Value::real(1.0), Value::real(2.0)], Scalar::Real);
+        assert_eq!(sum, Some(Ok(Value::real(3.0))));
+        let ones = [Value::bool(true), Value::bool(false)];
+        assert_eq!(folded("Core::BooleanAnd", &ones, Scalar::Bool), Some(Ok(Value::bool(false))));
+    }
+
+    #[test]
+    fn faults_are_told() {
+        let by_zero = folded("Core::IntDivide", &[Value::int(1), Value::int(0)], Scalar::Int);
+        assert_eq!(by_zero, Some(Err(FaultCode::DivisionByZero)));
+    }
+
+    #[test]
+    fn state_and_clocks_do_not_fold() {
+        let clock = [Value::bool(false), Value::real(1.0)];
+        assert_eq!(folded("Core::Clock", &clock, Scalar::Real), None);
+        assert_eq!(folded("Core::CycleTime", &[], Scalar::Real), None);
+        let pose = Value::neutral(Type::One(Scalar::Pose));
+        let mut moved = pose.clone();
+        if let Value::Cells { cells, .. } = &mut moved {
+            cells[0] = 1.0f64.to_bits();
+        }
+        assert_eq!(folded("World::TwistFromFrames", &[pose, moved], Scalar::Twist), None);
+    }
+}

@@ -1,0 +1,354 @@
+//! Parts of values: fields, elements, slices, ports of devices.
+
+use super::body::Body;
+use super::locals::Local;
+use super::names::plain_name;
+use super::report::{Wanted, no_member, unknown};
+use crate::ty::{DevicePortTy, DeviceTy, Geometry, Subst, Ty};
+use crate::typed::{BlockId, ExprId, FlowId, Kind, Leaf, Place};
+use crate::units::Dim;
+use rpi_diag::{Code, Finding, Span};
+use rpi_image::Scalar;
+use rpi_syntax::ast::{self, Access, Field, Ident, Index, Slice, SliceOf};
+use std::rc::Rc;
+
+/// Parts of spatial values: whose, name, primitive that takes it apart, which of its out-ports.
+const SPATIAL_PARTS: &[(Scalar, &str, &str, u32)] = &[
+    (Scalar::Vector, "x", "World::VectorToXYZ", 0),
+    (Scalar::Vector, "y", "World::VectorToXYZ", 1),
+    (Scalar::Vector, "z", "World::VectorToXYZ", 2),
+    (Scalar::Pose, "position", "World::FrameToPosRot", 0),
+    (Scalar::Pose, "rotation", "World::FrameToPosRot", 1),
+    (Scalar::Twist, "linear", "World::TwistToVelocities", 0),
+    (Scalar::Twist, "angular", "World::TwistToVelocities", 1),
+];
+
+/// A range of an array's elements that is known when the program is checked.
+struct Range {
+    from: u32,
+    step: i32,
+    len: u32,
+}
+
+impl<'a> Body<'_, 'a> {
+    /// `base.field`
+    pub(super) fn field(&mut self, field: &'a Field, span: Span) -> ExprId {
+        if let Some(name) = plain_name(&field.base) {
+            if let Some(Local::Block(block)) = self.find_local(name) {
+                return self.flow_of_block(block, &field.field);
+            }
+            if let Some(result) = self.result_of(name, &field.field, span) {
+                return result;
+            }
+        }
+        let base = self.expr(&field.base);
+        self.member(base, &field.field)
+    }
+
+    /// A flow of a fragment in place, read from outside.
+    pub(super) fn flow_of_block(&mut self, block: BlockId, field: &Ident) -> ExprId {
+        match self.find_in(block, &field.name) {
+            Some(Local::Flow(flow)) => self.flow_expr(flow, field.span),
+            Some(Local::Constant(constant)) => self.constant_expr(&constant, field.span),
+            _ => {
+                let near = rpi_diag::suggest(&field.name, self.names_in(block));
+                let of = format!("the fragment `{}`", self.unit.block(block).name);
+                let finding = no_member(&of, &field.name, field.span, near);
+                self.fault_with(finding, field.span)
+            }
+        }
+    }
+
+    /// A part of a value by name.
+    pub(super) fn member(&mut self, base: ExprId, field: &Ident) -> ExprId {
+        let span = self.span_of(base).merge(field.span);
+        match self.ty_of(base).clone() {
+            Ty::Unknown => self.fault(span),
+            Ty::Device(device) => self.sensor(base, &device, field, span),
+            Ty::Spatial(scalar, geometry) => self.spatial_part(base, scalar, &geometry, field, span),
+            ty => match member_of(&ty, &field.name) {
+                Some((at, ty)) => self.add(Kind::Part { base, at }, ty, span),
+                None => {
+                    let names = ty.members().iter().filter_map(|m| m.name.as_deref());
+                    let near = rpi_diag::suggest(&field.name, names);
+                    let finding = no_member(&format!("`{ty}`"), &field.name, field.span, near);
+                    self.fault_with(finding, span)
+                }
+            },
+        }
+    }
+
+    fn spatial_part(
+        &mut self,
+        base: ExprId,
+        scalar: Scalar,
+        geometry: &Rc<Geometry>,
+        field: &Ident,
+        span: Span,
+    ) -> ExprId {
+        let row = SPATIAL_PARTS.iter().find(|row| row.0 == scalar && field.name == row.1);
+        let Some((_, _, prim, port)) = row else {
+            let names = SPATIAL_PARTS.iter().filter(|row| row.0 == scalar);
+            let near = rpi_diag::suggest(&field.name, names.map(|row| row.1));
+            let finding = no_member(&format!("a `{scalar}`"), &field.name, field.span, near);
+            return self.fault_with(finding, span);
+        };
+        let parts = self.prim_of(prim, &[base], span);
+        let ty = part_type(scalar, geometry, &field.name);
+        self.add(Kind::Part { base: parts, at: *port }, ty, span)
+    }
+
+    fn sensor(&mut self, base: ExprId, device: &Rc<DeviceTy>, field: &Ident, span: Span) -> ExprId {
+        let found = device.ports.iter().position(|port| port.name == field.name);
+        let Some(index) = found else {
+            let near = rpi_diag::suggest(&field.name, device.ports.iter().map(|p| p.name.as_str()));
+            let finding = no_member(&format!("the device type `{}`", device.name), &field.name, field.span, near);
+            return self.fault_with(finding, span);
+        };
+        let port = &device.ports[index];
+        if port.is_actuator {
+            let finding = Finding::new(Code::RPI6001, format!("`{}` is an actuator port", field.name))
+                .at(field.span, "it is written, not read")
+                .help("read what was last commanded from a sensor port of the device");
+            return self.fault_with(finding, span);
+        }
+        let Some(ty) = self.port_type(base, device, port, field.span) else {
+            return self.fault(span);
+        };
+        let port = u32::try_from(index).unwrap_or(u32::MAX);
+        self.add(Kind::Sensor { device: base, port }, ty, span)
+    }
+
+    /// The type of a device's port, its frames being those of this very device.
+    fn port_type(&mut self, base: ExprId, device: &DeviceTy, port: &DevicePortTy, span: Span) -> Option<Ty> {
+        let Some(ty) = &port.ty else {
+            let finding = Finding::new(
+                Code::RPI2008,
+                format!("the size of `{}` is not known here", port.name),
+            )
+            .at(span, format!("it depends on a parameter of `{}`", device.name))
+            .help(format!("name it in the type: `{}<<7>>`", device.name));
+            self.report(finding);
+            return None;
+        };
+        let Kind::Flow(flow) = self.unit.expr(base).kind else {
+            return Some(ty.clone());
+        };
+        Some(ty.substituted(&self.frames_of(device, flow)))
+    }
+
+    /// The frames of a device under the name that it has here.
+    pub(super) fn frames_of(&self, device: &DeviceTy, flow: FlowId) -> Subst {
+        let name = &self.unit.flow(flow).name;
+        let frame = |local: &rpi_syntax::Name| (local.clone(), Some(format!("{name}.{local}").into()));
+        Subst {
+            frames: device.frames.iter().map(frame).collect(),
+            ..Subst::default()
+        }
+    }
+
+    /// What `arm.tcp = ...` defines.
+    pub(super) fn actuator(
+        &mut self,
+        flow: FlowId,
+        device: &Rc<DeviceTy>,
+        target: &'a ast::Target,
+    ) -> (Place, Ty) {
+        let nowhere = (Place::Nowhere, Ty::Unknown);
+        let [Access::Field(field)] = &target.path[..] else {
+            let finding = Finding::new(Code::RPI1003, format!("`{}` is a device", target.name.name))
+                .at(target.span, "what is defined is one of its actuator ports")
+                .help(format!("write `{}.port = ...;`", target.name.name));
+            self.report(finding);
+            return nowhere;
+        };
+        let actuators = device.ports.iter().filter(|port| port.is_actuator);
+        let Some(index) = device.ports.iter().position(|p| p.is_actuator && p.name == field.name) else {
+            let near = rpi_diag::suggest(&field.name, actuators.map(|p| p.name.as_str()));
+            let of = format!("the device type `{}`", device.name);
+            let finding = match device.port(&field.name) {
+                Some(_) => Finding::new(Code::RPI6001, format!("`{}` is a sensor port", field.name))
+                    .at(field.span, "it is read, not written"),
+                None => no_member(&of, &field.name, field.span, near),
+            };
+            self.report(finding);
+            return nowhere;
+        };
+        let base = self.add(Kind::Flow(flow), Ty::Device(device.clone()), target.name.span);
+        let ty = self.port_type(base, device, &device.ports[index], field.span);
+        let port = u32::try_from(index).unwrap_or(u32::MAX);
+        (Place::Port { device: flow, port }, ty.unwrap_or(Ty::Unknown))
+    }
+
+    /// `base[index]`
+    pub(super) fn index(&mut self, index: &'a Index, span: Span) -> ExprId {
+        let base = self.expr(&index.base);
+        let at = self.expr(&index.index);
+        self.expect(at, &Ty::Int, &Wanted::By(Span::NONE, "an index is an integer".into()));
+        let Ty::Array(element, n) = self.ty_of(base).clone() else {
+            return self.not_an_array(base, span);
+        };
+        match self.known_int(at) {
+            Some(k) => match self.in_bounds(k, n, self.span_of(at)) {
+                Some(k) => {
+                    let at = k * leaves(&element);
+                    self.add(Kind::Part { base, at }, (*element).clone(), span)
+                }
+                None => self.fault(span),
+            },
+            None => self.add(Kind::Select { base, index: at }, (*element).clone(), span),
+        }
+    }
+
+    fn known_int(&mut self, id: ExprId) -> Option<i64> {
+        match &self.unit.expr(id).kind {
+            Kind::Literal(value) => value.as_int(),
+            Kind::Flow(_) if self.unit.kind != crate::typed::UnitKind::Constant => None,
+            _ => self.fold_quietly(id)?.first().and_then(Leaf::as_int),
+        }
+    }
+
+    fn not_an_array(&mut self, base: ExprId, span: Span) -> ExprId {
+        let ty = self.ty_of(base).clone();
+        if ty.is_unknown() {
+            return self.fault(span);
+        }
+        let finding = Finding::new(Code::RPI2006, "only an array has elements")
+            .at(self.span_of(base), format!("this is `{ty}`"));
+        self.fault_with(finding, span)
+    }
+
+    fn in_bounds(&mut self, k: i64, n: u32, span: Span) -> Option<u32> {
+        let index = u32::try_from(k).ok().filter(|k| *k < n);
+        if index.is_none() {
+            let finding = Finding::new(Code::RPI2009, format!("there is no element {k}"))
+                .at(span, format!("the array has {n} elements, counted from 0"));
+            self.report(finding);
+        }
+        index
+    }
+
+    /// `base[from..to step s]`
+    pub(super) fn slice(&mut self, slice: &'a SliceOf, span: Span) -> ExprId {
+        let base = self.expr(&slice.base);
+        let Ty::Array(element, n) = self.ty_of(base).clone() else {
+            return self.not_an_array(base, span);
+        };
+        let Some(range) = self.range(&slice.slice, n, span) else {
+            return self.fault(span);
+        };
+        let ty = Ty::Array(element, range.len);
+        let (from, step) = (range.from, range.step);
+        self.add(Kind::Slice { base, from, step }, ty, span)
+    }
+
+    fn range(&mut self, slice: &'a Slice, n: u32, span: Span) -> Option<Range> {
+        let (from, to) = (self.integer(&slice.from)?, self.integer(&slice.to)?);
+        let step = match &slice.step {
+            Some(step) => self.integer(step)?,
+            None => 1,
+        };
+        let (first, last) = (self.in_bounds(from, n, slice.from.span)?, self.in_bounds(to, n, slice.to.span)?);
+        let distance = i64::from(last) - i64::from(first);
+        if step == 0 || (distance != 0 && distance.signum() != step.signum()) {
+            let finding = Finding::new(Code::RPI2009, "the slice never reaches its end")
+                .at(span, format!("from {from} to {to} by steps of {step}"));
+            self.report(finding);
+            return None;
+        }
+        Some(Range {
+            from: first,
+            step: i32::try_from(step).ok()?,
+            len: u32::try_from(distance / step + 1).ok()?,
+        })
+    }
+
+    /// Follows a path of fields, elements and slices into a value that is defined or replaced in part.
+    pub(super) fn path_in(&mut self, ty: &Ty, at: u32, path: &'a [Access]) -> Option<(u32, Ty)> {
+        let Some((first, rest)) = path.split_first() else {
+            return Some((at, ty.clone()));
+        };
+        if ty.is_unknown() {
+            return None;
+        }
+        let (offset, inner) = match (first, ty) {
+            (Access::Field(field), _) => self.field_in(ty, field)?,
+            (Access::Index(index), Ty::Array(element, n)) => {
+                let k = self.integer(index)?;
+                let k = self.in_bounds(k, *n, index.span)?;
+                (k * leaves(element), (**element).clone())
+            }
+            (Access::Slice(slice), Ty::Array(element, n)) => self.slice_in(element, *n, slice)?,
+            (Access::Index(ast::Expr { span, .. }), _) => return self.no_elements(ty, *span),
+            (Access::Slice(slice), _) => return self.no_elements(ty, slice.from.span),
+        };
+        self.path_in(&inner, at + offset, rest)
+    }
+
+    fn field_in(&mut self, ty: &Ty, field: &Ident) -> Option<(u32, Ty)> {
+        let found = member_of(ty, &field.name);
+        if found.is_none() {
+            let names = ty.members().iter().filter_map(|m| m.name.as_deref());
+            let near = rpi_diag::suggest(&field.name, names);
+            let finding = no_member(&format!("`{ty}`"), &field.name, field.span, near);
+            self.report(finding);
+        }
+        found
+    }
+
+    fn slice_in(&mut self, element: &Rc<Ty>, n: u32, slice: &'a Slice) -> Option<(u32, Ty)> {
+        let span = slice.from.span.merge(slice.to.span);
+        let range = self.range(slice, n, span)?;
+        if range.step != 1 {
+            let finding = Finding::new(Code::RPI2009, "only neighbouring elements can be defined together")
+                .at(span, format!("a step of {}", range.step));
+            self.report(finding);
+            return None;
+        }
+        Some((range.from * leaves(element), Ty::Array(element.clone(), range.len)))
+    }
+
+    fn no_elements(&mut self, ty: &Ty, span: Span) -> Option<(u32, Ty)> {
+        let finding = Finding::new(Code::RPI2006, "only an array has elements")
+            .at(span, format!("this is an element of `{ty}`"));
+        self.report(finding);
+        None
+    }
+
+    /// Reports a device port or flow that is not there.
+    pub(super) fn no_flow(&mut self, what: &str, name: &Ident) {
+        let near = rpi_diag::suggest(&name.name, self.local_names());
+        let finding = unknown(what, &name.name, name.span, near);
+        self.report(finding);
+    }
+}
+
+/// Number of leaves, as an offset.
+pub(super) fn leaves(ty: &Ty) -> u32 {
+    u32::try_from(ty.leaf_count()).unwrap_or(u32::MAX)
+}
+
+/// First leaf and type of a member.
+pub(super) fn member_of(ty: &Ty, name: &str) -> Option<(u32, Ty)> {
+    let members = ty.members();
+    let index = members.iter().position(|m| m.name.as_deref() == Some(name))?;
+    let before = members[..index].iter().map(|m| leaves(&m.ty));
+    Some((before.sum(), members[index].ty.clone()))
+}
+
+/// What a part of a spatial value keeps of its geometry.
+fn part_type(scalar: Scalar, geometry: &Rc<Geometry>, field: &str) -> Ty {
+    let in_frame = geometry.in_frame.clone();
+    let vector = |dim| {
+        let in_frame = in_frame.clone();
+        Ty::Spatial(Scalar::Vector, Rc::new(Geometry { dim, of: None, in_frame }))
+    };
+    let speed = |dim: Dim| dim.over(Dim::TIME);
+    match (scalar, field) {
+        (Scalar::Vector, _) => Ty::Real(geometry.dim.unwrap_or(Dim::ONE)),
+        (_, "rotation") => Ty::Spatial(Scalar::Rotation, geometry.clone()),
+        (_, "linear") => vector(speed(Dim::LENGTH)),
+        (_, "angular") => vector(speed(Dim::ANGLE)),
+        _ => vector(Some(Dim::LENGTH)),
+    }
+}

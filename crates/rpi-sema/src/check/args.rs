@@ -1,0 +1,233 @@
+//! Arguments of a call, matched with ports.
+
+use super::access::leaves;
+use super::body::Body;
+use super::header::{Header, Port};
+use super::order::flatten;
+use super::report::{Wanted, listed};
+use crate::ty::{Subst, Ty, fit};
+use crate::typed::{ExprId, FlowRole, Kind, UnitKind};
+use rpi_diag::{Code, Finding, Span};
+use rpi_syntax::Name;
+use rpi_syntax::ast::{Arg, Ident};
+
+/// An argument that has been checked.
+#[derive(Clone, Copy)]
+pub(super) struct Given<'a> {
+    /// The port it is for, if named.
+    pub(super) name: Option<&'a Ident>,
+    /// The value.
+    pub(super) value: ExprId,
+    /// Whether it stood between `<<` and `>>`, where everything is fixed when the command is loaded.
+    pub(super) is_static: bool,
+}
+
+impl<'a> Given<'a> {
+    /// An argument by place.
+    pub(super) fn plain(value: ExprId) -> Given<'a> {
+        Given {
+            name: None,
+            value,
+            is_static: false,
+        }
+    }
+}
+
+impl<'a> Body<'_, 'a> {
+    /// Checks the arguments of a call.
+    pub(super) fn given(&mut self, args: &'a [Arg]) -> Vec<Given<'a>> {
+        let mut given = Vec::with_capacity(args.len());
+        for arg in args {
+            let value = self.expr(&arg.value);
+            given.push(Given {
+                name: arg.name.as_ref(),
+                value,
+                is_static: false,
+            });
+        }
+        given
+    }
+
+    /// Tuples among arguments by place are taken apart: `f(g(x))` where `g` gives two values.
+    pub(super) fn spread_tuples(&mut self, given: Vec<Given<'a>>) -> Vec<Given<'a>> {
+        let mut all = Vec::with_capacity(given.len());
+        for arg in given {
+            match self.ty_of(arg.value) {
+                Ty::Tuple(_) if arg.name.is_none() => {
+                    let parts = self.parts_of(arg.value);
+                    all.extend(parts.into_iter().map(Given::plain));
+                }
+                _ => all.push(arg),
+            }
+        }
+        all
+    }
+
+    /// The elements of a tuple as expressions.
+    pub(super) fn parts_of(&mut self, base: ExprId) -> Vec<ExprId> {
+        let span = self.span_of(base);
+        let mut types = Vec::new();
+        flatten(&self.ty_of(base).clone(), &mut types);
+        let mut at = 0;
+        let mut parts = Vec::with_capacity(types.len());
+        for ty in types {
+            let size = leaves(&ty);
+            parts.push(self.add(Kind::Part { base, at }, ty, span));
+            at += size;
+        }
+        parts
+    }
+
+    /// For each port of a callable the argument that is for it.
+    pub(super) fn match_ports(
+        &mut self,
+        header: &Header,
+        given: &[Given<'a>],
+        span: Span,
+    ) -> Option<Vec<Option<ExprId>>> {
+        let mut args = vec![None; header.inputs.len()];
+        let mut places = by_place(header).into_iter();
+        let mut sound = true;
+        for arg in given {
+            let port = match arg.name {
+                Some(name) => header.inputs.iter().position(|p| p.name == name.name),
+                None => places.find(|k| args[*k].is_none()),
+            };
+            sound &= match port {
+                Some(k) => self.give(header, &mut args, k, arg),
+                None => self.no_port(header, arg, given.len()),
+            };
+        }
+        (sound & self.all_given(header, &args, span)).then_some(args)
+    }
+
+    fn give(&mut self, header: &Header, args: &mut [Option<ExprId>], k: usize, arg: &Given<'a>) -> bool {
+        let port = &header.inputs[k];
+        if let Some(first) = args[k].replace(arg.value) {
+            let finding = Finding::new(Code::RPI1010, format!("`{}` is given twice", port.name))
+                .at(self.span_of(arg.value), "given again here")
+                .also(self.span_of(first), "first given here");
+            self.report(finding);
+            return false;
+        }
+        if arg.is_static && !self.is_fixed(arg.value) {
+            let finding = Finding::new(Code::RPI2008, format!("`{}` is given as a parameter", port.name))
+                .at(self.span_of(arg.value), "this changes while the command runs")
+                .help("what stands in `<<...>>` is fixed when the command is loaded; give it in `(...)`");
+            self.report(finding);
+            return false;
+        }
+        if !arg.is_static && port.role == FlowRole::Param && header.kind != UnitKind::Command && !self.is_fixed(arg.value) {
+            let finding = Finding::new(Code::RPI2008, format!("`{}` is a parameter of `{}`", port.name, header.name))
+                .at(self.span_of(arg.value), "this changes while the command runs")
+                .also(port.span, "declared as a parameter here");
+            self.report(finding);
+            return false;
+        }
+        true
+    }
+
+    fn no_port(&mut self, header: &Header, arg: &Given<'a>, count: usize) -> bool {
+        let ports = by_place(header).len();
+        let finding = match arg.name {
+            Some(name) => {
+                let names = header.inputs.iter().map(|p| p.name.as_str());
+                let near = rpi_diag::suggest(&name.name, names.clone());
+                super::statics::no_param(&header.name, name, near)
+                    .also(header.span, format!("it has {}", listed(names)))
+            }
+            None => Finding::new(
+                Code::RPI1010,
+                format!("`{}` takes {}, {count} given", header.name, super::statement::counted(ports, "argument")),
+            )
+            .at(self.span_of(arg.value), "one too many")
+            .also(header.span, "declared here"),
+        };
+        self.report(finding);
+        false
+    }
+
+    fn all_given(&mut self, header: &Header, args: &[Option<ExprId>], span: Span) -> bool {
+        let is_open = |(port, arg): (&Port, &Option<ExprId>)| {
+            (arg.is_none() && !port.has_default).then(|| port.name.clone())
+        };
+        let open: Vec<Name> = header.inputs.iter().zip(args).filter_map(is_open).collect();
+        if open.is_empty() {
+            return true;
+        }
+        let names = listed(open.iter().map(Name::as_str));
+        let finding = Finding::new(Code::RPI1010, format!("{names} of `{}` not given", header.name))
+            .at(span, "arguments are missing")
+            .also(header.span, "declared here");
+        self.report(finding);
+        false
+    }
+
+    /// Checks the types of arguments; what free names of the signature stand for is found on the way.
+    pub(super) fn fit_args(&mut self, header: &Header, args: &[Option<ExprId>], subst: &mut Subst) -> bool {
+        let mut sound = true;
+        for (port, arg) in header.inputs.iter().zip(args) {
+            let Some(arg) = *arg else {
+                continue;
+            };
+            self.bind_device_frames(port, arg, subst);
+            let found = self.ty_of(arg).clone();
+            match fit(&port.ty, &found, subst) {
+                Ok(()) => sound &= self.angle_has_unit(arg, &port.ty),
+                Err(misfit) => {
+                    let expected = port.ty.substituted(subst);
+                    let text = format!("`{}` is `{expected}`", port.name);
+                    self.misfit(arg, &expected, &misfit, &Wanted::By(port.span, text));
+                    sound = false;
+                }
+            }
+        }
+        sound
+    }
+
+    /// The frames of a device parameter are those of the device that is given for it.
+    fn bind_device_frames(&mut self, port: &Port, arg: ExprId, subst: &mut Subst) {
+        let (Ty::Device(device), Kind::Flow(flow)) = (&port.ty, &self.unit.expr(arg).kind) else {
+            return;
+        };
+        let outer = self.unit.flow(*flow).name.clone();
+        for local in &device.frames {
+            let inner = format!("{}.{local}", port.name);
+            let outer = format!("{outer}.{local}");
+            subst.frames.insert(inner.into(), Some(outer.into()));
+        }
+    }
+
+    /// Whether a value is the same in all cycles: made of constants and parameters alone.
+    pub(super) fn is_fixed(&self, id: ExprId) -> bool {
+        let mut open = vec![id];
+        while let Some(id) = open.pop() {
+            let fixed = match &self.unit.expr(id).kind {
+                Kind::Flow(flow) => self.unit.flow(*flow).role == FlowRole::Param,
+                Kind::Sensor { .. } | Kind::When { .. } | Kind::Merge { .. } | Kind::Current(_) => false,
+                Kind::Each(each, _) => matches!(each, crate::typed::Each::If | crate::typed::Each::Coalesce),
+                Kind::Prim(call) => {
+                    let desc = call.prim.desc();
+                    desc.role == rpi_image::Role::Compute && matches!(desc.state, rpi_image::State::None)
+                }
+                Kind::Call(call) => self.c.units[call.unit.0 as usize].kind == UnitKind::Function,
+                _ => true,
+            };
+            if !fixed {
+                return false;
+            }
+            self.unit.expr(id).kind.operands(&mut |operand| open.push(operand));
+        }
+        true
+    }
+}
+
+/// The ports that arguments by place are for.
+fn by_place(header: &Header) -> Vec<usize> {
+    let wanted = match header.kind {
+        UnitKind::Command => FlowRole::Param,
+        _ => FlowRole::Input,
+    };
+    let ports = header.inputs.iter().enumerate();
+    ports.filter(|(_, port)| port.role == wanted).map(|(k, _)| k).collect()
+}

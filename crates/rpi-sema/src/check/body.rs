@@ -1,0 +1,149 @@
+//! The state of checking one body, and its course: declare, infer, check.
+
+use super::Checker;
+use super::locals::{Local, Scope};
+use super::order::Pending;
+use super::statics::Statics;
+use crate::hash::Map;
+use crate::program::ModuleId;
+use crate::ty::Ty;
+use crate::typed::{Block, BlockId, Expr, ExprId, FlowId, Kind, Unit, UnitKind};
+use rpi_diag::{Finding, Span};
+use rpi_syntax::Name;
+use std::rc::Rc;
+
+/// One body while it is checked.
+pub(super) struct Body<'c, 'a> {
+    pub(super) c: &'c mut Checker<'a>,
+    pub(super) module: ModuleId,
+    pub(super) statics: Rc<Statics>,
+    pub(super) unit: Unit,
+    /// The block whose text is being read.
+    pub(super) block: BlockId,
+    pub(super) scopes: Vec<Scope>,
+    /// The equations, and of each flow without declared type the one that defines it.
+    pub(super) pending: Vec<Pending<'a>>,
+    pub(super) defined_by: Vec<Option<usize>>,
+    /// For the flow of a state the one outside that it is a version of.
+    pub(super) shares: Map<FlowId, FlowId>,
+    /// Equations whose flows were read before their types were known.
+    pub(super) missing: Vec<usize>,
+    /// Whether types are being looked for: faults are reported later, when all are known.
+    pub(super) inferring: bool,
+    /// Whether a signature is being read, where frames need no declaration.
+    pub(super) in_signature: bool,
+    /// Where state was met first.
+    pub(super) state_at: Option<Span>,
+    pub(super) findings: Vec<Finding>,
+}
+
+impl<'c, 'a> Body<'c, 'a> {
+    pub(super) fn new(
+        c: &'c mut Checker<'a>,
+        module: ModuleId,
+        statics: Rc<Statics>,
+        unit: Unit,
+    ) -> Self {
+        Body {
+            c,
+            module,
+            statics,
+            scopes: unit.blocks.iter().map(|_| Scope::default()).collect(),
+            unit,
+            block: BlockId::ROOT,
+            pending: Vec::new(),
+            defined_by: Vec::new(),
+            shares: Map::default(),
+            missing: Vec::new(),
+            inferring: false,
+            in_signature: false,
+            state_at: None,
+            findings: Vec::new(),
+        }
+    }
+
+    /// A body without text of its own, for what stands at the top of a module.
+    pub(super) fn of_module(c: &'c mut Checker<'a>, module: ModuleId) -> Self {
+        let unit = Unit::new(Name::from(""), UnitKind::Constant, Span::NONE);
+        Body::new(c, module, Rc::default(), unit)
+    }
+
+    /// Ends the work on this body: its findings become the program's.
+    pub(super) fn leave(mut self) -> Unit {
+        self.c.findings.append(&mut self.findings);
+        self.unit
+    }
+
+    /// Adds an expression to the table.
+    pub(super) fn add(&mut self, kind: Kind, ty: Ty, span: Span) -> ExprId {
+        let id = ExprId(u32::try_from(self.unit.exprs.len()).unwrap_or(u32::MAX));
+        self.unit.exprs.push(Expr { kind, ty, span });
+        id
+    }
+
+    /// Stands for an expression with a fault that has been reported.
+    pub(super) fn fault(&mut self, span: Span) -> ExprId {
+        self.add(Kind::Fault, Ty::Unknown, span)
+    }
+
+    /// Reports, and stands for the expression.
+    pub(super) fn fault_with(&mut self, finding: Finding, span: Span) -> ExprId {
+        self.report(finding);
+        self.fault(span)
+    }
+
+    /// The type of an expression.
+    pub(super) fn ty_of(&self, id: ExprId) -> &Ty {
+        &self.unit.expr(id).ty
+    }
+
+    /// The place of an expression.
+    pub(super) fn span_of(&self, id: ExprId) -> Span {
+        self.unit.expr(id).span
+    }
+
+    /// Runs `work` with another block as the current one.
+    pub(super) fn within<T>(&mut self, block: BlockId, work: impl FnOnce(&mut Self) -> T) -> T {
+        let outer = std::mem::replace(&mut self.block, block);
+        let result = work(self);
+        self.block = outer;
+        result
+    }
+
+    /// The block whose content is being added to.
+    pub(super) fn current(&mut self) -> &mut Block {
+        &mut self.unit.blocks[self.block.0 as usize]
+    }
+
+    /// A flow of this body by its name in the current block.
+    pub(super) fn local_flow(&self, name: &str) -> Option<FlowId> {
+        match self.find_local(name) {
+            Some(Local::Flow(flow)) => Some(flow),
+            _ => None,
+        }
+    }
+
+    /// Notes that there is state here, for functions, which have none.
+    pub(super) fn has_state(&mut self, span: Span) {
+        self.state_at.get_or_insert(span);
+    }
+}
+
+impl Unit {
+    /// A unit without content.
+    #[must_use]
+    pub fn new(name: Name, kind: UnitKind, span: Span) -> Unit {
+        Unit {
+            name,
+            kind,
+            span,
+            flows: Vec::new(),
+            inputs: Vec::new(),
+            outputs: Vec::new(),
+            exprs: Vec::new(),
+            blocks: vec![Block::new(Name::from(""), None, span)],
+            has_clocks: false,
+            free_frames: Vec::new(),
+        }
+    }
+}

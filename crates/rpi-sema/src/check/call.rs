@@ -1,0 +1,453 @@
+//! Calls: what is called, with which static arguments, when.
+
+use super::args::Given;
+use super::body::Body;
+use super::header::Header;
+use super::iterate::Iteration;
+use super::report::{not_a, unknown};
+use super::special::{SPECIALS, Special};
+use super::statics::{Static, Statics, missing};
+use super::unit::is_callable;
+use super::Constant;
+use crate::program::{DeclId, DeclKind, Lookup};
+use crate::ty::{Subst, Ty};
+use crate::typed::{self, Activation, ExprId, Kind, UnitKind};
+use rpi_diag::{Code, Finding, Span};
+use rpi_prims::{PrimId, registry};
+use rpi_syntax::Name;
+use rpi_syntax::ast::{self, NodeDef, StaticArg, StaticOp};
+use rpi_syntax::ops::{BinaryOp, UnaryOp};
+use std::rc::Rc;
+
+/// Something that can be called, or passed to an iterator.
+#[derive(Clone, Debug)]
+pub(super) enum Callable {
+    /// A declaration, with the static arguments given so far and constants for its ports.
+    Unit(DeclId, Rc<Statics>, Rc<[(Name, Constant)]>),
+    /// A registered primitive.
+    Prim(PrimId),
+    /// An operator.
+    Op(StaticOp),
+    /// A predeclared operator.
+    Special(Special),
+    /// An iterator with what it iterates.
+    Iteration(Rc<Iteration>),
+}
+
+impl Callable {
+    pub(super) fn name(&self) -> String {
+        match self {
+            Callable::Unit(id, ..) => format!("#{}", id.0),
+            Callable::Prim(prim) => prim.desc().name.to_owned(),
+            Callable::Op(StaticOp::Unary(op)) => op.spelling().to_owned(),
+            Callable::Op(StaticOp::Binary(op)) => op.spelling().to_owned(),
+            Callable::Op(StaticOp::If) => "if".to_owned(),
+            Callable::Special(special) => special.name().to_owned(),
+            Callable::Iteration(iteration) => iteration.name(),
+        }
+    }
+
+    pub(super) fn write_key(&self, key: &mut String) {
+        match self {
+            Callable::Unit(id, statics, fixed) => {
+                key.push_str(&super::statics::key(*id, statics));
+                for (name, constant) in &**fixed {
+                    key.push_str(&format!(",{name}={:?}", constant.leaves));
+                }
+            }
+            other => key.push_str(&other.name()),
+        }
+    }
+}
+
+/// What a name between a call's brackets and its statics stands for.
+enum Callee<'a> {
+    Known(Callable),
+    Decl(DeclId),
+    Special(Special),
+    Prim(PrimId),
+    Iterator(&'static str),
+    Nothing(std::marker::PhantomData<&'a ()>),
+}
+
+impl<'a> Body<'_, 'a> {
+    /// A call.
+    pub(super) fn call(&mut self, call: &'a ast::Call, span: Span) -> ExprId {
+        let activation = self.activation(&call.activation);
+        let name = &call.callee.name;
+        match self.callee(&name.name, name.span) {
+            Callee::Nothing(_) => {
+                self.given(&call.args);
+                self.fault(span)
+            }
+            Callee::Special(special) => self.special(special, call, span),
+            Callee::Iterator(name) => match self.iteration(name, &call.callee.statics, call.callee.span) {
+                Some(iteration) => {
+                    let given = self.given(&call.args);
+                    self.apply(&Callable::Iteration(Rc::new(iteration)), given, activation, span)
+                }
+                None => {
+                    self.given(&call.args);
+                    self.fault(span)
+                }
+            },
+            Callee::Known(callable) => {
+                let given = self.given(&call.args);
+                self.apply(&callable, given, activation, span)
+            }
+            Callee::Prim(prim) => self.registered(prim, call, span),
+            Callee::Decl(id) => self.call_decl(id, call, activation, span),
+        }
+    }
+
+    /// The declaration behind an alias (`node f = g<<3>>;`) and a call of it.
+    fn call_decl(&mut self, id: DeclId, call: &'a ast::Call, activation: Activation, span: Span) -> ExprId {
+        if let DeclKind::Node(node) = self.c.program.decl(id).kind
+            && let NodeDef::Alias(callee) = &node.definition
+        {
+            let given = self.given(&call.args);
+            return match self.alias(id, callee) {
+                Some(callable) => self.apply(&callable, given, activation, span),
+                None => self.fault(span),
+            };
+        }
+        let bound = self.bind(id, &call.callee.statics);
+        let mut given = self.given(&call.args);
+        given.extend(bound.ports);
+        if bound.faulty {
+            return self.fault(span);
+        }
+        self.apply_unit(id, bound.statics, given, activation, span)
+    }
+
+    fn alias(&mut self, id: DeclId, callee: &'a ast::Callee) -> Option<Callable> {
+        let module = self.c.program.decl(id).module;
+        let mut body = Body::of_module(self.c, module);
+        let callable = body.callable(&callee.name.name, &callee.statics, callee.span);
+        body.leave();
+        callable
+    }
+
+    fn activation(&mut self, activation: &'a ast::Activation) -> Activation {
+        match activation {
+            ast::Activation::Always => Activation::Always,
+            ast::Activation::Restart { every } => Activation::Restart {
+                every: self.condition(every, "a restart"),
+            },
+            ast::Activation::Activate {
+                every,
+                restart,
+                default,
+            } => Activation::Condact {
+                every: self.condition(every, "an activation"),
+                default: default.as_ref().map(|default| self.expr(default)),
+                restart: restart.as_ref().map(|restart| self.condition(restart, "a restart")),
+            },
+        }
+    }
+
+    fn callee(&mut self, name: &Name, span: Span) -> Callee<'a> {
+        if let Some(Static::Callee(callable)) = self.statics.get(name) {
+            return Callee::Known(callable.clone());
+        }
+        match self.c.program.lookup(self.module, name) {
+            Lookup::Found(id) => self.callee_decl(id, name, span),
+            Lookup::Ambiguous(ids) => {
+                self.ambiguous(name, span, &ids);
+                Callee::Nothing(std::marker::PhantomData)
+            }
+            Lookup::Missing => self.callee_predeclared(name, span),
+        }
+    }
+
+    fn callee_decl(&mut self, id: DeclId, name: &Name, span: Span) -> Callee<'a> {
+        let decl = self.c.program.decl(id).clone();
+        if is_callable(decl.kind) {
+            return Callee::Decl(id);
+        }
+        if !matches!(decl.kind, DeclKind::Broken(_)) {
+            let finding = not_a("something to call", name, decl.kind.what(), span, decl.span);
+            let finding = match decl.kind {
+                DeclKind::Command(_) => finding.help("a command is run by a task, or by `rpi run`"),
+                _ => finding,
+            };
+            self.report(finding);
+        }
+        Callee::Nothing(std::marker::PhantomData)
+    }
+
+    fn callee_predeclared(&mut self, name: &Name, span: Span) -> Callee<'a> {
+        let plain = name.strip_prefix("Lustre::").unwrap_or(name);
+        if let Some(iterator) = super::iterate::NAMES.iter().find(|iterator| **iterator == plain) {
+            return Callee::Iterator(iterator);
+        }
+        if let Some(special) = SPECIALS.iter().find(|special| special.name() == plain) {
+            return Callee::Special(*special);
+        }
+        if let Some(op) = operator(name) {
+            return Callee::Known(Callable::Op(op));
+        }
+        if let Some(prim) = PrimId::of(name) {
+            return Callee::Prim(prim);
+        }
+        self.unknown_callee(name, span);
+        Callee::Nothing(std::marker::PhantomData)
+    }
+
+    fn unknown_callee(&mut self, name: &Name, span: Span) {
+        let callable = |id: DeclId| is_callable(self.c.program.decl(id).kind);
+        let near = self.c.program.nearest(self.module, name, callable);
+        let specials = SPECIALS.iter().map(|special| special.name());
+        let near = near.or_else(|| rpi_diag::suggest(name, specials));
+        let near = near.or_else(|| match name.is_qualified() {
+            true => rpi_diag::suggest(name, registry().iter().map(|prim| prim.desc.name)),
+            false => None,
+        });
+        let what = if name.is_qualified() { "primitive" } else { "node, function or fragment" };
+        let finding = unknown(what, name, span, near);
+        self.report(finding);
+    }
+
+    /// Something to call by name with its static arguments, for an iterator or as a static argument.
+    pub(super) fn callable(&mut self, name: &Name, statics: &'a [StaticArg], span: Span) -> Option<Callable> {
+        match self.callee(name, span) {
+            Callee::Nothing(_) => None,
+            Callee::Known(callable) => Some(callable),
+            Callee::Special(special) => Some(Callable::Special(special)),
+            Callee::Prim(prim) => Some(Callable::Prim(prim)),
+            Callee::Iterator(iterator) => {
+                let iteration = self.iteration(iterator, statics, span)?;
+                Some(Callable::Iteration(Rc::new(iteration)))
+            }
+            Callee::Decl(id) => {
+                if let DeclKind::Node(node) = self.c.program.decl(id).kind
+                    && let NodeDef::Alias(callee) = &node.definition
+                {
+                    return self.alias(id, callee);
+                }
+                let bound = self.bind(id, statics);
+                let fixed = self.fixed_ports(&bound.ports)?;
+                (!bound.faulty).then(|| Callable::Unit(id, Rc::new(bound.statics), fixed))
+            }
+        }
+    }
+
+    fn fixed_ports(&mut self, ports: &[Given<'a>]) -> Option<Rc<[(Name, Constant)]>> {
+        let mut fixed = Vec::new();
+        for port in ports {
+            let leaves = self.fold(port.value)?;
+            let ty = self.ty_of(port.value).clone();
+            fixed.push((port.name?.name.clone(), Constant { ty, leaves }));
+        }
+        Some(fixed.into())
+    }
+
+    /// Calls something with checked arguments.
+    pub(super) fn apply(
+        &mut self,
+        callable: &Callable,
+        given: Vec<Given<'a>>,
+        activation: Activation,
+        span: Span,
+    ) -> ExprId {
+        match callable {
+            Callable::Unit(id, statics, fixed) => {
+                self.apply_fixed(*id, statics, fixed, given, activation, span)
+            }
+            Callable::Prim(prim) => self.registered_plain(*prim, &given, span),
+            Callable::Op(op) => self.apply_op(*op, &given, span),
+            Callable::Special(special) => self.apply_special(*special, &given, span),
+            Callable::Iteration(iteration) => self.iterate(iteration, &given, span),
+        }
+    }
+
+    fn apply_fixed(
+        &mut self,
+        id: DeclId,
+        statics: &Rc<Statics>,
+        fixed: &Rc<[(Name, Constant)]>,
+        mut given: Vec<Given<'a>>,
+        activation: Activation,
+        span: Span,
+    ) -> ExprId {
+        let params = self.c.params_of(id);
+        for (name, constant) in &**fixed {
+            let value = self.constant_expr(constant, span);
+            let param = params.iter().find(|p| p.name().name == *name);
+            given.push(Given {
+                name: param.map(|p| p.name()),
+                value,
+                is_static: true,
+            });
+        }
+        self.apply_unit(id, (**statics).clone(), given, activation, span)
+    }
+
+    fn apply_unit(
+        &mut self,
+        id: DeclId,
+        mut statics: Statics,
+        given: Vec<Given<'a>>,
+        activation: Activation,
+        span: Span,
+    ) -> ExprId {
+        let given = self.spread_tuples(given);
+        let open = self.c.complete(id, &mut statics);
+        let Some(header) = self.c.header(id, Rc::new(statics.clone())) else {
+            return self.fault(span);
+        };
+        let Some(args) = self.match_ports(&header, &given, span) else {
+            return self.fault(span);
+        };
+        let mut subst = Subst::default();
+        subst.frames = header.free_frames.iter().map(|frame| (frame.clone(), None)).collect();
+        let sound = self.fit_args(&header, &args, &mut subst);
+        match self.instance(&header, statics, &open, &subst, span) {
+            Some(header) if sound => self.call_unit(&header, args, activation, &subst, span),
+            _ => self.fault(span),
+        }
+    }
+
+    /// The instance of a generic callable for the types of its arguments.
+    fn instance(
+        &mut self,
+        header: &Rc<Header>,
+        mut statics: Statics,
+        open: &[Name],
+        subst: &Subst,
+        span: Span,
+    ) -> Option<Rc<Header>> {
+        let mut left = Vec::new();
+        for name in open {
+            match (statics.get(name), subst.types.get(name)) {
+                (Some(Static::Ty(_)), Some(ty)) if ty.has_unknown() => return None,
+                (Some(Static::Ty(_)), Some(ty)) => {
+                    statics.insert(name.clone(), Static::Ty(ty.clone()));
+                }
+                (Some(Static::Opaque), _) => {}
+                _ => left.push(name.clone()),
+            }
+        }
+        if !left.is_empty() {
+            let decl = self.c.program.decl(header.decl);
+            let finding = missing(&decl.name, &left, span, decl.span);
+            self.report(finding);
+            return None;
+        }
+        match open.is_empty() {
+            true => Some(header.clone()),
+            false => self.c.header(header.decl, Rc::new(statics)),
+        }
+    }
+
+    fn call_unit(
+        &mut self,
+        header: &Rc<Header>,
+        args: Vec<Option<ExprId>>,
+        activation: Activation,
+        subst: &Subst,
+        span: Span,
+    ) -> ExprId {
+        if header.kind != UnitKind::Function {
+            self.has_state(span);
+        }
+        self.not_extern(header, span);
+        let Some(unit) = self.c.unit(header, span) else {
+            return self.fault(span);
+        };
+        let ty = result_type(header).substituted(subst);
+        if let Activation::Condact { default: Some(default), .. } = activation {
+            self.expect(default, &ty, &super::report::Wanted::Here);
+        }
+        let args = args.into();
+        let call = typed::Call { unit, args, activation };
+        self.add(Kind::Call(Box::new(call)), ty, span)
+    }
+
+    fn not_extern(&mut self, header: &Header, span: Span) {
+        if let DeclKind::Node(node) = self.c.program.decl(header.decl).kind
+            && matches!(node.definition, NodeDef::Extern)
+        {
+            let finding = Finding::new(Code::RPI1012, format!("`{}` is defined outside", header.name))
+                .at(span, "nothing here can run it")
+                .also(header.span, "declared without a body");
+            self.report(finding);
+        }
+    }
+
+    fn apply_op(&mut self, op: StaticOp, given: &[Given<'a>], span: Span) -> ExprId {
+        let given = self.spread_tuples(given.to_vec());
+        let values: Vec<ExprId> = given.iter().map(|arg| arg.value).collect();
+        match (op, &values[..]) {
+            (StaticOp::Binary(op), [a, b]) => self.binary_applied(op, *a, *b, span),
+            (StaticOp::Unary(UnaryOp::Pre), [a]) => {
+                self.has_state(span);
+                let ty = self.ty_of(*a).clone();
+                self.add(Kind::Each(typed::Each::Pre, [*a].into()), ty, span)
+            }
+            (StaticOp::Unary(op), [a]) => self.unary_prim(op, *a, span),
+            (StaticOp::If, [c, a, b]) => {
+                self.expect(*c, &Ty::Bool, &super::report::Wanted::Here);
+                let ty = self.common_type(*a, *b, "both branches of an `if` have one type");
+                self.add(Kind::Each(typed::Each::If, [*c, *a, *b].into()), ty, span)
+            }
+            _ => {
+                let name = Callable::Op(op).name();
+                let finding = Finding::new(Code::RPI1010, format!("`{name}` does not take {} operands", values.len()))
+                    .at(span, "wrong number of operands");
+                self.fault_with(finding, span)
+            }
+        }
+    }
+
+    fn binary_applied(&mut self, op: BinaryOp, a: ExprId, b: ExprId, span: Span) -> ExprId {
+        let each = match op {
+            BinaryOp::Arrow => typed::Each::Arrow,
+            BinaryOp::Coalesce => typed::Each::Coalesce,
+            _ => return self.binary_prim(op, a, b, span),
+        };
+        let ty = self.common_type(a, b, "both sides have one type");
+        self.add(Kind::Each(each, [a, b].into()), ty, span)
+    }
+}
+
+fn result_type(header: &Header) -> Ty {
+    if let [one] = &header.outputs[..] {
+        return one.ty.clone();
+    }
+    let member = |port: &super::header::Port| crate::ty::Member {
+        name: Some(port.name.clone()),
+        ty: port.ty.clone(),
+    };
+    Ty::Tuple(header.outputs.iter().map(member).collect())
+}
+
+/// An operator by the name that Lustre V6 gives it: `Lustre::plus`.
+fn operator(name: &str) -> Option<StaticOp> {
+    let name = name.strip_prefix("Lustre::")?;
+    let binary = |op| Some(StaticOp::Binary(op));
+    match name {
+        "plus" | "iplus" | "rplus" => binary(BinaryOp::Add),
+        "minus" | "iminus" | "rminus" => binary(BinaryOp::Sub),
+        "times" | "itimes" | "rtimes" => binary(BinaryOp::Mul),
+        "slash" | "islash" | "rslash" => binary(BinaryOp::Div),
+        "div" => binary(BinaryOp::IntDiv),
+        "mod" => binary(BinaryOp::Mod),
+        "and" => binary(BinaryOp::And),
+        "or" => binary(BinaryOp::Or),
+        "xor" => binary(BinaryOp::Xor),
+        "impl" => binary(BinaryOp::Implies),
+        "eq" => binary(BinaryOp::Eq),
+        "neq" => binary(BinaryOp::Ne),
+        "lt" | "ilt" | "rlt" => binary(BinaryOp::Lt),
+        "lte" | "ilte" | "rlte" => binary(BinaryOp::Le),
+        "gt" | "igt" | "rgt" => binary(BinaryOp::Gt),
+        "gte" | "igte" | "rgte" => binary(BinaryOp::Ge),
+        "not" => Some(StaticOp::Unary(UnaryOp::Not)),
+        "uminus" | "iuminus" | "ruminus" => Some(StaticOp::Unary(UnaryOp::Neg)),
+        "real2int" => Some(StaticOp::Unary(UnaryOp::ToInt)),
+        "int2real" => Some(StaticOp::Unary(UnaryOp::ToReal)),
+        "if" => Some(StaticOp::If),
+        _ => None,
+    }
+}

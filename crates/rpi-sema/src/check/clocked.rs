@@ -1,0 +1,196 @@
+//! Sampled flows: `when`, `merge`, `current`, and `last` of automata.
+
+use super::body::Body;
+use super::locals::Local;
+use super::report::{Wanted, listed, not_a, unknown};
+use crate::program::{DeclKind, Lookup};
+use crate::ty::{EnumTy, Ty, join};
+use crate::typed::{ClockOn, Each, ExprId, FlowId, Kind};
+use rpi_diag::{Code, Finding, Span};
+use rpi_syntax::ast::{self, Clock, Ident, Merge, MergeCase, Tick, When};
+use std::rc::Rc;
+
+impl<'a> Body<'_, 'a> {
+    /// `x when c`
+    pub(super) fn when(&mut self, when: &'a When, span: Span) -> ExprId {
+        let value = self.expr(&when.value);
+        let ty = self.ty_of(value).clone();
+        match self.clock_on(&when.clock) {
+            Some(clock) => self.add(Kind::When { value, clock }, ty, span),
+            None => self.add(Kind::Fault, ty, span),
+        }
+    }
+
+    /// A clock as it is written: the flow that decides, and for which of its values.
+    pub(super) fn clock_on(&mut self, clock: &Clock) -> Option<ClockOn> {
+        self.unit.has_clocks = true;
+        let flow = self.clock_flow(&clock.flow)?;
+        let value = match &clock.tick {
+            Tick::True => 1,
+            Tick::False => 0,
+            Tick::Value(value) => return self.clock_value(flow, value),
+        };
+        let ty = self.unit.flow(flow).ty.clone();
+        if !matches!(ty, Ty::Bool | Ty::Unknown) {
+            let finding = Finding::new(Code::RPI2001, format!("expected `bool`, found `{ty}`"))
+                .at(clock.flow.span, "a clock is a condition, or one value of an enum")
+                .help(format!("name the value: `A({})`", clock.flow.name));
+            self.report(finding);
+            return None;
+        }
+        Some(ClockOn { flow, value })
+    }
+
+    fn clock_flow(&mut self, name: &Ident) -> Option<FlowId> {
+        match self.find_local(&name.name) {
+            Some(Local::Flow(flow)) => {
+                if self.inferring {
+                    self.is_missing(flow);
+                }
+                Some(flow)
+            }
+            Some(_) => {
+                let finding = not_a("a flow", &name.name, "a constant", name.span, name.span);
+                self.report(finding);
+                None
+            }
+            None => {
+                let near = rpi_diag::suggest(&name.name, self.local_names());
+                let finding = unknown("flow", &name.name, name.span, near);
+                self.report(finding);
+                None
+            }
+        }
+    }
+
+    fn clock_value(&mut self, flow: FlowId, value: &Ident) -> Option<ClockOn> {
+        let ty = self.unit.flow(flow).ty.clone();
+        let value = self.case_value(&ty, value)?;
+        Some(ClockOn { flow, value })
+    }
+
+    /// A value of a Boolean or enum, as a number.
+    fn case_value(&mut self, ty: &Ty, value: &Ident) -> Option<u32> {
+        let name = value.name.as_str();
+        match ty {
+            Ty::Bool if name == "true" => Some(1),
+            Ty::Bool if name == "false" => Some(0),
+            Ty::Enum(e) => self.enum_value(e, value),
+            Ty::Unknown => None,
+            _ => {
+                let finding = Finding::new(Code::RPI2006, format!("`{name}` is no value of `{ty}`"))
+                    .at(value.span, "a clock is a condition, or one value of an enum");
+                self.report(finding);
+                None
+            }
+        }
+    }
+
+    fn enum_value(&mut self, e: &Rc<EnumTy>, value: &Ident) -> Option<u32> {
+        let last = value.name.parts().next_back().unwrap_or_default();
+        let index = e.values.iter().position(|v| v == last);
+        if index.is_none() {
+            let near = rpi_diag::suggest(last, e.values.iter().map(|v| v.as_str()));
+            let of = format!("the enum `{}`", e.name);
+            let finding = super::report::no_member(&of, last, value.span, near);
+            self.report(finding);
+        }
+        index.and_then(|k| u32::try_from(k).ok())
+    }
+
+    /// `merge c (A -> x) (B -> y)`
+    pub(super) fn merge(&mut self, merge: &'a Merge, span: Span) -> ExprId {
+        self.unit.has_clocks = true;
+        let on = self.expr(&merge.on);
+        let of = self.ty_of(on).clone();
+        let mut cases: Vec<(u32, ExprId)> = Vec::new();
+        let mut ty = Ty::Unknown;
+        for case in &merge.cases {
+            let then = self.expr(&case.then);
+            ty = self.case_type(ty, &cases, then);
+            if let Some(value) = self.case_value(&of, &case.value) {
+                self.add_case(&mut cases, value, then, case);
+            }
+        }
+        self.all_cases(&of, &cases, span);
+        let cases = cases.into();
+        self.add(Kind::Merge { on, cases }, ty, span)
+    }
+
+    fn case_type(&mut self, so_far: Ty, cases: &[(u32, ExprId)], then: ExprId) -> Ty {
+        let Some((_, first)) = cases.first() else {
+            return self.ty_of(then).clone();
+        };
+        let common = self.common_type(*first, then, "all cases have one type");
+        join(&so_far, &common).unwrap_or(so_far)
+    }
+
+    fn add_case(&mut self, cases: &mut Vec<(u32, ExprId)>, value: u32, then: ExprId, case: &MergeCase) {
+        match cases.iter().find(|(v, _)| *v == value) {
+            Some((_, first)) => {
+                let first = self.span_of(*first);
+                let finding = crate::program::twice(&case.value.name, case.value.span, first);
+                self.report(finding);
+            }
+            None => cases.push((value, then)),
+        }
+    }
+
+    fn all_cases(&mut self, of: &Ty, cases: &[(u32, ExprId)], span: Span) {
+        let names: Vec<&str> = match of {
+            Ty::Bool => vec!["false", "true"],
+            Ty::Enum(e) => e.values.iter().map(|v| v.as_str()).collect(),
+            _ => return,
+        };
+        let is_there = |k: usize| cases.iter().any(|(value, _)| *value as usize == k);
+        let missing: Vec<&str> = names.iter().enumerate().filter(|(k, _)| !is_there(*k)).map(|(_, n)| *n).collect();
+        if !missing.is_empty() {
+            let finding = Finding::new(Code::RPI2011, format!("the case {} is missing", listed(missing)))
+                .at(span, "a `merge` has one case for every value");
+            self.report(finding);
+        }
+    }
+
+    /// `current x`
+    pub(super) fn current_of(&mut self, operand: &'a ast::Expr, span: Span) -> ExprId {
+        self.has_state(span);
+        self.unit.has_clocks = true;
+        let operand = self.expr(operand);
+        let ty = self.ty_of(operand).clone();
+        self.add(Kind::Current(operand), ty, span)
+    }
+
+    /// `last x`: of a flow that states share, its value in the previous cycle, whatever the state.
+    pub(super) fn last(&mut self, operand: &'a ast::Expr, span: Span) -> ExprId {
+        self.has_state(span);
+        let operand = self.last_operand(operand);
+        let ty = self.ty_of(operand).clone();
+        self.add(Kind::Each(Each::Pre, [operand].into()), ty, span)
+    }
+
+    /// The flow as the automaton's surroundings see it, with the fields that are read of it.
+    fn last_operand(&mut self, operand: &'a ast::Expr) -> ExprId {
+        if let ast::ExprKind::Field(field) = &operand.unparen().kind {
+            let base = self.last_operand(&field.base);
+            return self.member(base, &field.field);
+        }
+        let id = self.expr(operand);
+        if let Kind::Flow(flow) = self.unit.expr(id).kind
+            && let Some(outer) = self.shared_flow(flow)
+        {
+            return self.flow_expr(outer, operand.span);
+        }
+        if !self.ty_of(id).is_unknown() {
+            self.expect(id, &Ty::Unknown, &Wanted::Here);
+        }
+        id
+    }
+
+    /// Whether a name is an enum's value rather than a flow.
+    pub(super) fn is_enum_value(&self, name: &rpi_syntax::Name) -> bool {
+        match self.c.program.lookup(self.module, name) {
+            Lookup::Found(id) => matches!(self.c.program.decl(id).kind, DeclKind::EnumValue { .. }),
+            _ => false,
+        }
+    }
+}

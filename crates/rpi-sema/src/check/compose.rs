@@ -1,0 +1,195 @@
+//! Composite values: arrays, structs, and values with parts replaced.
+
+use super::access::leaves;
+use super::body::Body;
+use super::report::{Wanted, no_member, not_a, unknown};
+use crate::program::{DeclKind, Lookup};
+use crate::ty::{StructTy, Subst, Ty, fit};
+use crate::typed::{ExprId, Kind};
+use rpi_diag::{Code, Finding, Span};
+use rpi_syntax::ast::{self, Binary, Change, FieldValue, Ident, StructExpr, Update};
+use std::rc::Rc;
+
+/// The most elements of one array.
+const MAX_LENGTH: i64 = 1 << 20;
+
+impl<'a> Body<'_, 'a> {
+    /// `[x, y]`
+    pub(super) fn array(&mut self, elements: &'a [ast::Expr], span: Span) -> ExprId {
+        let ids: Vec<ExprId> = elements.iter().map(|e| self.expr(e)).collect();
+        let Some((first, rest)) = ids.split_first() else {
+            let finding = Finding::new(Code::RPI2007, "an array without elements has no type")
+                .at(span, "nothing in it");
+            return self.fault_with(finding, span);
+        };
+        let mut element = self.ty_of(*first).clone();
+        for id in rest {
+            let common = self.common_type(*first, *id, "the elements of an array have one type");
+            if element.is_unknown() {
+                element = common;
+            }
+        }
+        let n = u32::try_from(ids.len()).unwrap_or(u32::MAX);
+        self.add(Kind::Build(ids.into()), Ty::Array(Rc::new(element), n), span)
+    }
+
+    /// `x ^ n`
+    pub(super) fn repeat(&mut self, binary: &'a Binary, span: Span) -> ExprId {
+        let element = self.expr(&binary.lhs);
+        let Some(n) = self.size(&binary.rhs) else {
+            return self.fault(span);
+        };
+        let ty = Ty::Array(Rc::new(self.ty_of(element).clone()), n);
+        self.add(Kind::Repeat(element), ty, span)
+    }
+
+    /// `x | y`
+    pub(super) fn concat(&mut self, binary: &'a Binary, span: Span) -> ExprId {
+        let (left, right) = (self.expr(&binary.lhs), self.expr(&binary.rhs));
+        let (a, b) = (self.ty_of(left).clone(), self.ty_of(right).clone());
+        let (Ty::Array(a, n), Ty::Array(b, m)) = (&a, &b) else {
+            if a.is_unknown() || b.is_unknown() {
+                return self.fault(span);
+            }
+            let finding = Finding::new(Code::RPI2006, format!("`|` can not take `{a}` and `{b}`"))
+                .at(self.span_of(right), format!("this is `{b}`"))
+                .also(self.span_of(left), format!("this is `{a}`"))
+                .help("it joins arrays; for Booleans write `or`");
+            return self.fault_with(finding, span);
+        };
+        if let Err(misfit) = fit(a, b, &mut Subst::default()) {
+            let wanted = Wanted::By(self.span_of(left), format!("this is `{a}^{n}`"));
+            let expected = (**a).clone();
+            self.misfit(right, &expected, &misfit, &wanted);
+        }
+        let ty = Ty::Array(a.clone(), n.saturating_add(*m));
+        self.add(Kind::Build([left, right].into()), ty, span)
+    }
+
+    /// A size: a constant integer from 0 on.
+    pub(super) fn size(&mut self, size: &'a ast::Expr) -> Option<u32> {
+        let value = self.integer(size)?;
+        if (0..=MAX_LENGTH).contains(&value) {
+            return u32::try_from(value).ok();
+        }
+        let finding = Finding::new(Code::RPI2009, format!("{value} is no size"))
+            .at(size.span, format!("a size lies from 0 to {MAX_LENGTH}"));
+        self.report(finding);
+        None
+    }
+
+    /// `T{x = 1; y = 2}`, `T{s with x = 1}`
+    pub(super) fn structure(&mut self, value: &'a StructExpr, span: Span) -> ExprId {
+        let Some(ty) = self.struct_ty(&value.ty) else {
+            for field in &value.fields {
+                self.expr(&field.value);
+            }
+            return self.fault(span);
+        };
+        let base = value.base.as_ref().map(|base| self.expr(base));
+        if let Some(base) = base {
+            self.expect(base, &Ty::Struct(ty.clone()), &Wanted::Here);
+        }
+        let given = self.given_fields(&ty, &value.fields);
+        let parts = self.fill_fields(&ty, &given, base, span);
+        match parts {
+            Some(parts) => self.add(Kind::Build(parts.into()), Ty::Struct(ty), span),
+            None => self.add(Kind::Fault, Ty::Struct(ty), span),
+        }
+    }
+
+    fn struct_ty(&mut self, name: &Ident) -> Option<Rc<StructTy>> {
+        let Lookup::Found(id) = self.c.program.lookup(self.module, &name.name) else {
+            let near = self.c.program.nearest(self.module, &name.name, |id| {
+                matches!(self.c.program.decl(id).kind, DeclKind::Type(_))
+            });
+            let finding = unknown("type", &name.name, name.span, near);
+            self.report(finding);
+            return None;
+        };
+        let decl = self.c.program.decl(id).clone();
+        if let DeclKind::Type(_) = decl.kind
+            && let Ty::Struct(ty) = self.c.type_decl(id, name.span)
+        {
+            return Some(ty);
+        }
+        let finding = not_a("a struct", &name.name, decl.kind.what(), name.span, decl.span);
+        self.report(finding);
+        None
+    }
+
+    fn given_fields(&mut self, ty: &Rc<StructTy>, fields: &'a [FieldValue]) -> Vec<Option<ExprId>> {
+        let mut given = vec![None; ty.fields.len()];
+        for value in fields {
+            let id = self.expr(&value.value);
+            let name = &value.field.name;
+            let Some(k) = ty.fields.iter().position(|f| f.name.as_ref() == Some(name)) else {
+                let names = ty.fields.iter().filter_map(|f| f.name.as_deref());
+                let near = rpi_diag::suggest(name, names);
+                let finding = no_member(&format!("the struct `{}`", ty.name), name, value.field.span, near);
+                self.report(finding);
+                continue;
+            };
+            self.expect(id, &ty.fields[k].ty, &Wanted::Here);
+            if let Some(first) = given[k].replace(id) {
+                let finding = crate::program::twice(name, value.field.span, self.span_of(first));
+                self.report(finding);
+            }
+        }
+        given
+    }
+
+    /// Fields that are not given come from the base, or else have their defaults.
+    fn fill_fields(
+        &mut self,
+        ty: &Rc<StructTy>,
+        given: &[Option<ExprId>],
+        base: Option<ExprId>,
+        span: Span,
+    ) -> Option<Vec<ExprId>> {
+        let mut parts = Vec::new();
+        let mut at = 0;
+        let mut left_out = Vec::new();
+        for (k, field) in ty.fields.iter().enumerate() {
+            let part = match (given[k], base, ty.defaults.get(k)) {
+                (Some(id), ..) => Some(id),
+                (None, Some(base), _) => Some(self.add(Kind::Part { base, at }, field.ty.clone(), span)),
+                (None, None, Some(Some(default))) => {
+                    Some(self.add(Kind::Const(default.clone()), field.ty.clone(), span))
+                }
+                _ => None,
+            };
+            match part {
+                Some(part) => parts.push(part),
+                None => left_out.extend(field.name.as_deref()),
+            }
+            at += leaves(&field.ty);
+        }
+        if left_out.is_empty() {
+            return Some(parts);
+        }
+        let finding = Finding::new(
+            Code::RPI1010,
+            format!("{} of `{}` left out", super::report::listed(left_out), ty.name),
+        )
+        .at(span, "not all fields are given");
+        self.report(finding);
+        None
+    }
+
+    /// `(base with [2] = x; .f[1] = y)`
+    pub(super) fn update(&mut self, update: &'a Update, span: Span) -> ExprId {
+        let base = self.expr(&update.base);
+        update.changes.iter().fold(base, |base, change| self.change(base, change, span))
+    }
+
+    fn change(&mut self, base: ExprId, change: &'a Change, span: Span) -> ExprId {
+        let ty = self.ty_of(base).clone();
+        let value = self.expr(&change.value);
+        let Some((at, part)) = self.path_in(&ty, 0, &change.path) else {
+            return self.fault(span);
+        };
+        self.expect(value, &part, &Wanted::Here);
+        self.add(Kind::Replace { base, at, value }, ty, span)
+    }
+}

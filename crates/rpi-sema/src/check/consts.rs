@@ -1,0 +1,134 @@
+//! Constants: worked out by the same elaboration that makes nets, folded to nothing but values.
+
+use super::body::Body;
+use super::report::Wanted;
+use super::{Checker, Constant, Lazy};
+use crate::elab::{self, NotConstant};
+use crate::program::{DeclId, DeclKind};
+use crate::ty::Ty;
+use crate::typed::{ExprId, Kind, Leaf, Unit, UnitId};
+use crate::units::Dim;
+use rpi_diag::{Code, Finding};
+use rpi_syntax::ast;
+use std::rc::Rc;
+
+impl<'a> Checker<'a> {
+    /// The value of a constant declaration.
+    pub(super) fn constant(&mut self, id: DeclId) -> Option<Constant> {
+        let key = (id, 0);
+        match self.constants.get(&key) {
+            Some(Lazy::Done(constant)) => return constant.clone(),
+            Some(Lazy::Busy) => {
+                let decl = self.program.decl(id);
+                self.in_circles("constant", &decl.name.clone(), decl.span);
+                return None;
+            }
+            None => {}
+        }
+        self.constants.insert(key, Lazy::Busy);
+        let decl = self.program.decl(id);
+        let DeclKind::Const(def) = decl.kind else {
+            return None;
+        };
+        let mut body = Body::of_module(self, decl.module);
+        let constant = body.constant_def(def);
+        body.leave();
+        self.constants.insert(key, Lazy::Done(constant.clone()));
+        constant
+    }
+}
+
+impl<'a> Body<'_, 'a> {
+    /// What a constant definition defines.
+    pub(super) fn constant_def(&mut self, def: &'a ast::ConstDef) -> Option<Constant> {
+        let declared = def.ty.as_ref().map(|ty| self.ty(ty));
+        let Some(value) = &def.value else {
+            let name = &def.names[0];
+            let finding = Finding::new(Code::RPI1009, format!("the constant `{}` has no value", name.name))
+                .at(name.span, "its value would have to come from outside")
+                .help("give it one: `= ...`");
+            self.report(finding);
+            return None;
+        };
+        let id = self.expr(value);
+        if let Some(declared) = &declared {
+            self.expect(id, declared, &Wanted::Here);
+        }
+        let leaves = self.fold(id)?;
+        let found = self.ty_of(id).clone();
+        let ty = declared.map_or(found.clone(), |ty| crate::ty::join(&ty, &found).unwrap_or(ty));
+        Some(Constant { ty, leaves })
+    }
+
+    /// The value of a constant expression of a known type.
+    pub(super) fn constant_of(&mut self, value: &'a ast::Expr, ty: &Ty) -> Option<Rc<[Leaf]>> {
+        let id = self.expr(value);
+        match self.expect(id, ty, &Wanted::Here) {
+            true => self.fold(id),
+            false => None,
+        }
+    }
+
+    /// The value of a constant integer expression.
+    pub(super) fn integer(&mut self, value: &'a ast::Expr) -> Option<i64> {
+        self.constant_of(value, &Ty::Int)?.first()?.as_int()
+    }
+
+    /// A constant duration in nanoseconds.
+    pub(super) fn nanoseconds(&mut self, value: &'a ast::Expr) -> Option<u64> {
+        let seconds = self.constant_of(value, &Ty::Real(Dim::TIME))?.first()?.as_real()?;
+        let ns = (seconds * 1e9).round();
+        (0.0..1e18).contains(&ns).then_some(ns as u64)
+    }
+
+    /// The value of a constant expression; reports what is not constant in it.
+    pub(super) fn fold(&mut self, id: ExprId) -> Option<Rc<[Leaf]>> {
+        match self.try_fold(id) {
+            Ok(leaves) => Some(leaves),
+            Err(NotConstant::Faulty) => None,
+            Err(NotConstant::Flow(span)) => {
+                self.report(
+                    Finding::new(Code::RPI2008, "a constant is needed here")
+                        .at(span, "this is known only while the program runs")
+                        .also(self.span_of(id), "needed when the program is checked"),
+                );
+                None
+            }
+            Err(NotConstant::Fault(span, what)) => {
+                self.report(Finding::new(Code::RPI2010, what).at(span, "while working out this constant"));
+                None
+            }
+        }
+    }
+
+    /// The value of an expression if it is constant.
+    pub(super) fn fold_quietly(&mut self, id: ExprId) -> Option<Rc<[Leaf]>> {
+        self.try_fold(id).ok()
+    }
+
+    fn try_fold(&mut self, id: ExprId) -> Result<Rc<[Leaf]>, NotConstant> {
+        match &self.unit.expr(id).kind {
+            Kind::Literal(leaf) => return Ok([leaf.clone()].into()),
+            Kind::Const(leaves) => return Ok(leaves.clone()),
+            _ => {}
+        }
+        for unit in called(&self.unit, id) {
+            self.c.check_now(unit);
+        }
+        elab::constant(&self.c.units, &self.unit, id)
+    }
+}
+
+/// The units that an expression calls.
+fn called(unit: &Unit, id: ExprId) -> Vec<UnitId> {
+    let mut found = Vec::new();
+    let mut open = vec![id];
+    while let Some(id) = open.pop() {
+        let kind = &unit.expr(id).kind;
+        if let Kind::Call(call) = kind {
+            found.push(call.unit);
+        }
+        kind.operands(&mut |operand| open.push(operand));
+    }
+    found
+}

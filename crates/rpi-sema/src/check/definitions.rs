@@ -1,0 +1,102 @@
+//! Every flow is defined, and once.
+
+use super::body::Body;
+use crate::typed::{self, FlowId, FlowRole, Place, Target};
+use rpi_diag::{Code, Finding, Span};
+
+impl Body<'_, '_> {
+    /// Checks that every flow is defined, and once.
+    pub(super) fn check_definitions(&mut self) {
+        let mut parts = self.defined_parts();
+        parts.sort_unstable_by_key(|part| (part.flow, part.at, part.span));
+        let mut findings = Vec::new();
+        let mut parts = parts.into_iter().peekable();
+        for (id, flow) in (0..).map(FlowId).zip(&self.unit.flows) {
+            let own = std::iter::from_fn(|| parts.next_if(|part| part.flow == id));
+            let own: Vec<DefinedPart> = own.collect();
+            let defined = matches!(flow.role, FlowRole::Output | FlowRole::Local);
+            if defined && !flow.ty.has_unknown() {
+                findings.extend(definition_fault(flow, &own));
+            }
+        }
+        self.findings.append(&mut findings);
+    }
+
+    fn defined_parts(&self) -> Vec<DefinedPart> {
+        let mut parts = Vec::new();
+        for block in &self.unit.blocks {
+            let targets = block.equations.iter().flat_map(|e| &e.targets);
+            parts.extend(targets.filter_map(DefinedPart::of));
+            let shared = block.automata.iter().flat_map(|automaton| &automaton.shared);
+            parts.extend(shared.map(|shared| self.whole(shared.flow)));
+        }
+        parts
+    }
+
+    fn whole(&self, flow: FlowId) -> DefinedPart {
+        let count = self.unit.flow(flow).ty.leaf_count();
+        DefinedPart {
+            flow,
+            at: 0,
+            count: u32::try_from(count).unwrap_or(u32::MAX),
+            span: self.unit.flow(flow).span,
+        }
+    }
+}
+
+/// Leaves of a flow that an equation defines.
+#[derive(Clone, Copy)]
+struct DefinedPart {
+    flow: FlowId,
+    at: u32,
+    count: u32,
+    span: Span,
+}
+
+impl DefinedPart {
+    fn of(target: &Target) -> Option<DefinedPart> {
+        let Place::Flow { flow, at } = target.place else {
+            return None;
+        };
+        Some(DefinedPart {
+            flow,
+            at,
+            count: u32::try_from(target.ty.leaf_count()).unwrap_or(u32::MAX),
+            span: target.span,
+        })
+    }
+}
+
+/// What is wrong with the definitions of a flow; `parts` are sorted by place.
+fn definition_fault(flow: &typed::Flow, parts: &[DefinedPart]) -> Option<Finding> {
+    for pair in parts.windows(2) {
+        if pair[0].at + pair[0].count > pair[1].at {
+            return Some(defined_twice(flow, pair[1].span, pair[0].span));
+        }
+    }
+    let defined: usize = parts.iter().map(|part| part.count as usize).sum();
+    (defined < flow.ty.leaf_count()).then(|| undefined(flow, parts))
+}
+
+fn defined_twice(flow: &typed::Flow, again: Span, first: Span) -> Finding {
+    Finding::new(Code::RPI1008, format!("`{}` is defined twice", flow.name))
+        .at(again, "defined again here")
+        .also(first, "first defined here")
+        .help("a flow has one equation; merge the alternatives by `if` or `??`")
+}
+
+fn undefined(flow: &typed::Flow, parts: &[DefinedPart]) -> Finding {
+    let finding = Finding::new(Code::RPI1009, format!("`{}` is never defined", flow.name));
+    match parts.first() {
+        None => finding
+            .at(flow.span, "declared here, but no equation defines it")
+            .help(format!("add an equation `{} = ...;`", flow.name)),
+        Some(part) => Finding::new(
+            Code::RPI1009,
+            format!("a part of `{}` is never defined", flow.name),
+        )
+        .at(flow.span, "declared here")
+        .also(part.span, "only a part of it is defined"),
+    }
+}
+

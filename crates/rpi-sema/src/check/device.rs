@@ -1,0 +1,112 @@
+//! Device types.
+
+use super::body::Body;
+use super::statics::{Static, Statics, key};
+use super::types::PortTy;
+use super::{Checker, Lazy};
+use crate::program::DeclId;
+use crate::ty::{DevicePortTy, DeviceTy, Ty};
+use crate::typed::{Unit, UnitKind};
+use rpi_diag::Span;
+use rpi_syntax::ast::{DeviceDecl, DeviceSection, NamedType, PortKind, Type, TypeKind, VarDecl};
+use std::rc::Rc;
+
+impl<'a> Body<'_, 'a> {
+    /// A device type where it is named. What its parameters leave open comes with the cell.
+    pub(super) fn device_ty(&mut self, id: DeclId, decl: &'a DeviceDecl, named: &'a NamedType) -> Ty {
+        let bound = self.bind(id, &named.statics);
+        let mut statics = bound.statics;
+        self.c.complete(id, &mut statics);
+        self.c.device(id, decl, &Rc::new(statics))
+    }
+}
+
+impl<'a> Checker<'a> {
+    pub(super) fn device_alone(&mut self, id: DeclId, decl: &'a DeviceDecl) {
+        let mut statics = Statics::new();
+        self.complete(id, &mut statics);
+        self.device(id, decl, &Rc::new(statics));
+    }
+
+    fn device(&mut self, id: DeclId, decl: &'a DeviceDecl, statics: &Rc<Statics>) -> Ty {
+        let key = key(id, statics);
+        if let Some(Lazy::Done(Some(ty))) = self.types.get(&key) {
+            return ty.clone();
+        }
+        let module = self.program.decl(id).module;
+        let unit = Unit::new(decl.name.name.clone(), UnitKind::Constant, Span::NONE);
+        let mut body = Body::new(self, module, statics.clone(), unit);
+        body.in_signature = true;
+        let ports = body.device_ports(decl);
+        let frames = body.leave().free_frames;
+        let ty = Ty::Device(Rc::new(DeviceTy {
+            name: decl.name.name.clone(),
+            ports,
+            frames,
+        }));
+        self.types.insert(key, Lazy::Done(Some(ty.clone())));
+        ty
+    }
+}
+
+impl<'a> Body<'_, 'a> {
+    fn device_ports(&mut self, decl: &'a DeviceDecl) -> Vec<DevicePortTy> {
+        let mut ports = Vec::new();
+        let mut actuator = 0;
+        for section in &decl.sections {
+            self.section_ports(section, &mut actuator, &mut ports);
+        }
+        ports
+    }
+
+    fn section_ports(&mut self, section: &'a DeviceSection, actuator: &mut u32, ports: &mut Vec<DevicePortTy>) {
+        let is_actuator = section.kind == PortKind::Actuator;
+        for port in &section.ports {
+            for alternative in &port.alternatives {
+                let before = ports.len();
+                self.alternative_ports(alternative, is_actuator, *actuator, ports);
+                if is_actuator && port.alternatives.len() == 1 {
+                    // `a, b: T` are two actuators, `a: T | b: U` is one.
+                    for (k, port) in (0..).zip(&mut ports[before..]) {
+                        port.actuator = *actuator + k;
+                    }
+                }
+            }
+            if is_actuator {
+                *actuator = ports.iter().map(|p| p.actuator).max().unwrap_or(0) + 1;
+            }
+        }
+    }
+
+    fn alternative_ports(&mut self, decl: &'a VarDecl, is_actuator: bool, actuator: u32, ports: &mut Vec<DevicePortTy>) {
+        let known = self.has_known_size(&decl.ty);
+        let port = match known {
+            true => self.port_ty(&decl.ty),
+            false => PortTy {
+                ty: Ty::Unknown,
+                optional: matches!(decl.ty.kind, TypeKind::Optional(_)),
+            },
+        };
+        for name in &decl.names {
+            ports.push(DevicePortTy {
+                name: name.name.clone(),
+                ty: known.then(|| port.ty.clone()),
+                optional: port.optional,
+                is_actuator,
+                actuator,
+            });
+        }
+    }
+
+    /// Whether no size in a type waits for a parameter that only the cell tells.
+    fn has_known_size(&self, ty: &Type) -> bool {
+        match &ty.kind {
+            TypeKind::Optional(inner) => self.has_known_size(inner),
+            TypeKind::Array(array) => {
+                let open = array.size.as_name().and_then(|name| self.statics.get(name));
+                !matches!(open, Some(Static::Opaque)) && self.has_known_size(&array.element)
+            }
+            _ => true,
+        }
+    }
+}

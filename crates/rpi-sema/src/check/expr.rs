@@ -1,0 +1,199 @@
+//! Expressions: which kind goes where, literals, and the forms that only need their operands.
+
+use super::body::Body;
+use super::report::Wanted;
+use super::types::unit_fault;
+use crate::ty::{Ty, join};
+use crate::typed::{Each, ExprId, Kind, Leaf};
+use crate::units::{Base, resolve};
+use rpi_diag::{Code, Finding, Fix, Span};
+use rpi_syntax::ast::{self, Among, ExprKind, Number, Quantity};
+
+impl<'a> Body<'_, 'a> {
+    /// Checks an expression.
+    pub(super) fn expr(&mut self, expr: &'a ast::Expr) -> ExprId {
+        let span = expr.span;
+        match &expr.kind {
+            ExprKind::Bool(value) => self.add(Kind::Literal(Leaf::bool(*value)), Ty::Bool, span),
+            ExprKind::Number(number) => self.number(number, false, span),
+            ExprKind::Quantity(quantity) => self.quantity(quantity, span),
+            ExprKind::Str(text) => {
+                self.add(Kind::Literal(Leaf::Str(text.to_string())), Ty::Text, span)
+            }
+            ExprKind::Name(name) => self.name(name, span),
+            ExprKind::Field(field) => self.field(field, span),
+            ExprKind::Index(index) => self.index(index, span),
+            ExprKind::Slice(slice) => self.slice(slice, span),
+            ExprKind::Unary(op, operand) => self.unary(*op, operand, span),
+            ExprKind::Binary(binary) => self.binary(binary, span),
+            ExprKind::When(when) => self.when(when, span),
+            ExprKind::If(choice) => self.choice(choice, span),
+            ExprKind::Call(call) => self.call(call, span),
+            ExprKind::Among(among, operands) => self.among(*among, operands, span),
+            ExprKind::Merge(merge) => self.merge(merge, span),
+            ExprKind::Paren(inner) => self.expr(inner),
+            ExprKind::Tuple(elements) => self.tuple(elements, span),
+            ExprKind::Array(elements) => self.array(elements, span),
+            ExprKind::Struct(value) => self.structure(value, span),
+            ExprKind::Update(update) => self.update(update, span),
+        }
+    }
+
+    /// A number; `negative` if a minus stands before it, which makes -2^63 an integer.
+    pub(super) fn number(&mut self, number: &Number, negative: bool, span: Span) -> ExprId {
+        if !number.is_int() {
+            let value = if negative { -number.real() } else { number.real() };
+            return self.add(Kind::Literal(Leaf::real(value)), Ty::REAL, span);
+        }
+        let value = number.int().and_then(|value| signed(value, negative));
+        match value {
+            Some(value) => self.add(Kind::Literal(Leaf::int(value)), Ty::Int, span),
+            None => self.fault_with(
+                Finding::new(Code::RPI2010, "the integer does not fit into 64 bits")
+                    .at(span, "from -2^63 to 2^63 - 1"),
+                span,
+            ),
+        }
+    }
+
+    fn quantity(&mut self, quantity: &Quantity, span: Span) -> ExprId {
+        match resolve(&quantity.unit) {
+            Ok(measure) => {
+                let value = measure.factor.apply(quantity.number.real());
+                self.add(Kind::Literal(Leaf::real(value)), Ty::Real(measure.dim), span)
+            }
+            Err(fault) => self.fault_with(unit_fault(&fault), span),
+        }
+    }
+
+    /// What SI's plain radian would let slip: a number without unit where an angle is wanted.
+    pub(super) fn angle_has_unit(&mut self, id: ExprId, expected: &Ty) -> bool {
+        let expr = self.unit.expr(id);
+        let (Kind::Literal(value), Ty::Real(found), Ty::Real(wanted)) =
+            (&expr.kind, &expr.ty, expected)
+        else {
+            return true;
+        };
+        let angle = !wanted.exponent(Base::Angle).is_zero() && found.exponent(Base::Angle).is_zero();
+        if !angle || value.as_real() == Some(0.0) {
+            return true;
+        }
+        let span = expr.span;
+        let finding = Finding::new(
+            Code::RPI2004,
+            format!("expected a quantity in `{wanted}`, found a plain number"),
+        )
+        .at(span, "degrees or radians?")
+        .help("write `[deg]` or `[rad]` behind the number")
+        .fix(Fix::maybe("take it as degrees").insert_after(span, "[deg]"))
+        .fix(Fix::maybe("take it as radians").insert_after(span, "[rad]"));
+        self.report(finding);
+        false
+    }
+
+    fn choice(&mut self, choice: &'a ast::If, span: Span) -> ExprId {
+        if choice.is_static {
+            return self.static_choice(choice, span);
+        }
+        let condition = self.condition(&choice.condition, "what stands after `if`");
+        let yes = self.expr(&choice.yes);
+        let no = self.expr(&choice.no);
+        let ty = self.common_type(yes, no, "both branches of an `if` have one type");
+        self.add(Kind::Each(Each::If, [condition, yes, no].into()), ty, span)
+    }
+
+    /// `with c then x else y`: only the branch that is taken exists.
+    fn static_choice(&mut self, choice: &'a ast::If, span: Span) -> ExprId {
+        let Some(taken) = self.constant_of(&choice.condition, &Ty::Bool) else {
+            return self.fault(span);
+        };
+        match taken.first().and_then(Leaf::as_bool) {
+            Some(true) => self.expr(&choice.yes),
+            _ => self.expr(&choice.no),
+        }
+    }
+
+    /// The type that two expressions have in common; a misfit is reported at the second.
+    pub(super) fn common_type(&mut self, a: ExprId, b: ExprId, why: &str) -> Ty {
+        match join(self.ty_of(a), self.ty_of(b)) {
+            Ok(ty) => ty,
+            Err(misfit) => {
+                let expected = self.ty_of(a).clone();
+                let wanted = Wanted::By(self.span_of(a), format!("this is `{expected}`; {why}"));
+                self.misfit(b, &expected, &misfit, &wanted);
+                expected
+            }
+        }
+    }
+
+    /// `#(a, b, c)` and `nor(a, b, c)`: ways to write plain logic.
+    fn among(&mut self, among: Among, operands: &'a [ast::Expr], span: Span) -> ExprId {
+        let operands: Vec<ExprId> = operands
+            .iter()
+            .flat_map(|operand| self.boolean_operands(operand))
+            .collect();
+        match among {
+            Among::Nor => self.none_of(&operands, span),
+            Among::AtMostOne => self.at_most_one(&operands, span),
+        }
+    }
+
+    /// A Boolean operand, or the Booleans of an array.
+    pub(super) fn boolean_operands(&mut self, operand: &'a ast::Expr) -> Vec<ExprId> {
+        let id = self.expr(operand);
+        if let Ty::Array(element, n) = self.ty_of(id).clone() {
+            let parts = (0..n).map(|k| self.add(Kind::Part { base: id, at: k }, (*element).clone(), operand.span));
+            let parts: Vec<ExprId> = parts.collect();
+            for part in &parts {
+                self.expect(*part, &Ty::Bool, &Wanted::Here);
+            }
+            return parts;
+        }
+        self.expect(id, &Ty::Bool, &Wanted::Here);
+        vec![id]
+    }
+
+    fn none_of(&mut self, operands: &[ExprId], span: Span) -> ExprId {
+        let any = self.any_of(operands, span);
+        self.logic("Core::BooleanNot", &[any], span)
+    }
+
+    fn any_of(&mut self, operands: &[ExprId], span: Span) -> ExprId {
+        let first = self.add(Kind::Literal(Leaf::bool(false)), Ty::Bool, span);
+        let or = |any: ExprId, next: &ExprId| self.logic("Core::BooleanOr", &[any, *next], span);
+        operands.iter().fold(first, or)
+    }
+
+    /// At most one is true: each excludes all before it.
+    pub(super) fn at_most_one(&mut self, operands: &[ExprId], span: Span) -> ExprId {
+        let [first, rest @ ..] = operands else {
+            return self.add(Kind::Literal(Leaf::bool(true)), Ty::Bool, span);
+        };
+        let (mut any, mut two) = (*first, None);
+        for next in rest {
+            let both = self.logic("Core::BooleanAnd", &[any, *next], span);
+            two = Some(match two {
+                Some(two) => self.logic("Core::BooleanOr", &[two, both], span),
+                None => both,
+            });
+            any = self.logic("Core::BooleanOr", &[any, *next], span);
+        }
+        match two {
+            Some(two) => self.logic("Core::BooleanNot", &[two], span),
+            None => self.add(Kind::Literal(Leaf::bool(true)), Ty::Bool, span),
+        }
+    }
+
+    fn tuple(&mut self, elements: &'a [ast::Expr], span: Span) -> ExprId {
+        let elements: Vec<ExprId> = elements.iter().map(|e| self.expr(e)).collect();
+        let ty = Ty::tuple(elements.iter().map(|id| self.ty_of(*id).clone()));
+        self.add(Kind::Build(elements.into()), ty, span)
+    }
+}
+
+fn signed(value: u64, negative: bool) -> Option<i64> {
+    match negative {
+        true => 0i64.checked_sub_unsigned(value),
+        false => i64::try_from(value).ok(),
+    }
+}

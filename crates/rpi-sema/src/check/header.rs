@@ -1,0 +1,205 @@
+//! The ports of a callable: all that a caller needs to know of it.
+
+use super::body::Body;
+use super::statics::{Static, Statics, display, key};
+use super::types::PortTy;
+use super::Checker;
+use crate::program::{DeclId, DeclKind};
+use crate::ty::Ty;
+use crate::typed::{ClockOn, FlowId, FlowRole, Optional, Unit, UnitKind};
+use rpi_diag::Span;
+use rpi_syntax::Name;
+use rpi_syntax::ast::{
+    CommandDecl, FragmentDecl, NodeDecl, NodeKind, PrimitiveDecl, Signature, VarDecl,
+};
+use std::rc::Rc;
+
+/// The ports of a callable for one choice of static arguments.
+#[derive(Debug)]
+pub(super) struct Header {
+    pub(super) decl: DeclId,
+    pub(super) statics: Rc<Statics>,
+    pub(super) name: Name,
+    pub(super) kind: UnitKind,
+    pub(super) span: Span,
+    /// In the order of [`Unit::inputs`].
+    pub(super) inputs: Vec<Port>,
+    pub(super) outputs: Vec<Port>,
+    pub(super) free_frames: Vec<Name>,
+}
+
+/// A port.
+#[derive(Debug)]
+pub(super) struct Port {
+    pub(super) name: Name,
+    pub(super) ty: Ty,
+    pub(super) role: FlowRole,
+    pub(super) has_default: bool,
+    pub(super) span: Span,
+}
+
+impl<'a> Checker<'a> {
+    /// The ports of a callable. Its faults are reported once.
+    pub(super) fn header(&mut self, id: DeclId, statics: Rc<Statics>) -> Option<Rc<Header>> {
+        let key = key(id, &statics);
+        if let Some(header) = self.headers.get(&key) {
+            return header.clone();
+        }
+        let header = self.new_header(id, statics).map(Rc::new);
+        self.headers.insert(key, header.clone());
+        header
+    }
+
+    fn new_header(&mut self, id: DeclId, statics: Rc<Statics>) -> Option<Header> {
+        let decl = self.program.decl(id);
+        let (kind, module, span) = (kind_of(decl.kind)?, decl.module, decl.span);
+        let name = display(&decl.name, &statics);
+        let unit = Unit::new(name.clone(), kind, span);
+        let mut body = Body::new(self, module, statics.clone(), unit);
+        body.declare_ports(id);
+        let unit = body.leave();
+        let ports = |ids: &[FlowId]| ids.iter().map(|id| port(&unit, *id)).collect();
+        Some(Header {
+            decl: id,
+            statics,
+            name,
+            kind,
+            span,
+            inputs: ports(&unit.inputs),
+            outputs: ports(&unit.outputs),
+            free_frames: unit.free_frames.clone(),
+        })
+    }
+}
+
+fn port(unit: &Unit, id: FlowId) -> Port {
+    let flow = unit.flow(id);
+    Port {
+        name: flow.name.clone(),
+        ty: flow.ty.clone(),
+        role: flow.role,
+        has_default: flow.default.is_some(),
+        span: flow.span,
+    }
+}
+
+/// What kind of unit a declaration makes.
+pub(super) fn kind_of(kind: DeclKind<'_>) -> Option<UnitKind> {
+    Some(match kind {
+        DeclKind::Node(node) => match node.kind {
+            NodeKind::Node => UnitKind::Node,
+            NodeKind::Function => UnitKind::Function,
+        },
+        DeclKind::Primitive(_) => UnitKind::Node,
+        DeclKind::Fragment(_) => UnitKind::Fragment,
+        DeclKind::Command(_) => UnitKind::Command,
+        _ => return None,
+    })
+}
+
+impl<'a> Body<'_, 'a> {
+    /// Declares the ports of a callable.
+    pub(super) fn declare_ports(&mut self, id: DeclId) {
+        self.in_signature = true;
+        self.declare_opaque(id);
+        match self.c.program.decl(id).kind {
+            DeclKind::Node(node) => self.node_ports(node),
+            DeclKind::Fragment(fragment) => self.fragment_ports(fragment),
+            DeclKind::Primitive(primitive) => self.primitive_ports(primitive),
+            DeclKind::Command(command) => self.command_ports(command),
+            _ => {}
+        }
+        self.in_signature = false;
+    }
+
+    /// Static values that are not known yet are flows.
+    fn declare_opaque(&mut self, id: DeclId) {
+        for param in self.c.params_of(id) {
+            let super::statics::Param::Value(name, def) = param else {
+                continue;
+            };
+            if !matches!(self.statics.get(&name.name), Some(Static::Opaque)) {
+                continue;
+            }
+            let ty = match &def.ty {
+                Some(ty) => self.ty(ty),
+                None => self.c.static_ty(id, def, &self.statics.clone()),
+            };
+            let optional = false;
+            let flow = self.declare_flow(name, &PortTy { ty, optional }, FlowRole::Param);
+            self.unit.inputs.push(flow);
+            if let Some(default) = &def.value {
+                self.default_of(flow, default);
+            }
+        }
+    }
+
+    fn node_ports(&mut self, node: &'a NodeDecl) {
+        self.signature_ports(&node.signature);
+    }
+
+    fn signature_ports(&mut self, signature: &'a Signature) {
+        let inputs = signature.inputs.as_deref().unwrap_or_default();
+        let outputs = signature.outputs.as_deref().unwrap_or_default();
+        self.inputs(inputs, FlowRole::Input);
+        self.outputs(outputs);
+        self.state_clocks_of(inputs);
+        self.state_clocks_of(outputs);
+    }
+
+    fn fragment_ports(&mut self, fragment: &'a FragmentDecl) {
+        self.signature_ports(&fragment.signature);
+        if fragment.when.is_some() {
+            for id in self.unit.outputs.clone() {
+                self.unit.flows[id.0 as usize].optional = Optional::Declared(true);
+            }
+        }
+    }
+
+    fn primitive_ports(&mut self, primitive: &'a PrimitiveDecl) {
+        self.signature_ports(&primitive.signature);
+    }
+
+    fn command_ports(&mut self, command: &'a CommandDecl) {
+        self.inputs(&command.params, FlowRole::Param);
+        self.inputs(&command.given, FlowRole::Given);
+    }
+
+    fn inputs(&mut self, decls: &'a [VarDecl], role: FlowRole) {
+        for decl in decls {
+            let port = self.port_ty(&decl.ty);
+            let role = if decl.is_const { FlowRole::Param } else { role };
+            for name in &decl.names {
+                let flow = self.declare_flow(name, &port, role);
+                self.unit.inputs.push(flow);
+                if let Some(default) = &decl.default {
+                    self.default_of(flow, default);
+                }
+            }
+        }
+    }
+
+    fn default_of(&mut self, flow: FlowId, default: &'a rpi_syntax::ast::Expr) {
+        let value = self.expr(default);
+        let ty = self.unit.flow(flow).ty.clone();
+        let span = self.unit.flow(flow).span;
+        let text = format!("`{}` is `{ty}`", self.unit.flow(flow).name);
+        self.expect(value, &ty, &super::report::Wanted::By(span, text));
+        self.unit.flows[flow.0 as usize].default = Some(value);
+    }
+
+    fn outputs(&mut self, decls: &'a [VarDecl]) {
+        for decl in decls {
+            let port = self.port_ty(&decl.ty);
+            for name in &decl.names {
+                let flow = self.declare_flow(name, &port, FlowRole::Output);
+                self.unit.outputs.push(flow);
+            }
+        }
+    }
+
+    /// The clock of a port as a caller sees it: the place of the deciding port among the in-ports.
+    pub(super) fn clock_of(&self, flow: FlowId) -> Option<ClockOn> {
+        self.unit.flow(flow).clock
+    }
+}

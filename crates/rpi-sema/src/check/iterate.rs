@@ -1,0 +1,241 @@
+//! Iterators over arrays: each is written out, one call per element.
+
+use super::access::leaves;
+use super::args::Given;
+use super::body::Body;
+use super::call::Callable;
+use super::report::Wanted;
+use crate::ty::{Member, Ty};
+use crate::typed::{Activation, ExprId, Kind, Leaf};
+use rpi_diag::{Code, Finding, Span};
+use rpi_syntax::ast::{StaticArg, StaticValue};
+use rpi_syntax::ops::BinaryOp;
+use std::rc::Rc;
+
+/// The names of the iterators.
+pub(super) const NAMES: &[&str] = &[
+    "map", "red", "fold", "fill", "fillred", "mapfold", "boolred", "condact",
+];
+
+/// How an iterator goes through its arrays.
+#[derive(Clone, Copy, PartialEq, Debug)]
+enum Way {
+    /// Each element by itself.
+    Map,
+    /// An accumulator goes in and out; elements go in, results come out.
+    Fill,
+    /// How many Booleans are true: between so many and so many.
+    Count(i64, i64),
+}
+
+/// An iterator with its static arguments.
+#[derive(Clone, Debug)]
+pub(super) struct Iteration {
+    name: &'static str,
+    way: Way,
+    callee: Option<Callable>,
+    size: u32,
+}
+
+impl Iteration {
+    pub(super) fn name(&self) -> String {
+        let callee = self.callee.as_ref().map_or_else(String::new, |callee| {
+            let mut key = String::new();
+            callee.write_key(&mut key);
+            key
+        });
+        format!("{}<<{callee}; {}; {:?}>>", self.name, self.size, self.way)
+    }
+}
+
+impl<'a> Body<'_, 'a> {
+    /// An iterator and what stands in its `<<...>>`.
+    pub(super) fn iteration(
+        &mut self,
+        name: &'static str,
+        statics: &'a [StaticArg],
+        span: Span,
+    ) -> Option<Iteration> {
+        match (name, statics) {
+            ("boolred", [least, most, size]) => {
+                let (least, most) = (self.static_int(least)?, self.static_int(most)?);
+                Some(Iteration {
+                    name,
+                    way: Way::Count(least, most),
+                    callee: None,
+                    size: self.static_size(size)?,
+                })
+            }
+            ("map" | "red" | "fold" | "fill" | "fillred" | "mapfold", [callee, size]) => {
+                let way = if name == "map" { Way::Map } else { Way::Fill };
+                Some(Iteration {
+                    name,
+                    way,
+                    callee: Some(self.static_callee(callee)?),
+                    size: self.static_size(size)?,
+                })
+            }
+            _ => {
+                let form = match name {
+                    "boolred" => "boolred<<least; most; size>>(array)".to_owned(),
+                    _ => format!("{name}<<node; size>>(...)"),
+                };
+                let finding = Finding::new(Code::RPI1010, format!("`{name}` lacks its static arguments"))
+                    .at(span, "not of the right form")
+                    .help(format!("write `{form}`"));
+                self.report(finding);
+                None
+            }
+        }
+    }
+
+    fn static_int(&mut self, arg: &'a StaticArg) -> Option<i64> {
+        match &arg.value {
+            StaticValue::Expr(expr) => self.integer(expr),
+            _ => {
+                let finding = Finding::new(Code::RPI1010, "an integer is expected here").at(arg.span, "this is none");
+                self.report(finding);
+                None
+            }
+        }
+    }
+
+    fn static_size(&mut self, arg: &'a StaticArg) -> Option<u32> {
+        match &arg.value {
+            StaticValue::Expr(expr) => self.size(expr),
+            _ => self.static_int(arg).and_then(|n| u32::try_from(n).ok()),
+        }
+    }
+
+    /// An iterator, applied.
+    pub(super) fn iterate(&mut self, iteration: &Iteration, given: &[Given<'a>], span: Span) -> ExprId {
+        let given = self.spread_tuples(given.to_vec());
+        let values: Vec<ExprId> = given.iter().map(|arg| arg.value).collect();
+        match (iteration.way, &iteration.callee) {
+            (Way::Map, Some(callee)) => self.map(callee, &values, iteration.size, span),
+            (Way::Fill, Some(callee)) => self.fill_array(callee, &values, iteration.size, span),
+            (Way::Count(least, most), _) => self.count(least, most, &values, iteration.size, span),
+            _ => self.fault(span),
+        }
+    }
+
+    /// The element of each array at one place.
+    fn elements(&mut self, arrays: &[ExprId], k: u32, n: u32) -> Option<Vec<ExprId>> {
+        let mut elements = Vec::with_capacity(arrays.len());
+        for array in arrays {
+            let span = self.span_of(*array);
+            match self.ty_of(*array).clone() {
+                Ty::Array(element, m) if m == n => {
+                    let at = k * leaves(&element);
+                    elements.push(self.add(Kind::Part { base: *array, at }, (*element).clone(), span));
+                }
+                Ty::Unknown => return None,
+                ty => {
+                    let finding = Finding::new(Code::RPI2009, format!("expected an array of {n} elements, found `{ty}`"))
+                        .at(span, format!("this is `{ty}`"));
+                    self.report(finding);
+                    return None;
+                }
+            }
+        }
+        Some(elements)
+    }
+
+    fn call_element(&mut self, callee: &Callable, args: Vec<ExprId>, span: Span) -> Vec<ExprId> {
+        let given = args.into_iter().map(Given::plain).collect();
+        let result = self.apply(callee, given, Activation::Always, span);
+        match self.ty_of(result) {
+            Ty::Tuple(_) => self.parts_of(result),
+            _ => vec![result],
+        }
+    }
+
+    fn map(&mut self, callee: &Callable, arrays: &[ExprId], n: u32, span: Span) -> ExprId {
+        let mut columns: Vec<Vec<ExprId>> = Vec::new();
+        for k in 0..n {
+            let Some(elements) = self.elements(arrays, k, n) else {
+                return self.fault(span);
+            };
+            let results = self.call_element(callee, elements, span);
+            push_row(&mut columns, &results);
+        }
+        let arrays: Vec<ExprId> = columns.into_iter().map(|c| self.column(&c, span)).collect();
+        self.one_or_tuple(arrays, span)
+    }
+
+    /// `fill`, `red` (`fold`) and `fillred` (`mapfold`) differ only in what the node takes and gives.
+    fn fill_array(&mut self, callee: &Callable, values: &[ExprId], n: u32, span: Span) -> ExprId {
+        let Some((first, arrays)) = values.split_first() else {
+            let finding = Finding::new(Code::RPI1010, "the first value of the accumulator is missing")
+                .at(span, "no argument");
+            return self.fault_with(finding, span);
+        };
+        let mut accumulator = *first;
+        let mut columns: Vec<Vec<ExprId>> = Vec::new();
+        for k in 0..n {
+            let Some(elements) = self.elements(arrays, k, n) else {
+                return self.fault(span);
+            };
+            let args = std::iter::once(accumulator).chain(elements).collect();
+            let results = self.call_element(callee, args, span);
+            let Some((next, rest)) = results.split_first() else {
+                return self.fault(span);
+            };
+            accumulator = *next;
+            push_row(&mut columns, rest);
+        }
+        let columns: Vec<ExprId> = columns.into_iter().map(|c| self.column(&c, span)).collect();
+        self.one_or_tuple(std::iter::once(accumulator).chain(columns).collect(), span)
+    }
+
+    fn column(&mut self, elements: &[ExprId], span: Span) -> ExprId {
+        let n = u32::try_from(elements.len()).unwrap_or(u32::MAX);
+        let element = elements.first().map_or(Ty::Unknown, |id| self.ty_of(*id).clone());
+        self.add(Kind::Build(elements.into()), Ty::Array(Rc::new(element), n), span)
+    }
+
+    fn one_or_tuple(&mut self, values: Vec<ExprId>, span: Span) -> ExprId {
+        if let [one] = values[..] {
+            return one;
+        }
+        let member = |ty| Member { name: None, ty };
+        let members = values.iter().map(|id| member(self.ty_of(*id).clone())).collect();
+        self.add(Kind::Build(values.into()), Ty::Tuple(members), span)
+    }
+
+    /// `boolred<<least; most; n>>(a)`: whether the number of true elements lies between both.
+    fn count(&mut self, least: i64, most: i64, values: &[ExprId], n: u32, span: Span) -> ExprId {
+        let [array] = values else {
+            let finding = Finding::new(Code::RPI1010, "`boolred` takes one array").at(span, "wrong number of arguments");
+            return self.fault_with(finding, span);
+        };
+        let mut total = self.add(Kind::Literal(Leaf::int(0)), Ty::Int, span);
+        for k in 0..n {
+            let Some(element) = self.elements(&[*array], k, n) else {
+                return self.fault(span);
+            };
+            self.expect(element[0], &Ty::Bool, &Wanted::Here);
+            total = self.one_more_if(element[0], total, span);
+        }
+        let bounds = [(BinaryOp::Ge, least), (BinaryOp::Le, most)];
+        let [at_least, at_most] = bounds.map(|(op, bound)| {
+            let bound = self.add(Kind::Literal(Leaf::int(bound)), Ty::Int, span);
+            self.binary_prim(op, total, bound, span)
+        });
+        self.logic("Core::BooleanAnd", &[at_least, at_most], span)
+    }
+
+    fn one_more_if(&mut self, condition: ExprId, total: ExprId, span: Span) -> ExprId {
+        let [one, zero] = [1, 0].map(|v| self.add(Kind::Literal(Leaf::int(v)), Ty::Int, span));
+        let more = Kind::Each(crate::typed::Each::If, [condition, one, zero].into());
+        let more = self.add(more, Ty::Int, span);
+        self.binary_prim(BinaryOp::Add, total, more, span)
+    }
+}
+
+fn push_row(columns: &mut Vec<Vec<ExprId>>, row: &[ExprId]) {
+    columns.resize_with(columns.len().max(row.len()), Vec::new);
+    for (column, value) in columns.iter_mut().zip(row) {
+        column.push(*value);
+    }
+}

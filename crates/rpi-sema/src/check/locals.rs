@@ -1,0 +1,123 @@
+//! Names inside a body: flows, constants, fragments in place and states, by block.
+
+use super::Constant;
+use super::body::Body;
+use super::types::PortTy;
+use crate::hash::Map;
+use crate::program::twice;
+use crate::ty::Ty;
+use crate::typed::{Block, BlockId, Flow, FlowId, FlowRole, Optional};
+use rpi_diag::Span;
+use rpi_syntax::Name;
+use rpi_syntax::ast::Ident;
+
+/// What a name inside a body stands for.
+#[derive(Clone, Debug)]
+pub(super) enum Local {
+    /// A flow.
+    Flow(FlowId),
+    /// A constant.
+    Constant(Constant),
+    /// A fragment in place or a state.
+    Block(BlockId),
+}
+
+/// The names of one block.
+#[derive(Default, Debug)]
+pub(super) struct Scope {
+    names: Map<Name, (Local, Span)>,
+    /// In text order, for "did you mean".
+    order: Vec<Name>,
+}
+
+impl Body<'_, '_> {
+    /// What a name means here: in this block, or else in those around it.
+    pub(super) fn find_local(&self, name: &str) -> Option<Local> {
+        let mut block = Some(self.block);
+        while let Some(id) = block {
+            if let Some((local, _)) = self.scopes[id.0 as usize].names.get(name) {
+                return Some(local.clone());
+            }
+            block = self.unit.block(id).parent;
+        }
+        None
+    }
+
+    /// What a name means in one block alone.
+    pub(super) fn find_in(&self, block: BlockId, name: &str) -> Option<Local> {
+        let scope = &self.scopes[block.0 as usize];
+        scope.names.get(name).map(|(local, _)| local.clone())
+    }
+
+    /// The names that can be seen from here, nearest block first.
+    pub(super) fn local_names(&self) -> impl Iterator<Item = &str> {
+        let blocks = std::iter::successors(Some(self.block), |id| self.unit.block(*id).parent);
+        blocks.flat_map(|id| self.names_in(id))
+    }
+
+    /// The names of one block in text order.
+    pub(super) fn names_in(&self, block: BlockId) -> impl Iterator<Item = &str> {
+        self.scopes[block.0 as usize].order.iter().map(Name::as_str)
+    }
+
+    /// Gives a name a meaning in the current block; a second meaning is reported.
+    pub(super) fn declare(&mut self, name: &Ident, local: Local) {
+        let scope = &mut self.scopes[self.block.0 as usize];
+        match scope.names.get(&name.name) {
+            Some((_, first)) => {
+                let finding = twice(&name.name, name.span, *first);
+                self.report(finding);
+            }
+            None => {
+                scope.names.insert(name.name.clone(), (local, name.span));
+                scope.order.push(name.name.clone());
+            }
+        }
+    }
+
+    /// Adds a declared flow to the current block.
+    pub(super) fn declare_flow(&mut self, name: &Ident, port: &PortTy, role: FlowRole) -> FlowId {
+        let optional = Optional::Declared(port.optional);
+        let flow = self.add_flow(name, port.ty.clone(), optional, role);
+        self.declare(name, Local::Flow(flow));
+        flow
+    }
+
+    /// Adds a flow whose type is that of its equation.
+    pub(super) fn introduce_flow(&mut self, name: &Ident) -> FlowId {
+        let flow = self.add_flow(name, Ty::Unknown, Optional::Inferred, FlowRole::Local);
+        self.declare(name, Local::Flow(flow));
+        flow
+    }
+
+    /// Adds a flow to the table, without a meaning for its name.
+    pub(super) fn add_flow(
+        &mut self,
+        name: &Ident,
+        ty: Ty,
+        optional: Optional,
+        role: FlowRole,
+    ) -> FlowId {
+        let id = FlowId(u32::try_from(self.unit.flows.len()).unwrap_or(u32::MAX));
+        self.unit.flows.push(Flow {
+            name: name.name.clone(),
+            ty,
+            optional,
+            role,
+            block: self.block,
+            clock: None,
+            default: None,
+            span: name.span,
+        });
+        self.defined_by.push(None);
+        id
+    }
+
+    /// Adds a block inside the current one.
+    pub(super) fn add_block(&mut self, name: &Name, span: Span) -> BlockId {
+        let id = BlockId(u32::try_from(self.unit.blocks.len()).unwrap_or(u32::MAX));
+        self.unit.blocks.push(Block::new(name.clone(), Some(self.block), span));
+        self.scopes.push(Scope::default());
+        id
+    }
+}

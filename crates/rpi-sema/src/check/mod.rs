@@ -1,0 +1,158 @@
+//! From the syntax tree to the typed program.
+//!
+//! A [`Unit`] is checked once for each choice of static arguments with which it is called. Types are found bottom up;
+//! a local flow without declared type has that of its equation, whatever the order of the text. Everything is checked
+//! although parts are faulty: what a fault leaves open is [`Ty::Unknown`], which fits everything, so that one fault
+//! gives one message.
+//!
+//! | file | idea |
+//! |---|---|
+//! | `unit.rs`, `header.rs`, `statics.rs` | callables, their ports and static arguments |
+//! | `types.rs`, `device.rs`, `consts.rs` | types and constants |
+//! | `body.rs`, `locals.rs`, `order.rs`, `statement.rs`, `targets.rs`, `definitions.rs`, `automaton.rs` | bodies, their flows and equations |
+//! | `expr.rs`, `names.rs`, `ops.rs`, `access.rs`, `compose.rs`, `clocked.rs` | expressions |
+//! | `call.rs`, `args.rs`, `prim.rs`, `special.rs`, `iterate.rs` | calls |
+//! | `report.rs` | words that several of them use |
+
+mod access;
+mod args;
+mod automaton;
+mod body;
+mod call;
+mod clocked;
+mod compose;
+mod consts;
+mod definitions;
+mod device;
+mod expr;
+mod header;
+mod iterate;
+mod locals;
+mod names;
+mod ops;
+mod order;
+mod prim;
+mod report;
+mod special;
+mod statement;
+mod statics;
+mod targets;
+mod types;
+mod unit;
+
+use crate::hash::Map;
+use crate::program::{DeclId, DeclKind, Program};
+use crate::ty::Ty;
+use crate::typed::{Leaf, Unit, UnitId};
+use header::Header;
+use rpi_diag::Finding;
+use std::collections::VecDeque;
+use std::rc::Rc;
+
+pub use names::result_identity;
+pub(crate) use prim::{packed, param_default};
+pub use unit::MAX_UNITS;
+
+/// A checked program.
+#[derive(Debug)]
+pub struct Checked {
+    /// All units that are called from somewhere or can be run.
+    pub units: Vec<Unit>,
+    /// The unit of each declaration that needs no static arguments, in the order of the declarations.
+    pub runnable: Vec<(DeclId, UnitId)>,
+    /// What was found.
+    pub findings: Vec<Finding>,
+}
+
+impl Checked {
+    /// The unit of this index.
+    #[must_use]
+    pub fn unit(&self, id: UnitId) -> &Unit {
+        &self.units[id.0 as usize]
+    }
+}
+
+/// Checks a program: the whole of its first module, and of the others what that one uses.
+#[must_use]
+pub fn check(program: &Program<'_>) -> Checked {
+    let mut checker = Checker::new(program);
+    let mut runnable = Vec::new();
+    for id in &program.root().decls {
+        runnable.extend(checker.declaration(*id).map(|unit| (*id, unit)));
+    }
+    checker.check_queued();
+    Checked {
+        units: checker.units,
+        runnable,
+        findings: checker.findings,
+    }
+}
+
+/// A constant: its type and its leaves.
+#[derive(Clone, Debug)]
+pub(crate) struct Constant {
+    pub(crate) ty: Ty,
+    pub(crate) leaves: Rc<[Leaf]>,
+}
+
+/// Something that is worked out once, when it is first needed.
+#[derive(Clone, Debug)]
+enum Lazy<T> {
+    /// Being worked out: needed again meanwhile, it needs itself.
+    Busy,
+    /// Known; none after a fault.
+    Done(Option<T>),
+}
+
+/// What is known of a program while it is checked.
+struct Checker<'a> {
+    program: &'a Program<'a>,
+    /// The units; empty until they are checked.
+    units: Vec<Unit>,
+    entries: Vec<unit::Entry>,
+    too_many_units: bool,
+    unit_ids: Map<String, UnitId>,
+    queue: VecDeque<UnitId>,
+    constants: Map<(DeclId, u32), Lazy<Constant>>,
+    types: Map<String, Lazy<Ty>>,
+    headers: Map<String, Option<Rc<Header>>>,
+    findings: Vec<Finding>,
+}
+
+impl<'a> Checker<'a> {
+    fn new(program: &'a Program<'a>) -> Self {
+        Checker {
+            program,
+            units: Vec::new(),
+            entries: Vec::new(),
+            too_many_units: false,
+            unit_ids: Map::default(),
+            queue: VecDeque::new(),
+            constants: Map::default(),
+            types: Map::default(),
+            headers: Map::default(),
+            findings: Vec::new(),
+        }
+    }
+
+    /// Checks a declaration of the first module by itself; a callable that needs no static arguments gives a unit.
+    fn declaration(&mut self, id: DeclId) -> Option<UnitId> {
+        match self.program.decl(id).kind {
+            DeclKind::Const(_) => {
+                self.constant(id);
+            }
+            DeclKind::Type(_) | DeclKind::Device(_) => {
+                self.type_alone(id);
+            }
+            DeclKind::Node(_)
+            | DeclKind::Fragment(_)
+            | DeclKind::Primitive(_)
+            | DeclKind::Command(_) => return self.unit_alone(id),
+            DeclKind::EnumValue { .. }
+            | DeclKind::Frame(_)
+            | DeclKind::Task(_)
+            | DeclKind::Broken(_) => {}
+        }
+        None
+    }
+}

@@ -1,0 +1,239 @@
+//! A name in an expression.
+
+use super::Constant;
+use super::body::Body;
+use super::locals::Local;
+use super::report::{listed, not_a, unknown};
+use super::statics::Static;
+use crate::program::{Decl, DeclId, DeclKind, Lookup};
+use crate::ty::Ty;
+use crate::typed::{ExprId, FlowId, Kind, Leaf, UnitKind};
+use rpi_diag::{Code, Finding, Span};
+use rpi_syntax::Name;
+use rpi_syntax::ast::{self, CommandDecl, ExprKind};
+
+/// A flow that is there without being declared: its name, primitive, and whether only commands have it.
+struct Predeclared {
+    name: &'static str,
+    prim: &'static str,
+    ty: Ty,
+    of_command: bool,
+}
+
+/// The predeclared flows.
+const PREDECLARED: &[Predeclared] = &[
+    flow("cancel", "Rpi::Cancel", Ty::Bool, true),
+    flow("takeover", "Rpi::Takeover", Ty::Bool, true),
+    flow("predecessor", "Rpi::Predecessor", Ty::Result, true),
+    flow("first", "Rpi::First", Ty::Bool, false),
+    flow("time", "Rpi::Time", Ty::Real(crate::units::Dim::TIME), false),
+    flow("dt", "Core::CycleTime", Ty::Real(crate::units::Dim::TIME), false),
+];
+
+const fn flow(name: &'static str, prim: &'static str, ty: Ty, of_command: bool) -> Predeclared {
+    Predeclared {
+        name,
+        prim,
+        ty,
+        of_command,
+    }
+}
+
+impl<'a> Body<'_, 'a> {
+    /// A plain or qualified name.
+    pub(super) fn name(&mut self, name: &Name, span: Span) -> ExprId {
+        if let Some(local) = self.find_local(name) {
+            return self.local(name, &local, span);
+        }
+        match self.statics.get(name) {
+            Some(Static::Value(constant)) => {
+                let constant = constant.clone();
+                return self.constant_expr(&constant, span);
+            }
+            Some(_) => return self.not_a_flow(name, "a static parameter", span, span),
+            None => {}
+        }
+        match self.c.program.lookup(self.module, name) {
+            Lookup::Found(id) => self.declared(id, span),
+            Lookup::Ambiguous(ids) => {
+                self.ambiguous(name, span, &ids);
+                self.fault(span)
+            }
+            Lookup::Missing => self.predeclared(name, span),
+        }
+    }
+
+    fn local(&mut self, name: &Name, local: &Local, span: Span) -> ExprId {
+        match local {
+            Local::Flow(flow) => self.flow_expr(*flow, span),
+            Local::Constant(constant) => self.constant_expr(constant, span),
+            Local::Block(block) => {
+                let declared = self.unit.block(*block).span;
+                let finding = not_a("a flow", name, "a fragment", span, declared)
+                    .help(format!("read one of its flows: `{name}.x`"));
+                self.fault_with(finding, span)
+            }
+        }
+    }
+
+    /// A flow, read.
+    pub(super) fn flow_expr(&mut self, flow: FlowId, span: Span) -> ExprId {
+        if self.inferring {
+            self.is_missing(flow);
+        }
+        let ty = self.unit.flow(flow).ty.clone();
+        self.add(Kind::Flow(flow), ty, span)
+    }
+
+    /// A constant, read.
+    pub(super) fn constant_expr(&mut self, constant: &Constant, span: Span) -> ExprId {
+        let kind = match &constant.leaves[..] {
+            [one] => Kind::Literal(one.clone()),
+            _ => Kind::Const(constant.leaves.clone()),
+        };
+        self.add(kind, constant.ty.clone(), span)
+    }
+
+    fn declared(&mut self, id: DeclId, span: Span) -> ExprId {
+        let decl = self.c.program.decl(id).clone();
+        match decl.kind {
+            DeclKind::Const(_) => match self.c.constant(id) {
+                Some(constant) => self.constant_expr(&constant, span),
+                None => self.fault(span),
+            },
+            DeclKind::EnumValue { ty, index } => {
+                let ty = self.c.type_decl(ty, span);
+                self.add(Kind::Literal(Leaf::int(index.into())), ty, span)
+            }
+            DeclKind::Broken(_) => self.fault(span),
+            kind => self.not_a_flow(&decl.name, kind.what(), span, decl.span),
+        }
+    }
+
+    fn not_a_flow(&mut self, name: &str, is: &str, span: Span, declared: Span) -> ExprId {
+        self.fault_with(not_a("a flow", name, is, span, declared), span)
+    }
+
+    fn predeclared(&mut self, name: &Name, span: Span) -> ExprId {
+        if name == "none" {
+            return self.add(Kind::None, Ty::Unknown, span);
+        }
+        let found = PREDECLARED.iter().find(|flow| name == flow.name);
+        match found.filter(|_| self.is_rpi()) {
+            Some(flow) if flow.of_command && self.unit.kind == UnitKind::Function => {
+                self.no_command(flow.name, span)
+            }
+            Some(flow) => {
+                if !flow.of_command {
+                    self.has_state(span);
+                }
+                self.nullary(flow.prim, flow.ty.clone(), span)
+            }
+            None => self.unknown_flow(name, span),
+        }
+    }
+
+    fn no_command(&mut self, name: &str, span: Span) -> ExprId {
+        let finding = Finding::new(Code::RPI3005, format!("a function can not read `{name}`"))
+            .at(span, "it belongs to the running command")
+            .help("give it to the function as an argument, or make the function a node");
+        self.fault_with(finding, span)
+    }
+
+    fn unknown_flow(&mut self, name: &Name, span: Span) -> ExprId {
+        let near = rpi_diag::suggest(name, self.local_names());
+        let is_value = |id: DeclId| {
+            let kind = self.c.program.decl(id).kind;
+            matches!(kind, DeclKind::Const(_) | DeclKind::EnumValue { .. })
+        };
+        let near = near.or_else(|| self.c.program.nearest(self.module, name, is_value));
+        let predeclared = PREDECLARED.iter().map(|flow| flow.name);
+        let near = near.or_else(|| rpi_diag::suggest(name, predeclared));
+        self.fault_with(unknown("flow", name, span, near), span)
+    }
+
+    /// Reports a name that several modules declare.
+    pub(super) fn ambiguous(&mut self, name: &Name, span: Span, ids: &[DeclId]) {
+        let module = |id: &DeclId| self.c.program.decl(*id).module;
+        let names: Vec<String> = ids
+            .iter()
+            .map(|id| format!("{}::{name}", self.c.program.module(module(id)).name))
+            .collect();
+        let finding = Finding::new(Code::RPI1006, format!("`{name}` is declared by several modules"))
+            .at(span, "which one?")
+            .help(format!("write {}", listed(names.iter().map(String::as_str))));
+        self.report(finding);
+    }
+
+    /// `MoveToC.at_b`: how a command ended.
+    pub(super) fn result_of(&mut self, name: &Name, field: &ast::Ident, span: Span) -> Option<ExprId> {
+        if self.find_local(name).is_some() {
+            return None;
+        }
+        let Lookup::Found(id) = self.c.program.lookup(self.module, name) else {
+            return None;
+        };
+        let Decl { kind, .. } = self.c.program.decl(id);
+        let DeclKind::Command(command) = *kind else {
+            return None;
+        };
+        let results = results_of(command);
+        if !results.contains(&&field.name) {
+            let near = rpi_diag::suggest(&field.name, results.iter().map(|name| name.as_str()));
+            let of = format!("the command `{name}`");
+            let finding = super::report::no_member(&of, &field.name, field.span, near)
+                .help(format!("it ends by {}", listed(results.iter().map(|n| n.as_str()))));
+            return Some(self.fault_with(finding, span));
+        }
+        let identity = result_identity(&format!("{name}.{}", field.name));
+        Some(self.add(Kind::Literal(Leaf::int(identity)), Ty::Result, span))
+    }
+
+    /// A name with parts, as `export` lists it.
+    pub(super) fn dotted(&mut self, dotted: &'a ast::Dotted) -> ExprId {
+        let [first, rest @ ..] = &dotted.parts[..] else {
+            return self.fault(dotted.span);
+        };
+        if let (Some(Local::Block(block)), [field, after @ ..]) = (self.find_local(&first.name), rest) {
+            let of_block = self.flow_of_block(block, field);
+            return after.iter().fold(of_block, |base, field| self.member(base, field));
+        }
+        let base = self.name(&first.name, first.span);
+        rest.iter().fold(base, |base, field| self.member(base, field))
+    }
+}
+
+/// The results of a command in text order.
+pub(crate) fn results_of(command: &CommandDecl) -> Vec<&Name> {
+    let ends = command.body.statements.iter().filter_map(|statement| match &statement.kind {
+        ast::StatementKind::End(end) => Some(&end.result.name),
+        _ => None,
+    });
+    ends.collect()
+}
+
+/// The identity of a result at run time: 64-bit FNV-1a of `Command.result` (Fowler, Noll, Vo).
+#[must_use]
+pub fn result_identity(path: &str) -> i64 {
+    let step = |hash: u64, byte: u8| (hash ^ u64::from(byte)).wrapping_mul(0x0100_0000_01b3);
+    path.bytes().fold(0xcbf2_9ce4_8422_2325, step).cast_signed()
+}
+
+/// The name of an expression that is nothing but a name, parentheses aside.
+pub(super) fn plain_name(expr: &ast::Expr) -> Option<&Name> {
+    match &expr.unparen().kind {
+        ExprKind::Name(name) => Some(name),
+        _ => None,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn identities_are_those_of_fnv_1a() {
+        assert_eq!(result_identity("").cast_unsigned(), 0xcbf2_9ce4_8422_2325);
+        assert_eq!(result_identity("a").cast_unsigned(), 0xaf63_dc4c_8601_ec8c);
+    }
+}

@@ -1,0 +1,419 @@
+//! Operators: which primitive they are for which operands, and what their result is.
+
+use super::body::Body;
+use super::report::{Wanted, dimensions_apart};
+use crate::ty::{Geometry, Ty, join};
+use crate::typed::{Each, ExprId, Kind, Leaf};
+use crate::units::{Dim, Ratio};
+use rpi_diag::{Code, Finding, Span};
+use rpi_image::Scalar;
+use rpi_syntax::ast::{self, Binary, ExprKind};
+use rpi_syntax::ops::{BinaryOp, UnaryOp};
+use std::rc::Rc;
+
+/// How the type of a result follows from those of the operands.
+#[derive(Clone, Copy, PartialEq, Debug)]
+enum Rule {
+    /// Both are of one kind; so is the result.
+    Same,
+    /// Both are of one kind; the result is a Boolean.
+    Test,
+    /// Dimensions multiply.
+    Times,
+    /// Dimensions divide.
+    Over,
+    /// A constant power.
+    Power,
+    /// Frames are composed, `(b in a) * (c in b)`.
+    Compose,
+    /// A point in time.
+    Moment,
+    /// Seconds.
+    Seconds,
+}
+
+/// An operator on operands of given machine types.
+struct Row {
+    op: BinaryOp,
+    left: Scalar,
+    right: Scalar,
+    prim: &'static str,
+    /// Whether the primitive takes the right operand first.
+    swapped: bool,
+    rule: Rule,
+}
+
+const fn row(
+    op: BinaryOp,
+    (left, right): (Scalar, Scalar),
+    prim: &'static str,
+    swapped: bool,
+    rule: Rule,
+) -> Row {
+    Row {
+        op,
+        left,
+        right,
+        prim,
+        swapped,
+        rule,
+    }
+}
+
+use BinaryOp::{
+    Add, And, Div, Ge, Gt, Implies, IntDiv, Le, Lt, Mod, Mul, Or, Pow, Sub, Xor,
+};
+use Scalar::{Bool, Int, Pose, Real, Rotation, Time, Twist, Vector, Wrench};
+
+/// Every operator that is one primitive.
+#[rustfmt::skip]
+const BINARY: &[Row] = &[
+    row(And,     (Bool, Bool),         "Core::BooleanAnd",        false, Rule::Test),
+    row(Or,      (Bool, Bool),         "Core::BooleanOr",         false, Rule::Test),
+    row(Xor,     (Bool, Bool),         "Rpi::BooleanXor",         false, Rule::Test),
+    row(Implies, (Bool, Bool),         "Rpi::BooleanImplies",     false, Rule::Test),
+    row(Add,     (Int, Int),           "Core::IntAdd",            false, Rule::Same),
+    row(Sub,     (Int, Int),           "Rpi::IntSubtract",        false, Rule::Same),
+    row(Mul,     (Int, Int),           "Core::IntMultiply",       false, Rule::Same),
+    row(Div,     (Int, Int),           "Core::IntDivide",         false, Rule::Same),
+    row(IntDiv,  (Int, Int),           "Core::IntDivide",         false, Rule::Same),
+    row(Mod,     (Int, Int),           "Rpi::IntModulo",          false, Rule::Same),
+    row(Pow,     (Int, Int),           "Rpi::IntPower",           false, Rule::Same),
+    row(Add,     (Real, Real),         "Core::DoubleAdd",         false, Rule::Same),
+    row(Sub,     (Real, Real),         "Rpi::DoubleSubtract",     false, Rule::Same),
+    row(Mul,     (Real, Real),         "Core::DoubleMultiply",    false, Rule::Times),
+    row(Div,     (Real, Real),         "Core::DoubleDivide",      false, Rule::Over),
+    row(Mod,     (Real, Real),         "Core::DoubleModulo",      false, Rule::Same),
+    row(Pow,     (Real, Real),         "Core::DoublePower",       false, Rule::Power),
+    row(Lt,      (Int, Int),           "Core::IntGreater",        true,  Rule::Test),
+    row(Gt,      (Int, Int),           "Core::IntGreater",        false, Rule::Test),
+    row(Le,      (Int, Int),           "Rpi::IntGreaterOrEqual",  true,  Rule::Test),
+    row(Ge,      (Int, Int),           "Rpi::IntGreaterOrEqual",  false, Rule::Test),
+    row(Lt,      (Real, Real),         "Core::DoubleGreater",     true,  Rule::Test),
+    row(Gt,      (Real, Real),         "Core::DoubleGreater",     false, Rule::Test),
+    row(Le,      (Real, Real),         "Rpi::DoubleGreaterOrEqual", true,  Rule::Test),
+    row(Ge,      (Real, Real),         "Rpi::DoubleGreaterOrEqual", false, Rule::Test),
+    row(Add,     (Vector, Vector),     "World::VectorAdd",        false, Rule::Same),
+    row(Sub,     (Vector, Vector),     "Rpi::VectorSubtract",     false, Rule::Same),
+    row(Mul,     (Vector, Real),       "World::VectorScale",      false, Rule::Times),
+    row(Mul,     (Real, Vector),       "World::VectorScale",      true,  Rule::Times),
+    row(Add,     (Twist, Twist),       "World::TwistAdd",         false, Rule::Same),
+    row(Add,     (Wrench, Wrench),     "Rpi::WrenchAdd",          false, Rule::Same),
+    row(Mul,     (Rotation, Rotation), "World::RotationTransform", false, Rule::Compose),
+    row(Mul,     (Rotation, Vector),   "World::VectorRotate",     true,  Rule::Compose),
+    row(Mul,     (Pose, Pose),         "World::FrameTransform",   false, Rule::Compose),
+    row(Mul,     (Pose, Vector),       "Rpi::FrameApply",         false, Rule::Compose),
+    row(Add,     (Time, Real),         "Core::TimeAdd",           false, Rule::Moment),
+    row(Sub,     (Time, Time),         "Core::TimeDiff",          false, Rule::Seconds),
+];
+
+/// Unary operators that are one primitive.
+#[rustfmt::skip]
+const UNARY: &[(UnaryOp, Scalar, &str)] = &[
+    (UnaryOp::Not,    Bool,   "Core::BooleanNot"),
+    (UnaryOp::Neg,    Int,    "Rpi::IntNegate"),
+    (UnaryOp::Neg,    Real,   "Rpi::DoubleNegate"),
+    (UnaryOp::Neg,    Vector, "Rpi::VectorNegate"),
+    (UnaryOp::ToInt,  Real,   "Core::IntFromDouble"),
+    (UnaryOp::ToReal, Int,    "Core::DoubleFromInt"),
+];
+
+impl<'a> Body<'_, 'a> {
+    /// `op operand`
+    pub(super) fn unary(&mut self, op: UnaryOp, operand: &'a ast::Expr, span: Span) -> ExprId {
+        if let (UnaryOp::Neg, ExprKind::Number(number)) = (op, &operand.kind) {
+            return self.number(number, true, span);
+        }
+        match op {
+            UnaryOp::Pre => self.pre(operand, span),
+            UnaryOp::Last => self.last(operand, span),
+            UnaryOp::Current => self.current_of(operand, span),
+            _ => {
+                let operand = self.expr(operand);
+                self.unary_prim(op, operand, span)
+            }
+        }
+    }
+
+    /// A unary operator on a checked operand.
+    pub(super) fn unary_prim(&mut self, op: UnaryOp, operand: ExprId, span: Span) -> ExprId {
+        let ty = self.ty_of(operand).clone();
+        if ty.is_unknown() {
+            return self.add(Kind::Fault, unary_guess(op), span);
+        }
+        if matches!((op, &ty), (UnaryOp::ToInt, Ty::Int) | (UnaryOp::ToReal, Ty::Real(_))) {
+            return operand;
+        }
+        let row = UNARY.iter().find(|row| row.0 == op && Some(row.1) == operand_kind(&ty));
+        match row {
+            Some((_, _, prim)) => {
+                let ty = if op == UnaryOp::Neg { ty } else { unary_guess(op) };
+                self.prim_typed(prim, &[operand], ty, span)
+            }
+            None => {
+                let finding = Finding::new(
+                    Code::RPI2006,
+                    format!("`{}` can not take `{ty}`", op.spelling()),
+                )
+                .at(self.span_of(operand), format!("this is `{ty}`"));
+                self.fault_with(finding, span)
+            }
+        }
+    }
+
+    fn pre(&mut self, operand: &'a ast::Expr, span: Span) -> ExprId {
+        self.has_state(span);
+        let operand = self.expr(operand);
+        let ty = self.ty_of(operand).clone();
+        self.add(Kind::Each(Each::Pre, [operand].into()), ty, span)
+    }
+
+    /// `lhs op rhs`
+    pub(super) fn binary(&mut self, binary: &'a Binary, span: Span) -> ExprId {
+        match binary.op {
+            BinaryOp::Concat => self.concat(binary, span),
+            BinaryOp::Repeat => self.repeat(binary, span),
+            BinaryOp::Coalesce => self.each_of_two(Each::Coalesce, binary, span),
+            BinaryOp::Arrow => {
+                self.has_state(span);
+                self.each_of_two(Each::Arrow, binary, span)
+            }
+            BinaryOp::Fby => self.fby(binary, span),
+            op => {
+                let (left, right) = (self.expr(&binary.lhs), self.expr(&binary.rhs));
+                self.binary_prim(op, left, right, span)
+            }
+        }
+    }
+
+    /// A binary operator on checked operands.
+    pub(super) fn binary_prim(&mut self, op: BinaryOp, left: ExprId, right: ExprId, span: Span) -> ExprId {
+        if matches!(op, BinaryOp::Eq | BinaryOp::Ne) {
+            return self.equal(op, left, right, span);
+        }
+        let (a, b) = (self.ty_of(left).clone(), self.ty_of(right).clone());
+        if a.is_unknown() || b.is_unknown() {
+            return self.add(Kind::Fault, binary_guess(op, &a, &b), span);
+        }
+        let kinds = (operand_kind(&a), operand_kind(&b));
+        let fits = |row: &&Row| row.op == op && (Some(row.left), Some(row.right)) == kinds;
+        let Some(row) = BINARY.iter().find(fits) else {
+            return self.no_operator(op, left, right, span);
+        };
+        let ty = self.result_type(row, left, right);
+        let operands = if row.swapped { [right, left] } else { [left, right] };
+        self.prim_typed(row.prim, &operands, ty, span)
+    }
+
+    /// Logic on checked Booleans.
+    pub(super) fn logic(&mut self, prim: &str, operands: &[ExprId], span: Span) -> ExprId {
+        self.prim_typed(prim, operands, Ty::Bool, span)
+    }
+
+    fn result_type(&mut self, row: &Row, left: ExprId, right: ExprId) -> Ty {
+        let (a, b) = (self.ty_of(left).clone(), self.ty_of(right).clone());
+        match row.rule {
+            Rule::Same => self.joined(row.op, left, right),
+            Rule::Test => {
+                self.joined(row.op, left, right);
+                Ty::Bool
+            }
+            Rule::Times => self.scaled(&a, &b, Dim::times, left),
+            Rule::Over => self.scaled(&a, &b, Dim::over, left),
+            Rule::Power => self.raised(&a, left, right),
+            Rule::Compose => self.composed(&a, &b, right),
+            Rule::Moment => {
+                self.expect(right, &Ty::Real(Dim::TIME), &Wanted::Here);
+                Ty::Time
+            }
+            Rule::Seconds => Ty::Real(Dim::TIME),
+        }
+    }
+
+    fn joined(&mut self, op: BinaryOp, left: ExprId, right: ExprId) -> Ty {
+        let (a, b) = (self.ty_of(left).clone(), self.ty_of(right).clone());
+        match (join(&a, &b), &a, &b) {
+            (Ok(ty), ..) => {
+                self.angle_has_unit(left, &ty);
+                self.angle_has_unit(right, &ty);
+                ty
+            }
+            (Err(_), Ty::Real(x), Ty::Real(y)) => {
+                let sides = ((*x, self.span_of(left)), (*y, self.span_of(right)));
+                let finding = dimensions_apart(op.spelling(), sides.0, sides.1);
+                self.report(finding);
+                a
+            }
+            (Err(misfit), ..) => {
+                let wanted = Wanted::By(self.span_of(left), format!("this is `{a}`"));
+                self.misfit(right, &a, &misfit, &wanted);
+                a
+            }
+        }
+    }
+
+    /// The type of a product or quotient.
+    fn scaled(&mut self, a: &Ty, b: &Ty, combine: fn(Dim, Dim) -> Option<Dim>, at: ExprId) -> Ty {
+        let dims = (dim_of(a), dim_of(b));
+        let dim = match dims {
+            (Some(a), Some(b)) => combine(a, b),
+            _ => None,
+        };
+        let spatial = [a, b].into_iter().find_map(|ty| match ty {
+            Ty::Spatial(scalar, geometry) => Some((*scalar, geometry)),
+            _ => None,
+        });
+        match (spatial, dim) {
+            (Some((scalar, geometry)), dim) => {
+                let geometry = Geometry {
+                    dim,
+                    ..(**geometry).clone()
+                };
+                Ty::Spatial(scalar, Rc::new(geometry))
+            }
+            (None, Some(dim)) => Ty::Real(dim),
+            (None, None) => {
+                let finding = Finding::new(Code::RPI2002, "a dimension with an exponent out of range")
+                    .at(self.span_of(at), "too many factors");
+                self.report(finding);
+                Ty::Unknown
+            }
+        }
+    }
+
+    fn raised(&mut self, base: &Ty, left: ExprId, right: ExprId) -> Ty {
+        self.expect(right, &Ty::REAL, &Wanted::By(Span::NONE, "an exponent has no unit".into()));
+        let dim = dim_of(base).unwrap_or(Dim::ONE);
+        if dim.is_plain() {
+            return Ty::REAL;
+        }
+        let exponent = self.fold_quietly(right).and_then(|leaves| leaves.first()?.as_real());
+        let power = exponent.and_then(Ratio::of_real).and_then(|e| dim.power(e));
+        power.map_or_else(
+            || {
+                let finding = Finding::new(
+                    Code::RPI2002,
+                    format!("the dimension of a power of `{dim}` is not known"),
+                )
+                .at(self.span_of(right), "not a constant small fraction")
+                .also(self.span_of(left), format!("this is in `{dim}`"));
+                self.report(finding);
+                Ty::Unknown
+            },
+            Ty::Real,
+        )
+    }
+
+    /// `(b in a) * (c in b)` is `(c in a)`; the frames in the middle must be the same.
+    fn composed(&mut self, a: &Ty, b: &Ty, right: ExprId) -> Ty {
+        let (Ty::Spatial(_, outer), Ty::Spatial(scalar, inner)) = (a, b) else {
+            return Ty::Unknown;
+        };
+        if let (Some(x), Some(y)) = (&outer.of, &inner.in_frame)
+            && x != y
+        {
+            let finding = Finding::new(
+                Code::RPI2005,
+                format!("`{a}` and `{b}` do not meet: `{x}` is not `{y}`"),
+            )
+            .at(self.span_of(right), format!("this is given in `{y}`"))
+            .help(format!("put the pose of `{y}` in `{x}` between them"));
+            self.report(finding);
+        }
+        let geometry = Geometry {
+            dim: inner.dim,
+            of: inner.of.clone(),
+            in_frame: outer.in_frame.clone(),
+        };
+        Ty::Spatial(*scalar, Rc::new(geometry))
+    }
+
+    fn equal(&mut self, op: BinaryOp, left: ExprId, right: ExprId, span: Span) -> ExprId {
+        let ty = self.joined(op, left, right);
+        if matches!(ty, Ty::Device(_) | Ty::Text) {
+            let finding = Finding::new(Code::RPI2006, format!("`{}` can not take `{ty}`", op.spelling()))
+                .at(self.span_of(left), format!("this is `{ty}`"));
+            return self.fault_with(finding, span);
+        }
+        let negated = op == BinaryOp::Ne;
+        let operands = [left, right];
+        self.add(Kind::Equal { operands, negated }, Ty::Bool, span)
+    }
+
+    fn each_of_two(&mut self, each: Each, binary: &'a Binary, span: Span) -> ExprId {
+        let (left, right) = (self.expr(&binary.lhs), self.expr(&binary.rhs));
+        let ty = self.common_type(left, right, "both sides have one type");
+        self.add(Kind::Each(each, [left, right].into()), ty, span)
+    }
+
+    /// `a fby b` is `a -> pre b`.
+    fn fby(&mut self, binary: &'a Binary, span: Span) -> ExprId {
+        self.has_state(span);
+        let (left, right) = (self.expr(&binary.lhs), self.expr(&binary.rhs));
+        let ty = self.common_type(left, right, "both sides have one type");
+        let delayed = self.add(Kind::Each(Each::Pre, [right].into()), ty.clone(), span);
+        self.add(Kind::Each(Each::Arrow, [left, delayed].into()), ty, span)
+    }
+
+    fn no_operator(&mut self, op: BinaryOp, left: ExprId, right: ExprId, span: Span) -> ExprId {
+        let (a, b) = (self.ty_of(left).clone(), self.ty_of(right).clone());
+        let text = op.spelling();
+        let finding = Finding::new(Code::RPI2006, format!("`{text}` can not take `{a}` and `{b}`"))
+            .at(self.span_of(right), format!("this is `{b}`"))
+            .also(self.span_of(left), format!("this is `{a}`"));
+        let finding = match (&a, &b) {
+            (Ty::Int, Ty::Real(_)) => finding.fix(convert("real ", self.span_of(left))),
+            (Ty::Real(_), Ty::Int) => finding.fix(convert("real ", self.span_of(right))),
+            _ => finding,
+        };
+        self.fault_with(finding, span)
+    }
+
+    /// The constant `true`, `false`, for what is rewritten.
+    pub(super) fn truth(&mut self, value: bool, span: Span) -> ExprId {
+        self.add(Kind::Literal(Leaf::bool(value)), Ty::Bool, span)
+    }
+}
+
+fn convert(by: &str, span: Span) -> rpi_diag::Fix {
+    rpi_diag::Fix::maybe("convert the integer by `real`").insert_before(span, by)
+}
+
+/// The machine type for which operators are looked up: enums and results have none.
+fn operand_kind(ty: &Ty) -> Option<Scalar> {
+    match ty {
+        Ty::Enum(_) | Ty::Result => None,
+        other => other.scalar(),
+    }
+}
+
+/// The dimension of what is multiplied.
+fn dim_of(ty: &Ty) -> Option<Dim> {
+    match ty {
+        Ty::Real(dim) => Some(*dim),
+        Ty::Spatial(_, geometry) => geometry.dim,
+        Ty::Int => Some(Dim::ONE),
+        _ => None,
+    }
+}
+
+/// What the result is whatever the operand.
+fn unary_guess(op: UnaryOp) -> Ty {
+    match op {
+        UnaryOp::Not => Ty::Bool,
+        UnaryOp::ToInt => Ty::Int,
+        UnaryOp::ToReal => Ty::REAL,
+        _ => Ty::Unknown,
+    }
+}
+
+/// What the result is as far as one known operand tells.
+fn binary_guess(op: BinaryOp, a: &Ty, b: &Ty) -> Ty {
+    match op {
+        And | Or | Xor | Implies | Lt | Le | Gt | Ge => Ty::Bool,
+        Add | Sub | Mod if !matches!(a, Ty::Time) && !matches!(b, Ty::Time) => join(a, b).unwrap_or(Ty::Unknown),
+        IntDiv => Ty::Int,
+        Mul | Div if [a, b].into_iter().any(|ty| matches!(ty, Ty::Int)) => Ty::Int,
+        _ => Ty::Unknown,
+    }
+}

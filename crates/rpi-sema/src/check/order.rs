@@ -1,0 +1,219 @@
+//! In which order equations are checked: a local flow without declared type has that of its equation, wherever in the
+//! text it stands, and flows may need each other through `pre`.
+//!
+//! An equation that reads a flow of which nothing is known yet is put back until that flow's equation has been looked
+//! at. Where they need each other, what the rest of the equation says is taken as a guess (`t = 0[s] -> pre t + dt` is
+//! a time, whatever `pre t` is); guesses are checked when all types are known. The search keeps its own stack, so that
+//! a chain of any length does no harm.
+
+use super::body::Body;
+use crate::ty::Ty;
+use crate::typed::{BlockId, ExprId, FlowId, Optional};
+use rpi_diag::{Code, Finding, Span};
+use rpi_syntax::ast;
+
+/// An equation that is waiting to be checked.
+pub(super) struct Pending<'a> {
+    pub(super) block: BlockId,
+    pub(super) goal: Goal<'a>,
+    pub(super) value: &'a ast::Expr,
+    pub(super) span: Span,
+    /// The flows that it introduces, by target.
+    pub(super) introduces: Vec<Option<FlowId>>,
+    pub(super) state: State,
+}
+
+/// What an equation defines.
+#[derive(Clone, Copy)]
+pub(super) enum Goal<'a> {
+    /// What stands on its left.
+    Targets(&'a [ast::Target]),
+    /// A variable with a value where it is declared.
+    Var(FlowId),
+}
+
+/// How far an equation is.
+#[derive(Clone, Copy, PartialEq, Debug)]
+pub(super) enum State {
+    /// Not looked at.
+    Open,
+    /// Waits for what it reads.
+    Busy,
+    /// Looked at, but it reads flows of which nothing was known.
+    Guessed,
+    /// Its value is checked.
+    Done(ExprId),
+}
+
+impl Pending<'_> {
+    pub(super) fn infers(&self) -> bool {
+        self.introduces.iter().any(Option::is_some)
+    }
+}
+
+/// Where a table stood, to put it back.
+struct Mark {
+    exprs: usize,
+    findings: usize,
+    state_at: Option<Span>,
+}
+
+impl<'a> Body<'_, 'a> {
+    /// Finds the types of all flows that have none declared.
+    pub(super) fn infer(&mut self) {
+        self.inferring = true;
+        for index in 0..self.pending.len() {
+            if self.pending[index].infers() && self.pending[index].state == State::Open {
+                self.settle(index);
+            }
+        }
+        while self.guess_again() {}
+        self.inferring = false;
+    }
+
+    /// The value of an equation, checked now if it has not been.
+    pub(super) fn value_of(&mut self, index: usize) -> ExprId {
+        match self.pending[index].state {
+            State::Done(value) => value,
+            _ => {
+                let (block, value) = (self.pending[index].block, self.pending[index].value);
+                let value = self.within(block, |body| body.expr(value));
+                self.pending[index].state = State::Done(value);
+                value
+            }
+        }
+    }
+
+    /// Called when an undeclared flow is read whose type is not known yet.
+    pub(super) fn is_missing(&mut self, flow: FlowId) {
+        let known = !self.unit.flow(flow).ty.is_unknown();
+        let Some(index) = self.defined_by[flow.0 as usize].filter(|_| !known) else {
+            return;
+        };
+        if !matches!(self.pending[index].state, State::Done(_)) {
+            self.missing.push(index);
+        }
+    }
+
+    fn settle(&mut self, index: usize) {
+        let mut stack = vec![index];
+        while let Some(&top) = stack.last() {
+            if !matches!(self.pending[top].state, State::Open | State::Busy) || self.attempt(top) {
+                stack.pop();
+                continue;
+            }
+            let open = |k: &usize| self.pending[*k].state == State::Open;
+            let needs: Vec<usize> = self.missing.iter().copied().filter(open).collect();
+            if needs.is_empty() {
+                self.pending[top].state = State::Guessed;
+                stack.pop();
+            } else {
+                self.pending[top].state = State::Busy;
+                stack.extend(needs.into_iter().rev());
+            }
+        }
+    }
+
+    /// Checks an equation's value. If it reads what is not known yet nothing of it is kept but a first guess.
+    fn attempt(&mut self, index: usize) -> bool {
+        let (block, value) = (self.pending[index].block, self.pending[index].value);
+        let mark = self.mark();
+        self.missing.clear();
+        let value = self.within(block, |body| body.expr(value));
+        let ty = self.ty_of(value).clone();
+        let complete = self.missing.is_empty();
+        if complete {
+            self.pending[index].state = State::Done(value);
+        } else {
+            self.put_back(mark);
+        }
+        self.guess(index, &ty);
+        complete
+    }
+
+    /// Takes what is known of a value's type for the flows that it defines.
+    fn guess(&mut self, index: usize, ty: &Ty) {
+        let flows = self.pending[index].introduces.clone();
+        let types = spread(ty, flows.len());
+        for (flow, ty) in flows.iter().zip(types) {
+            let Some(flow) = *flow else {
+                continue;
+            };
+            let outer = self.shared_flow(flow);
+            for flow in std::iter::once(flow).chain(outer) {
+                let known = &mut self.unit.flows[flow.0 as usize].ty;
+                if known.has_unknown() {
+                    *known = ty.clone();
+                }
+            }
+        }
+    }
+
+    /// Looks once more at what could only be guessed; true if something became known by it.
+    fn guess_again(&mut self) -> bool {
+        let before = self.unknown_flows();
+        for index in 0..self.pending.len() {
+            if self.pending[index].state == State::Guessed && self.pending[index].infers() {
+                self.attempt(index);
+            }
+        }
+        self.unknown_flows() < before
+    }
+
+    fn unknown_flows(&self) -> usize {
+        let guessed = self.pending.iter().filter(|p| p.state == State::Guessed);
+        let flows = guessed.flat_map(|p| p.introduces.iter().flatten());
+        flows.filter(|f| self.unit.flow(**f).ty.has_unknown()).count()
+    }
+
+    fn mark(&self) -> Mark {
+        Mark {
+            exprs: self.unit.exprs.len(),
+            findings: self.findings.len(),
+            state_at: self.state_at,
+        }
+    }
+
+    fn put_back(&mut self, mark: Mark) {
+        self.unit.exprs.truncate(mark.exprs);
+        self.findings.truncate(mark.findings);
+        self.state_at = mark.state_at;
+    }
+
+    /// Reports flows whose types nothing tells.
+    pub(super) fn report_unknown_types(&mut self) {
+        let guessed = self.pending.iter().filter(|p| p.state == State::Guessed);
+        let flows: Vec<FlowId> = guessed.flat_map(|p| p.introduces.iter().flatten().copied()).collect();
+        for id in flows {
+            let flow = self.unit.flow(id);
+            if flow.ty.is_unknown() && flow.optional == Optional::Inferred {
+                let finding = Finding::new(
+                    Code::RPI2007,
+                    format!("nothing tells the type of `{}`", flow.name),
+                )
+                .at(flow.span, "its equation only says what it was before")
+                .help(format!("declare it: `var {}: ...;` before `let`", flow.name));
+                self.report(finding);
+            }
+        }
+    }
+}
+
+/// The types of so many targets: of the parts if the value is a tuple.
+pub(super) fn spread(ty: &Ty, targets: usize) -> Vec<Ty> {
+    if targets == 1 {
+        return vec![ty.clone()];
+    }
+    let mut parts = Vec::new();
+    flatten(ty, &mut parts);
+    parts.resize(targets.max(parts.len()), Ty::Unknown);
+    parts
+}
+
+/// The elements of a tuple, tuples in it taken apart.
+pub(super) fn flatten(ty: &Ty, parts: &mut Vec<Ty>) {
+    match ty {
+        Ty::Tuple(members) => members.iter().for_each(|member| flatten(&member.ty, parts)),
+        other => parts.push(other.clone()),
+    }
+}

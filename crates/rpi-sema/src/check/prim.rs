@@ -1,0 +1,476 @@
+//! Calls of registered primitives by their registered names, ports and parameters.
+
+use super::args::Given;
+use super::body::Body;
+use super::report::{Wanted, listed};
+use super::statement::counted;
+use crate::ty::{Member, Ty};
+use crate::typed::{ExprId, Kind, Leaf, PrimCall};
+use rpi_diag::{Code, Finding, Span};
+use rpi_image::{Need, ParamType, PortType, PrimDesc, Role, Scalar, ShapeArgs, State, Type, Value};
+use rpi_prims::PrimId;
+use rpi_syntax::ast::{self, Ident, PrimitiveDecl};
+use std::rc::Rc;
+
+/// What a primitive's ports and parameters are given, while a call is matched.
+struct Slots {
+    inputs: Vec<Option<ExprId>>,
+    params: Vec<Option<ExprId>>,
+    /// Reals that together stand in for an in-port: port, place among them, value.
+    pieces: Vec<(usize, usize, ExprId)>,
+}
+
+/// What a name in a call of a primitive stands for.
+enum Slot {
+    Input(usize),
+    Param(usize),
+    Piece(usize, usize),
+}
+
+impl<'a> Body<'_, 'a> {
+    /// A call of a primitive by its registered name.
+    pub(super) fn registered(&mut self, prim: PrimId, call: &'a ast::Call, span: Span) -> ExprId {
+        let mut given = self.given(&call.args);
+        for arg in &call.callee.statics {
+            let ast::StaticValue::Expr(expr) = &arg.value else {
+                let finding = Finding::new(Code::RPI1010, "a value is expected here").at(arg.span, "this is none");
+                self.report(finding);
+                continue;
+            };
+            let value = self.expr(expr);
+            given.push(Given {
+                name: arg.name.as_ref(),
+                value,
+                is_static: true,
+            });
+        }
+        self.registered_plain(prim, &given, span)
+    }
+
+    /// A call of a primitive with checked arguments.
+    pub(super) fn registered_plain(&mut self, prim: PrimId, given: &[Given<'a>], span: Span) -> ExprId {
+        let desc = prim.desc();
+        let given = self.spread_tuples(given.to_vec());
+        let Some(slots) = self.slots(desc, &given, span) else {
+            return self.fault(span);
+        };
+        self.finish_prim(prim, slots, span)
+    }
+
+    /// A call of a primitive whose in-ports are given by place.
+    pub(super) fn prim_of(&mut self, name: &str, inputs: &[ExprId], span: Span) -> ExprId {
+        let Some(prim) = PrimId::of(name) else {
+            return self.fault(span);
+        };
+        let given: Vec<Given<'a>> = inputs.iter().map(|id| Given::plain(*id)).collect();
+        self.registered_plain(prim, &given, span)
+    }
+
+    /// A primitive whose operands are known to fit, with a result of known type.
+    pub(super) fn prim_typed(&mut self, name: &str, inputs: &[ExprId], ty: Ty, span: Span) -> ExprId {
+        let Some(prim) = PrimId::of(name) else {
+            return self.fault(span);
+        };
+        let mut all: Vec<Option<ExprId>> = inputs.iter().copied().map(Some).collect();
+        all.resize(prim.desc().inputs.len(), None);
+        let call = PrimCall {
+            prim,
+            inputs: all.into(),
+            params: vec![None; prim.desc().params.len()].into(),
+        };
+        self.add(Kind::Prim(Box::new(call)), ty, span)
+    }
+
+    /// A primitive without in-ports.
+    pub(super) fn nullary(&mut self, name: &str, ty: Ty, span: Span) -> ExprId {
+        self.prim_typed(name, &[], ty, span)
+    }
+
+    fn slots(&mut self, desc: &'static PrimDesc, given: &[Given<'a>], span: Span) -> Option<Slots> {
+        let mut slots = Slots {
+            inputs: vec![None; desc.inputs.len()],
+            params: vec![None; desc.params.len()],
+            pieces: Vec::new(),
+        };
+        let mut place = 0;
+        let mut sound = true;
+        for arg in given {
+            let slot = match arg.name {
+                Some(name) => slot(desc, &name.name),
+                None => {
+                    place += 1;
+                    (place <= desc.inputs.len()).then_some(Slot::Input(place - 1))
+                }
+            };
+            match slot {
+                Some(slot) => sound &= self.fill(desc, &mut slots, &slot, arg),
+                None => {
+                    self.no_slot(desc, arg);
+                    sound = false;
+                }
+            }
+        }
+        (sound & self.needed(desc, &slots, span)).then_some(slots)
+    }
+
+    fn fill(&mut self, desc: &'static PrimDesc, slots: &mut Slots, slot: &Slot, arg: &Given<'a>) -> bool {
+        if arg.is_static && !self.is_fixed(arg.value) {
+            let finding = Finding::new(Code::RPI2008, "a parameter is fixed when the command is loaded")
+                .at(self.span_of(arg.value), "this changes while the command runs");
+            self.report(finding);
+            return false;
+        }
+        match *slot {
+            Slot::Input(k) => {
+                slots.inputs[k] = Some(arg.value);
+                self.fits_port(arg.value, desc.inputs[k].ty, desc.inputs[k].name)
+            }
+            Slot::Param(k) => {
+                slots.params[k] = Some(arg.value);
+                self.fits_param(arg.value, desc.params[k].ty, desc.params[k].name)
+            }
+            Slot::Piece(port, k) => {
+                slots.pieces.push((port, k, arg.value));
+                self.fits_port(arg.value, PortType::One(Scalar::Real), "a part of a value")
+            }
+        }
+    }
+
+    /// A port takes a value of its machine type; units and frames are not its business.
+    fn fits_port(&mut self, value: ExprId, port: PortType, name: &str) -> bool {
+        let ty = self.ty_of(value).clone();
+        let fits = ty.is_unknown() || port_accepts(port, &ty);
+        if !fits {
+            let expected = port_ty(port);
+            let wanted = Wanted::By(Span::NONE, format!("`{name}` takes {}", port_text(port)));
+            self.misfit(value, &expected, &crate::ty::Misfit::Kind, &wanted);
+        }
+        fits
+    }
+
+    fn fits_param(&mut self, value: ExprId, param: ParamType, name: &str) -> bool {
+        let port = match param {
+            ParamType::One(scalar) => PortType::One(scalar),
+            ParamType::Array(scalar) => PortType::Array(scalar),
+            ParamType::Str => {
+                let ty = self.ty_of(value).clone();
+                let fits = matches!(ty, Ty::Text | Ty::Device(_) | Ty::Unknown);
+                if !fits {
+                    let wanted = Wanted::By(Span::NONE, format!("`{name}` takes a text"));
+                    self.misfit(value, &Ty::Text, &crate::ty::Misfit::Kind, &wanted);
+                }
+                return fits;
+            }
+        };
+        self.fits_port(value, port, name)
+    }
+
+    fn no_slot(&mut self, desc: &'static PrimDesc, arg: &Given<'a>) {
+        let finding = match arg.name {
+            Some(name) => no_name(desc, name),
+            None => Finding::new(
+                Code::RPI1010,
+                format!("`{}` has {}", desc.name, counted(desc.inputs.len(), "in-port")),
+            )
+            .at(self.span_of(arg.value), "one too many"),
+        };
+        self.report(finding);
+    }
+
+    fn needed(&mut self, desc: &'static PrimDesc, slots: &Slots, span: Span) -> bool {
+        let open = desc.inputs.iter().zip(&slots.inputs);
+        let open = open.filter(|(port, given)| given.is_none() && matches!(port.need, Need::Required));
+        let open: Vec<&str> = open.map(|(port, _)| port.name).collect();
+        let params = desc.params.iter().zip(&slots.params);
+        let params = params.filter(|(p, given)| {
+            given.is_none() && matches!(p.default, rpi_image::PortDefault::Required)
+        });
+        let open: Vec<&str> = open.into_iter().chain(params.map(|(p, _)| p.name)).collect();
+        if open.is_empty() {
+            return true;
+        }
+        let finding = Finding::new(Code::RPI1010, format!("{} of `{}` not given", listed(open), desc.name))
+            .at(span, "it must be connected");
+        self.report(finding);
+        false
+    }
+
+    fn finish_prim(&mut self, prim: PrimId, mut slots: Slots, span: Span) -> ExprId {
+        let desc = prim.desc();
+        if !matches!(desc.state, State::None) || !matches!(desc.role, Role::Compute | Role::Constant) {
+            self.has_state(span);
+        }
+        if self.put_together(desc, &mut slots, span).is_none() {
+            return self.fault(span);
+        }
+        let ty = self.prim_type(desc, &slots, span);
+        let call = PrimCall {
+            prim,
+            inputs: slots.inputs.into(),
+            params: slots.params.into(),
+        };
+        self.add(Kind::Prim(Box::new(call)), ty, span)
+    }
+
+    /// Reals that stand in for a composed in-port become one constant.
+    fn put_together(&mut self, desc: &'static PrimDesc, slots: &mut Slots, span: Span) -> Option<()> {
+        for (k, port) in desc.inputs.iter().enumerate() {
+            let Need::Params(names, make) = port.need else {
+                continue;
+            };
+            let mut reals: Vec<f64> = names.iter().map(|(_, default)| *default).collect();
+            let pieces: Vec<(usize, ExprId)> =
+                slots.pieces.iter().filter(|p| p.0 == k).map(|p| (p.1, p.2)).collect();
+            if pieces.is_empty() {
+                continue;
+            }
+            for (place, value) in pieces {
+                reals[place] = self.fold(value)?.first()?.as_real()?;
+            }
+            let ty = port_ty(port.ty);
+            slots.inputs[k] = Some(self.add(Kind::Literal(make(&reals)), ty, span));
+        }
+        Some(())
+    }
+
+    /// The type of what a primitive gives: of its out-port, or of all of them by name.
+    fn prim_type(&mut self, desc: &'static PrimDesc, slots: &Slots, span: Span) -> Ty {
+        let mut members = Vec::with_capacity(desc.outputs.len());
+        for (k, port) in desc.outputs.iter().enumerate() {
+            let ty = match port.ty {
+                PortType::One(scalar) => scalar_ty(scalar),
+                _ => self.sized(desc, slots, k, span),
+            };
+            members.push(Member {
+                name: Some(port.name.into()),
+                ty,
+            });
+        }
+        match &members[..] {
+            [one] => one.ty.clone(),
+            _ => Ty::Tuple(members.into()),
+        }
+    }
+
+    fn sized(&mut self, desc: &'static PrimDesc, slots: &Slots, port: usize, span: Span) -> Ty {
+        let inputs: Vec<Option<Type>> = slots.inputs.iter().map(|id| machine_type(self.ty_of((*id)?))).collect();
+        let mut params = Vec::new();
+        for (given, param) in slots.params.iter().zip(desc.params) {
+            let value = match given {
+                Some(id) => self.param_value(*id, param.ty),
+                None => param_default(param),
+            };
+            match value {
+                Some(value) => params.push(value),
+                None => return Ty::Unknown,
+            }
+        }
+        let args = ShapeArgs {
+            inputs: &inputs,
+            params: &params,
+        };
+        match desc.out_type(port, &args) {
+            Some(ty) => flow_type(ty),
+            None => {
+                let finding = Finding::new(Code::RPI2009, format!("the sizes of `{}` do not fit", desc.name))
+                    .at(span, "no size of its result follows from these arguments");
+                self.report(finding);
+                Ty::Unknown
+            }
+        }
+    }
+
+    fn param_value(&mut self, id: ExprId, ty: ParamType) -> Option<Value> {
+        if matches!(ty, ParamType::Str) {
+            return Some(Value::Str(String::new()));
+        }
+        let leaves = self.fold(id)?;
+        match ty {
+            ParamType::Array(scalar) => Some(packed(scalar, &leaves)),
+            _ => leaves.first().cloned(),
+        }
+    }
+
+    /// The body of a declared primitive: the registered one, between typed ports.
+    pub(super) fn check_primitive(&mut self, decl: &'a PrimitiveDecl) {
+        let name = &decl.signature.name;
+        let Some(prim) = PrimId::of(&name.name) else {
+            let finding = Finding::new(Code::RPI1001, format!("no primitive `{}` is registered", name.name))
+                .at(name.span, "not in the registry");
+            self.report(finding);
+            return;
+        };
+        let mut given = Vec::new();
+        for flow in self.unit.inputs.clone() {
+            let (name, span) = (self.unit.flow(flow).name.clone(), self.unit.flow(flow).span);
+            let value = self.flow_expr(flow, span);
+            given.push((name, value));
+        }
+        let desc = prim.desc();
+        let mut slots = Slots {
+            inputs: vec![None; desc.inputs.len()],
+            params: vec![None; desc.params.len()],
+            pieces: Vec::new(),
+        };
+        for (port, value) in given {
+            let arg = Given::plain(value);
+            match slot(desc, &port) {
+                Some(slot) => {
+                    self.fill(desc, &mut slots, &slot, &arg);
+                }
+                None => {
+                    let span = self.span_of(value);
+                    let ident = Ident { name: port, span };
+                    self.report(no_name(desc, &ident));
+                }
+            }
+        }
+        let value = self.finish_prim(prim, slots, name.span);
+        self.define_outputs(value, desc);
+    }
+
+    fn define_outputs(&mut self, value: ExprId, desc: &'static PrimDesc) {
+        let span = self.span_of(value);
+        let parts = match desc.outputs.len() {
+            1 => vec![value],
+            _ => self.parts_of(value),
+        };
+        for flow in self.unit.outputs.clone() {
+            let declared = self.unit.flow(flow);
+            let (ty, place) = (declared.ty.clone(), desc.output(&declared.name));
+            let Some(part) = place.and_then(|k| parts.get(k).copied()) else {
+                let ident = Ident {
+                    name: declared.name.clone(),
+                    span: declared.span,
+                };
+                self.report(no_name(desc, &ident));
+                continue;
+            };
+            let target = crate::typed::Target {
+                place: crate::typed::Place::Flow { flow, at: 0 },
+                ty,
+                span,
+            };
+            self.current().equations.push(crate::typed::Equation {
+                targets: vec![target],
+                value: part,
+                span,
+            });
+        }
+    }
+}
+
+/// What a name in a call of a primitive stands for: an in-port, the parameter that stands in for one, a parameter.
+fn slot(desc: &PrimDesc, name: &str) -> Option<Slot> {
+    let input = desc.input(name).or_else(|| desc.fallback(name));
+    if let Some(k) = input {
+        return Some(Slot::Input(k));
+    }
+    if let Some(k) = desc.param(name) {
+        return Some(Slot::Param(k));
+    }
+    desc.inputs.iter().enumerate().find_map(|(port, input)| match input.need {
+        Need::Params(names, _) => {
+            let place = names.iter().position(|(n, _)| *n == name)?;
+            Some(Slot::Piece(port, place))
+        }
+        _ => None,
+    })
+}
+
+fn no_name(desc: &PrimDesc, name: &Ident) -> Finding {
+    let stand_ins = desc.inputs.iter().filter_map(|port| match port.need {
+        Need::Param(name, _) => Some(name),
+        _ => None,
+    });
+    let names: Vec<&str> = desc
+        .inputs
+        .iter()
+        .map(|port| port.name)
+        .chain(stand_ins)
+        .chain(desc.params.iter().map(|param| param.name))
+        .collect();
+    let near = rpi_diag::suggest(&name.name, names.iter().copied());
+    super::report::no_member(&format!("`{}`", desc.name), &name.name, name.span, near)
+        .help(format!("it has {}", listed(names)))
+}
+
+fn port_accepts(port: PortType, ty: &Ty) -> bool {
+    match (port, ty) {
+        (PortType::One(scalar), ty) => ty.scalar() == Some(scalar),
+        (PortType::Array(scalar), Ty::Array(element, _)) => element.scalar() == Some(scalar),
+        (PortType::Matrix, Ty::Array(row, _)) => {
+            matches!(&**row, Ty::Array(element, _) if element.scalar() == Some(Scalar::Real))
+        }
+        _ => false,
+    }
+}
+
+fn port_ty(port: PortType) -> Ty {
+    match port {
+        PortType::One(scalar) => scalar_ty(scalar),
+        PortType::Array(_) | PortType::Matrix => Ty::Unknown,
+    }
+}
+
+fn port_text(port: PortType) -> String {
+    match port {
+        PortType::One(scalar) => format!("`{scalar}`"),
+        PortType::Array(scalar) => format!("an array of `{scalar}`"),
+        PortType::Matrix => "a matrix of reals".to_owned(),
+    }
+}
+
+/// The type of a machine value of which nothing more is known.
+pub(super) fn scalar_ty(scalar: Scalar) -> Ty {
+    match scalar {
+        Scalar::Bool => Ty::Bool,
+        Scalar::Int => Ty::Int,
+        Scalar::Real => Ty::REAL,
+        Scalar::Time => Ty::Time,
+        spatial => Ty::spatial(spatial),
+    }
+}
+
+fn flow_type(ty: Type) -> Ty {
+    match ty {
+        Type::One(scalar) => scalar_ty(scalar),
+        Type::Array(scalar, n) => Ty::Array(Rc::new(scalar_ty(scalar)), n),
+        Type::Matrix(rows, cols) => Ty::Array(Rc::new(Ty::Array(Rc::new(Ty::REAL), cols)), rows),
+    }
+}
+
+/// The machine type of a value that a port of a primitive takes.
+pub(crate) fn machine_type(ty: &Ty) -> Option<Type> {
+    if let Some(scalar) = ty.scalar() {
+        return Some(Type::One(scalar));
+    }
+    match ty {
+        Ty::Array(row, rows) => match &**row {
+            Ty::Array(_, cols) => Some(Type::Matrix(*rows, *cols)),
+            element => Some(Type::Array(element.scalar()?, *rows)),
+        },
+        _ => None,
+    }
+}
+
+/// A parameter that is not given.
+pub(crate) fn param_default(param: &rpi_image::Param) -> Option<Value> {
+    match param.ty {
+        ParamType::One(scalar) => param.default.value(Type::One(scalar)),
+        ParamType::Array(scalar) => param.default.value(Type::Array(scalar, 0)),
+        ParamType::Str => param.default.value(Type::One(Scalar::Bool)).map(|value| match value {
+            Value::Str(text) => Value::Str(text),
+            Value::Cells { .. } => Value::Str(String::new()),
+        }),
+    }
+}
+
+/// Leaves side by side as one array value.
+pub(crate) fn packed(scalar: Scalar, leaves: &[Leaf]) -> Value {
+    let n = u32::try_from(leaves.len()).unwrap_or(u32::MAX);
+    Value::Cells {
+        ty: Type::Array(scalar, n),
+        cells: leaves.iter().flat_map(|leaf| leaf.cells().iter().copied()).collect(),
+    }
+}

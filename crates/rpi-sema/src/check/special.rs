@@ -1,0 +1,120 @@
+//! Predeclared operators that are written as calls. A declaration of the same name takes their place.
+
+use super::args::Given;
+use super::body::Body;
+use super::report::Wanted;
+use crate::ty::Ty;
+use crate::typed::{Activation, Each, ExprId, Kind};
+use crate::units::{Dim, Ratio};
+use rpi_diag::{Code, Finding, Span};
+use rpi_syntax::ast::{self, ExprKind};
+
+/// A predeclared operator.
+#[derive(Clone, Copy, PartialEq, Debug)]
+pub(super) enum Special {
+    /// `present(x)`: whether a flow is there in this cycle.
+    Present,
+    /// `hold(x, init)`: the latest value; `init` before there was one.
+    Hold,
+    /// `condact(c, f(x), d)`: `f(x)` when `c`, else what it gave last; `d` before.
+    Condact,
+    /// `sqrt(x)`: square root; takes the root of the dimension, too.
+    Sqrt,
+}
+
+/// All of them.
+pub(super) const SPECIALS: &[Special] = &[
+    Special::Present,
+    Special::Hold,
+    Special::Condact,
+    Special::Sqrt,
+];
+
+impl Special {
+    pub(super) fn name(self) -> &'static str {
+        match self {
+            Special::Present => "present",
+            Special::Hold => "hold",
+            Special::Condact => "condact",
+            Special::Sqrt => "sqrt",
+        }
+    }
+}
+
+impl<'a> Body<'_, 'a> {
+    /// A predeclared operator, called.
+    pub(super) fn special(&mut self, special: Special, call: &'a ast::Call, span: Span) -> ExprId {
+        if special == Special::Condact {
+            return self.condact(call, span);
+        }
+        let given = self.given(&call.args);
+        self.apply_special(special, &given, span)
+    }
+
+    /// A predeclared operator with checked arguments.
+    pub(super) fn apply_special(&mut self, special: Special, given: &[Given<'a>], span: Span) -> ExprId {
+        let values: Vec<ExprId> = given.iter().map(|arg| arg.value).collect();
+        match (special, &values[..]) {
+            (Special::Present, [x]) => self.add(Kind::Present(*x), Ty::Bool, span),
+            (Special::Hold, [x, init]) => {
+                self.has_state(span);
+                let ty = self.common_type(*x, *init, "it is the value before there was one");
+                self.add(Kind::Each(Each::Hold, [*x, *init].into()), ty, span)
+            }
+            (Special::Sqrt, [x]) => self.sqrt(*x, span),
+            _ => {
+                let finding = Finding::new(
+                    Code::RPI1010,
+                    format!("`{}` does not take {} arguments", special.name(), values.len()),
+                )
+                .at(span, "wrong number of arguments");
+                self.fault_with(finding, span)
+            }
+        }
+    }
+
+    fn sqrt(&mut self, x: ExprId, span: Span) -> ExprId {
+        let dim = match self.ty_of(x) {
+            Ty::Real(dim) => *dim,
+            _ => {
+                self.expect(x, &Ty::REAL, &Wanted::Here);
+                Dim::ONE
+            }
+        };
+        let ty = dim.power(Ratio::HALF).map_or(Ty::Unknown, Ty::Real);
+        self.prim_typed("Core::DoubleSquareRoot", &[x], ty, span)
+    }
+
+    /// `condact(c, f(x), d)`
+    fn condact(&mut self, call: &'a ast::Call, span: Span) -> ExprId {
+        let [every, called, defaults @ ..] = &call.args[..] else {
+            return self.condact_form(span);
+        };
+        let ExprKind::Call(inner) = &called.value.unparen().kind else {
+            return self.condact_form(called.value.span);
+        };
+        let every = self.condition(&every.value, "an activation");
+        let defaults: Vec<ExprId> = defaults.iter().map(|arg| self.expr(&arg.value)).collect();
+        let default = match defaults[..] {
+            [] => None,
+            [one] => Some(one),
+            _ => {
+                let ty = Ty::tuple(defaults.iter().map(|id| self.ty_of(*id).clone()));
+                Some(self.add(Kind::Build(defaults.into()), ty, span))
+            }
+        };
+        let activation = Activation::Condact {
+            every,
+            default,
+            restart: None,
+        };
+        self.call_activated(inner, activation, span)
+    }
+
+    fn condact_form(&mut self, span: Span) -> ExprId {
+        let finding = Finding::new(Code::RPI1010, "`condact` takes a condition, a call and defaults")
+            .at(span, "not of this form")
+            .help("write `condact(c, f(x), d)`");
+        self.fault_with(finding, span)
+    }
+}

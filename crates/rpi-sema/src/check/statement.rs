@@ -1,0 +1,308 @@
+//! What stands in a body: declared first, so that order does not matter, then checked.
+
+use super::body::Body;
+use super::locals::Local;
+use super::order::{Goal, Pending, State};
+use super::report::Wanted;
+use super::types::PortTy;
+use crate::ty::{Subst, Ty, fit};
+use crate::typed::{
+    self, BlockId, Claim, End, Equation, ExprId, FlowId, FlowRole, Optional,
+};
+use rpi_diag::{Code, Finding, Span};
+use rpi_syntax::Mode;
+use rpi_syntax::ast::{self, FragmentDecl, Ident, Locals, Statement, StatementKind, VarDecl};
+
+/// What is checked when the types of all flows are known.
+pub(super) enum Later<'a> {
+    /// A call for its effect.
+    Call(&'a ast::Expr),
+    /// A claim.
+    Claim(&'a ast::Claim, Span),
+    /// How the command ends.
+    End(&'a ast::End, Span),
+    /// A flow made visible.
+    Export(&'a ast::Dotted),
+    /// When a block is active, and its budget.
+    Activation(BlockId, &'a FragmentDecl),
+    /// The transitions of an automaton.
+    Automaton(usize, &'a ast::Automaton),
+}
+
+impl<'a> Body<'_, 'a> {
+    /// Declares and checks everything in a body.
+    pub(super) fn check_body(&mut self, body: &'a ast::Body) {
+        let mut later = Vec::new();
+        self.declare_body(body, &mut later);
+        self.infer();
+        for index in 0..self.pending.len() {
+            let block = self.pending[index].block;
+            self.within(block, |body| body.check_equation(index));
+        }
+        self.report_unknown_types();
+        for (block, item) in later {
+            self.within(block, |body| body.check_later(item));
+        }
+        self.check_definitions();
+    }
+
+    /// Declares what a body declares, in the current block.
+    pub(super) fn declare_body(
+        &mut self,
+        body: &'a ast::Body,
+        later: &mut Vec<(BlockId, Later<'a>)>,
+    ) {
+        for section in &body.locals {
+            match section {
+                Locals::Var(vars) => vars.iter().for_each(|var| self.declare_var(var)),
+                Locals::Const(defs) => defs.iter().for_each(|def| self.declare_const(def)),
+            }
+        }
+        self.state_clocks(body.locals.iter());
+        for statement in &body.statements {
+            self.declare_statement(statement, later);
+        }
+    }
+
+    /// Declares local flows; `var x: int = e;` defines as well.
+    pub(super) fn declare_var(&mut self, var: &'a VarDecl) {
+        let port = self.port_ty(&var.ty);
+        for name in &var.names {
+            let flow = self.declare_flow(name, &port, FlowRole::Local);
+            if let Some(value) = &var.default {
+                self.pending.push(Pending {
+                    block: self.block,
+                    goal: Goal::Var(flow),
+                    value,
+                    span: var.span,
+                    introduces: vec![None],
+                    state: State::Open,
+                });
+            }
+        }
+    }
+
+    pub(super) fn declare_const(&mut self, def: &'a ast::ConstDef) {
+        let Some(constant) = self.constant_def(def) else {
+            for name in &def.names {
+                let nothing = PortTy {
+                    ty: Ty::Unknown,
+                    optional: false,
+                };
+                self.declare_flow(name, &nothing, FlowRole::Param);
+            }
+            return;
+        };
+        for name in &def.names {
+            self.declare(name, Local::Constant(constant.clone()));
+        }
+    }
+
+    /// The clocks of declared flows, when the flows that decide are declared.
+    fn state_clocks(&mut self, sections: impl Iterator<Item = &'a Locals>) {
+        for section in sections {
+            if let Locals::Var(vars) = section {
+                self.state_clocks_of(vars);
+            }
+        }
+    }
+
+    /// The clocks that declarations state.
+    pub(super) fn state_clocks_of(&mut self, vars: &'a [VarDecl]) {
+        for var in vars {
+            let Some(clock) = &var.clock else {
+                continue;
+            };
+            let on = self.clock_on(clock);
+            for name in &var.names {
+                if let (Some(flow), Some(on)) = (self.local_flow(&name.name), on) {
+                    self.unit.flows[flow.0 as usize].clock = Some(on);
+                }
+            }
+        }
+    }
+
+    fn declare_statement(&mut self, statement: &'a Statement, later: &mut Vec<(BlockId, Later<'a>)>) {
+        let block = self.block;
+        match &statement.kind {
+            StatementKind::Equation(equation) => self.declare_equation(equation, statement.span),
+            StatementKind::Call(call) => later.push((block, Later::Call(call))),
+            StatementKind::Claim(claim) => {
+                later.push((block, Later::Claim(claim, statement.span)));
+            }
+            StatementKind::End(end) => later.push((block, Later::End(end, statement.span))),
+            StatementKind::Export(flows) => {
+                later.extend(flows.iter().map(|flow| (block, Later::Export(flow))));
+            }
+            StatementKind::Fragment(fragment) => self.declare_fragment(fragment, later),
+            StatementKind::Automaton(automaton) => {
+                self.declare_automaton(automaton, statement.span, later);
+            }
+            StatementKind::Broken(names) => {
+                for name in names {
+                    if self.find_local(&name.name).is_none() {
+                        self.introduce_flow(name);
+                    }
+                }
+            }
+        }
+    }
+
+    fn declare_equation(&mut self, equation: &'a ast::Equation, span: Span) {
+        let index = self.pending.len();
+        let introduces = equation.targets.iter().map(|target| self.introduced(target, index));
+        let introduces = introduces.collect();
+        self.pending.push(Pending {
+            block: self.block,
+            goal: Goal::Targets(&equation.targets),
+            value: &equation.value,
+            span,
+            introduces,
+            state: State::Open,
+        });
+    }
+
+    /// The flow that a target introduces: a plain name that nothing around declares.
+    fn introduced(&mut self, target: &ast::Target, index: usize) -> Option<FlowId> {
+        let may = target.path.is_empty() && self.mode() == Mode::Rpi && target.name.name != "_";
+        let flow = match self.find_in(self.block, &target.name.name) {
+            Some(Local::Flow(flow)) if may && self.waits_for_type(flow) => flow,
+            _ if !may || self.is_declared(&target.name) => return None,
+            _ => self.introduce_flow(&target.name),
+        };
+        let outer = self.shared_flow(flow).filter(|outer| self.waits_for_type(*outer));
+        for flow in std::iter::once(flow).chain(outer) {
+            self.defined_by[flow.0 as usize] = Some(index);
+        }
+        Some(flow)
+    }
+
+    /// Whether a flow has its type from an equation that has not been met yet.
+    fn waits_for_type(&self, flow: FlowId) -> bool {
+        let inferred = self.unit.flow(flow).optional == Optional::Inferred;
+        inferred && self.defined_by[flow.0 as usize].is_none()
+    }
+
+    /// Whether a target's name is declared here, or as a flow with a type around here.
+    fn is_declared(&self, name: &Ident) -> bool {
+        if self.find_in(self.block, &name.name).is_some() {
+            return true;
+        }
+        let around = self.local_flow(&name.name);
+        around.is_some_and(|flow| self.defined_by[flow.0 as usize].is_none())
+    }
+
+    fn declare_fragment(&mut self, decl: &'a FragmentDecl, later: &mut Vec<(BlockId, Later<'a>)>) {
+        let name = &decl.signature.name;
+        let block = self.add_block(&name.name, name.span);
+        self.declare(name, Local::Block(block));
+        later.push((self.block, Later::Activation(block, decl)));
+        self.within(block, |body| {
+            if let Some(outputs) = &decl.signature.outputs {
+                outputs.iter().for_each(|var| body.declare_var(var));
+            }
+            body.declare_body(&decl.body, later);
+        });
+    }
+
+    fn check_later(&mut self, item: Later<'a>) {
+        match item {
+            Later::Call(call) => self.check_call(call),
+            Later::Claim(claim, span) => self.check_claim(claim, span),
+            Later::End(end, span) => self.check_end(end, span),
+            Later::Export(flow) => self.check_export(flow),
+            Later::Activation(block, decl) => self.check_activation(block, decl),
+            Later::Automaton(index, automaton) => self.check_automaton(index, automaton),
+        }
+    }
+
+    fn check_call(&mut self, call: &'a ast::Expr) {
+        let value = self.expr(call);
+        let span = call.span;
+        self.current().equations.push(Equation {
+            targets: Vec::new(),
+            value,
+            span,
+        });
+    }
+
+    pub(super) fn check_claim(&mut self, claim: &'a ast::Claim, span: Span) {
+        let condition = self.condition(&claim.condition, "a claim");
+        let label = claim.label.as_ref().map(|label| label.name.clone());
+        self.current().claims.push(Claim {
+            condition,
+            label,
+            span,
+        });
+    }
+
+    fn check_end(&mut self, end: &'a ast::End, span: Span) {
+        if self.unit.kind != typed::UnitKind::Command || self.block != BlockId::ROOT {
+            let finding = Finding::new(Code::RPI8001, "only the body of a command can end it")
+                .at(span, "this is not at the top of a command")
+                .help("name the condition, and end the command by it where its other results stand");
+            return self.report(finding);
+        }
+        let same = |other: &&End| other.result == end.result.name;
+        if let Some(first) = self.current().ends.iter().find(same) {
+            let finding = crate::program::twice(&end.result.name, end.result.span, first.span);
+            self.report(finding);
+        }
+        let condition = self.condition(&end.condition, "the end of a command");
+        self.current().ends.push(End {
+            kind: end.kind,
+            result: end.result.name.clone(),
+            condition,
+            span: end.result.span,
+        });
+    }
+
+    fn check_export(&mut self, flow: &'a ast::Dotted) {
+        let value = self.dotted(flow);
+        let key: Vec<&str> = flow.parts.iter().map(|part| part.name.as_str()).collect();
+        let key = key.join(".");
+        self.current().exports.push(typed::Export {
+            key,
+            value,
+            span: flow.span,
+        });
+    }
+
+    fn check_activation(&mut self, block: BlockId, decl: &'a FragmentDecl) {
+        let when = decl.when.as_ref();
+        let condition = when.map(|w| self.condition(&w.condition, "the activation of a fragment"));
+        let budget_ns = decl.budget.as_ref().and_then(|budget| self.nanoseconds(budget));
+        let target = &mut self.unit.blocks[block.0 as usize];
+        target.when = condition;
+        target.restart = when.is_some_and(|w| w.restart);
+        target.budget_ns = budget_ns;
+    }
+
+    /// A Boolean expression.
+    pub(super) fn condition(&mut self, condition: &'a ast::Expr, of: &str) -> ExprId {
+        let id = self.expr(condition);
+        let wanted = Wanted::By(Span::NONE, format!("{of} is a condition"));
+        self.expect(id, &Ty::Bool, &wanted);
+        id
+    }
+
+    /// Checks that an expression fits a type.
+    pub(super) fn expect(&mut self, id: ExprId, expected: &Ty, wanted: &Wanted) -> bool {
+        let result = fit(expected, self.ty_of(id), &mut Subst::default());
+        match result {
+            Ok(()) => self.angle_has_unit(id, expected),
+            Err(misfit) => {
+                self.misfit(id, expected, &misfit, wanted);
+                false
+            }
+        }
+    }
+}
+
+/// `1 flow`, `2 flows`.
+pub(super) fn counted(n: usize, what: &str) -> String {
+    match n {
+        1 => format!("1 {what}"),
+        _ => format!("{n} {what}s"),
+    }
+}

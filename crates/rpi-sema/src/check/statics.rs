@@ -1,0 +1,361 @@
+//! Static arguments: what stands between `<<` and `>>`, bound to the parameters that it is for.
+
+use super::args::Given;
+use super::body::Body;
+use super::call::Callable;
+use super::report::{listed, unknown};
+use super::{Checker, Constant};
+use crate::program::{DeclId, DeclKind};
+use crate::ty::Ty;
+use crate::typed::ExprId;
+use rpi_diag::{Code, Finding, Span};
+use rpi_syntax::Name;
+use rpi_syntax::ast::{
+    ConstDef, Expr, ExprKind, Ident, NamedType, StaticArg, StaticParam, StaticParamKind,
+    StaticValue, Type, TypeKind,
+};
+use std::collections::BTreeMap;
+use std::fmt::Write;
+use std::rc::Rc;
+
+/// What a static parameter stands for.
+#[derive(Clone, Debug)]
+pub(super) enum Static {
+    /// A type.
+    Ty(Ty),
+    /// A value that is known when the program is checked.
+    Value(Constant),
+    /// A value that is known when the command is loaded: a flow in the body.
+    Opaque,
+    /// Something to call.
+    Callee(Callable),
+}
+
+/// The static parameters of a callable, bound.
+pub(super) type Statics = BTreeMap<Name, Static>;
+
+/// A static parameter, declared.
+#[derive(Clone, Copy)]
+pub(super) enum Param<'a> {
+    /// `type t`
+    Type(&'a Ident),
+    /// `n: int = 3`
+    Value(&'a Ident, &'a ConstDef),
+    /// `node f (...) returns (...)`
+    Node(&'a Ident),
+}
+
+impl<'a> Param<'a> {
+    pub(super) fn name(&self) -> &'a Ident {
+        match self {
+            Param::Type(name) | Param::Value(name, _) | Param::Node(name) => name,
+        }
+    }
+}
+
+/// The static parameters of a declaration, one by one.
+pub(super) fn params<'a>(statics: &'a [StaticParam]) -> Vec<Param<'a>> {
+    let mut all = Vec::new();
+    for param in statics {
+        match &param.kind {
+            StaticParamKind::Type(name) => all.push(Param::Type(name)),
+            StaticParamKind::Value(def) => {
+                all.extend(def.names.iter().map(|name| Param::Value(name, def)));
+            }
+            StaticParamKind::Node(_, signature) => all.push(Param::Node(&signature.name)),
+        }
+    }
+    all
+}
+
+impl<'a> Checker<'a> {
+    /// The static parameters of a callable declaration.
+    pub(super) fn params_of(&self, id: DeclId) -> Vec<Param<'a>> {
+        match self.program.decl(id).kind {
+            DeclKind::Node(d) => params(&d.signature.statics),
+            DeclKind::Fragment(d) => params(&d.signature.statics),
+            DeclKind::Primitive(d) => params(&d.signature.statics),
+            DeclKind::Command(d) => params(&d.statics),
+            DeclKind::Device(d) => params(&d.statics),
+            _ => Vec::new(),
+        }
+    }
+}
+
+/// A key that tells one choice of static arguments from another.
+pub(super) fn key(id: DeclId, statics: &Statics) -> String {
+    let mut key = format!("{}", id.0);
+    for (name, value) in statics {
+        key.push(';');
+        key.push_str(name);
+        key.push('=');
+        write_key(value, &mut key);
+    }
+    key
+}
+
+fn write_key(value: &Static, key: &mut String) {
+    match value {
+        Static::Ty(ty) => key.push_str(&ty.to_string()),
+        Static::Opaque => key.push('?'),
+        Static::Callee(callable) => callable.write_key(key),
+        Static::Value(constant) => {
+            for leaf in &*constant.leaves {
+                let _ = write!(key, "{:x?},", leaf.cells());
+            }
+        }
+    }
+}
+
+/// `Line`, `fill<<3>>`: a name with the static arguments that tell its instances apart.
+pub(super) fn display(name: &Name, statics: &Statics) -> Name {
+    let shown = |value: &Static| match value {
+        Static::Ty(ty) => Some(ty.to_string()),
+        Static::Value(constant) => constant.leaves.first().map(|leaf| match leaf.as_int() {
+            Some(value) => value.to_string(),
+            None => format!("{:?}", leaf.as_bool()),
+        }),
+        Static::Callee(callable) => Some(callable.name()),
+        Static::Opaque => None,
+    };
+    let shown: Vec<String> = statics.values().filter_map(shown).collect();
+    match shown.is_empty() {
+        true => name.clone(),
+        false => format!("{name}<<{}>>", shown.join(", ")).into(),
+    }
+}
+
+/// Static arguments of a call, sorted by what they are for.
+pub(super) struct Bound<'a> {
+    /// What the static parameters stand for, as far as they are given.
+    pub(super) statics: Statics,
+    /// Arguments for ports and for values known at load time, by name.
+    pub(super) ports: Vec<Given<'a>>,
+    /// Whether something was wrong, and has been reported.
+    pub(super) faulty: bool,
+}
+
+impl<'a> Body<'_, 'a> {
+    /// Binds static arguments to the parameters of a declaration. What is no static parameter is left for its ports.
+    pub(super) fn bind(&mut self, id: DeclId, args: &'a [StaticArg]) -> Bound<'a> {
+        let params = self.c.params_of(id);
+        let mut bound = Bound {
+            statics: Statics::new(),
+            ports: Vec::new(),
+            faulty: false,
+        };
+        let mut places = params.iter();
+        for arg in args {
+            let param = match &arg.name {
+                None => places.next().copied(),
+                Some(name) => params.iter().copied().find(|p| p.name().name == name.name),
+            };
+            match (param, &arg.name) {
+                (Some(param), _) => self.bind_one(id, param, arg, &mut bound),
+                (None, Some(name)) => self.bind_port(name, arg, &mut bound),
+                (None, None) => {
+                    self.too_many(id, params.len(), arg.span);
+                    bound.faulty = true;
+                }
+            }
+        }
+        bound
+    }
+
+    fn bind_port(&mut self, name: &'a Ident, arg: &'a StaticArg, bound: &mut Bound<'a>) {
+        let Some(value) = self.static_expr(arg) else {
+            bound.faulty = true;
+            return;
+        };
+        bound.ports.push(Given {
+            name: Some(name),
+            value,
+            is_static: true,
+        });
+    }
+
+    fn static_expr(&mut self, arg: &'a StaticArg) -> Option<ExprId> {
+        match &arg.value {
+            StaticValue::Expr(expr) => Some(self.expr(expr)),
+            _ => {
+                let finding = Finding::new(Code::RPI1010, "a value is expected here").at(arg.span, "this is none");
+                self.report(finding);
+                None
+            }
+        }
+    }
+
+    fn too_many(&mut self, id: DeclId, count: usize, span: Span) {
+        let decl = self.c.program.decl(id);
+        let finding = Finding::new(Code::RPI1010, format!("`{}` has {count} static parameters", decl.name))
+            .at(span, "one too many")
+            .also(decl.span, "declared here");
+        self.report(finding);
+    }
+
+    fn bind_one(&mut self, id: DeclId, param: Param<'a>, arg: &'a StaticArg, bound: &mut Bound<'a>) {
+        let name = param.name();
+        let value = match param {
+            Param::Type(_) => self.static_type(arg).map(Static::Ty),
+            Param::Node(_) => self.static_callable(arg).map(Static::Callee),
+            Param::Value(_, def) => {
+                let Some(value) = self.static_expr(arg) else {
+                    bound.faulty = true;
+                    return;
+                };
+                Some(self.bind_value(id, def, name, value, bound))
+            }
+        };
+        match value {
+            Some(value) => {
+                bound.statics.insert(name.name.clone(), value);
+            }
+            None => bound.faulty = true,
+        }
+    }
+
+    /// A value that tells instances apart becomes part of the instance; others stay flows.
+    fn bind_value(
+        &mut self,
+        id: DeclId,
+        def: &'a ConstDef,
+        name: &'a Ident,
+        value: ExprId,
+        bound: &mut Bound<'a>,
+    ) -> Static {
+        let ty = self.c.static_ty(id, def, &bound.statics);
+        let wanted = super::report::Wanted::By(name.span, format!("`{}` is `{ty}`", name.name));
+        self.expect(value, &ty, &wanted);
+        if tells_apart(&ty)
+            && let Some(leaves) = self.fold_quietly(value)
+        {
+            return Static::Value(Constant { ty, leaves });
+        }
+        bound.ports.push(Given {
+            name: Some(name),
+            value,
+            is_static: true,
+        });
+        Static::Opaque
+    }
+
+    fn static_type(&mut self, arg: &'a StaticArg) -> Option<Ty> {
+        match &arg.value {
+            StaticValue::Type(ty) => Some(self.ty(ty)),
+            StaticValue::Expr(expr) => self.type_by_name(expr),
+            _ => {
+                let finding = Finding::new(Code::RPI1010, "a type is expected here").at(arg.span, "this is none");
+                self.report(finding);
+                None
+            }
+        }
+    }
+
+    /// A type whose name was parsed as an expression.
+    fn type_by_name(&mut self, expr: &'a Expr) -> Option<Ty> {
+        let ExprKind::Name(name) = &expr.kind else {
+            let finding = Finding::new(Code::RPI1010, "a type is expected here").at(expr.span, "this is a value");
+            self.report(finding);
+            return None;
+        };
+        self.ty_named(name, expr.span)
+    }
+
+    fn static_callable(&mut self, arg: &'a StaticArg) -> Option<Callable> {
+        match &arg.value {
+            StaticValue::Op(op) => Some(Callable::Op(*op)),
+            StaticValue::Callee(callee) => self.callable(&callee.name.name, &callee.statics, callee.span),
+            StaticValue::Expr(Expr {
+                kind: ExprKind::Name(name),
+                span,
+            }) => self.callable(name, &[], *span),
+            _ => {
+                let finding = Finding::new(Code::RPI1010, "a node is expected here").at(arg.span, "this is none");
+                self.report(finding);
+                None
+            }
+        }
+    }
+
+    /// Something to call, passed as a static argument.
+    pub(super) fn static_callee(&mut self, arg: &'a StaticArg) -> Option<Callable> {
+        self.static_callable(arg)
+    }
+}
+
+impl<'a> Checker<'a> {
+    /// The declared type of a static value parameter; that of its default where none is declared.
+    pub(super) fn static_ty(&mut self, id: DeclId, def: &'a ConstDef, statics: &Statics) -> Ty {
+        let module = self.program.decl(id).module;
+        let unit = crate::typed::Unit::new("".into(), crate::typed::UnitKind::Constant, Span::NONE);
+        let mut body = Body::new(self, module, Rc::new(statics.clone()), unit);
+        body.in_signature = true;
+        match (&def.ty, &def.value) {
+            (Some(ty), _) => body.ty(ty),
+            (None, Some(value)) => {
+                let value = body.expr(value);
+                body.ty_of(value).clone()
+            }
+            (None, None) => Ty::Unknown,
+        }
+    }
+
+    /// Adds defaults for what is not given. The names that are still open are returned.
+    pub(super) fn complete(&mut self, id: DeclId, statics: &mut Statics) -> Vec<Name> {
+        let mut open = Vec::new();
+        for param in self.params_of(id) {
+            let name = &param.name().name;
+            if statics.contains_key(name) {
+                continue;
+            }
+            match param {
+                Param::Value(_, def) => {
+                    let value = self.default_static(id, def, statics);
+                    if value.is_none() && def.value.is_none() {
+                        open.push(name.clone());
+                    }
+                    statics.insert(name.clone(), value.unwrap_or(Static::Opaque));
+                }
+                Param::Type(_) => {
+                    open.push(name.clone());
+                    statics.insert(name.clone(), Static::Ty(Ty::Generic(name.clone())));
+                }
+                Param::Node(_) => open.push(name.clone()),
+            }
+        }
+        open
+    }
+
+    fn default_static(&mut self, id: DeclId, def: &'a ConstDef, statics: &Statics) -> Option<Static> {
+        let ty = self.static_ty(id, def, statics);
+        let value = def.value.as_ref().filter(|_| tells_apart(&ty))?;
+        let module = self.program.decl(id).module;
+        let unit = crate::typed::Unit::new("".into(), crate::typed::UnitKind::Constant, Span::NONE);
+        let mut body = Body::new(self, module, Rc::new(statics.clone()), unit);
+        let leaves = body.constant_of(value, &ty)?;
+        Some(Static::Value(Constant { ty, leaves }))
+    }
+}
+
+/// Whether values of a type may decide sizes and branches, so that each has an instance of its own.
+pub(super) fn tells_apart(ty: &Ty) -> bool {
+    match ty {
+        Ty::Bool | Ty::Int | Ty::Enum(_) => true,
+        Ty::Array(element, _) => tells_apart(element),
+        _ => false,
+    }
+}
+
+/// Static arguments that are missing, in words.
+pub(super) fn missing(name: &Name, open: &[Name], span: Span, declared: Span) -> Finding {
+    let names = listed(open.iter().map(Name::as_str));
+    Finding::new(Code::RPI1010, format!("`{name}` needs {names} in `<<...>>`"))
+        .at(span, "not given")
+        .also(declared, "declared here")
+}
+
+/// A static argument that nothing takes.
+pub(super) fn no_param(of: &Name, name: &Ident, near: Option<String>) -> Finding {
+    let finding = unknown(&format!("parameter of `{of}` called"), &name.name, name.span, near);
+    finding.note(format!("in `<<...>>` stand the parameters of `{of}`, and in-ports that are fixed at load time"))
+}

@@ -1,0 +1,132 @@
+//! What stands on the left of an equation.
+
+use super::body::Body;
+use super::locals::Local;
+use super::order::{Goal, flatten};
+use super::report::{Wanted, unknown};
+use super::statement::counted;
+use crate::ty::{Subst, Ty, fit, join};
+use crate::typed::{Equation, ExprId, FlowId, FlowRole, Place, Target};
+use rpi_diag::{Code, Finding, Span};
+use rpi_syntax::ast::{self, Ident};
+
+impl<'a> Body<'_, 'a> {
+    /// Checks an equation's value against what it defines.
+    pub(super) fn check_equation(&mut self, index: usize) {
+        let value = self.value_of(index);
+        let (goal, span) = (self.pending[index].goal, self.pending[index].span);
+        let count = match goal {
+            Goal::Targets(targets) => targets.len(),
+            Goal::Var(_) => 1,
+        };
+        let mut parts = Vec::new();
+        match count {
+            1 => parts.push(self.ty_of(value).clone()),
+            _ => flatten(&self.ty_of(value).clone(), &mut parts),
+        }
+        if parts.len() != count && !self.ty_of(value).is_unknown() {
+            return self.wrong_count(value, count, parts.len(), span);
+        }
+        parts.resize(count, Ty::Unknown);
+        let targets = match goal {
+            Goal::Targets(targets) => {
+                let targets = targets.iter().zip(&parts);
+                targets.map(|(target, ty)| self.target(target, ty, value)).collect()
+            }
+            Goal::Var(flow) => vec![self.var_target(flow, &parts[0], value)],
+        };
+        self.current().equations.push(Equation {
+            targets,
+            value,
+            span,
+        });
+    }
+
+    fn wrong_count(&mut self, value: ExprId, targets: usize, parts: usize, span: Span) {
+        let at = self.span_of(value);
+        let finding = Finding::new(
+            Code::RPI1010,
+            format!("{targets} flows are defined by {parts} values"),
+        )
+        .at(at, format!("this gives {}", counted(parts, "value")))
+        .also(span, format!("{} on the left", counted(targets, "flow")));
+        self.report(finding);
+    }
+
+    /// What a target defines; its type must fit the value's.
+    fn target(&mut self, target: &'a ast::Target, found: &Ty, value: ExprId) -> Target {
+        let (place, expected) = self.place(target);
+        self.fitting_target(place, expected, target.span, found, value)
+    }
+
+    fn var_target(&mut self, flow: FlowId, found: &Ty, value: ExprId) -> Target {
+        let expected = self.unit.flow(flow).ty.clone();
+        let span = self.unit.flow(flow).span;
+        self.fitting_target(Place::Flow { flow, at: 0 }, expected, span, found, value)
+    }
+
+    fn fitting_target(
+        &mut self,
+        place: Place,
+        expected: Ty,
+        span: Span,
+        found: &Ty,
+        value: ExprId,
+    ) -> Target {
+        let mut ty = expected.clone();
+        match fit(&expected, found, &mut Subst::default()) {
+            Ok(()) => {
+                self.angle_has_unit(value, &expected);
+                ty = join(&expected, found).unwrap_or(ty);
+            }
+            Err(misfit) => {
+                let text = format!("defines something of type `{expected}`");
+                self.misfit(value, &expected, &misfit, &Wanted::By(span, text));
+            }
+        }
+        Target { place, ty, span }
+    }
+
+    fn place(&mut self, target: &'a ast::Target) -> (Place, Ty) {
+        let name = &target.name;
+        match self.find_local(&name.name) {
+            Some(Local::Flow(flow)) => self.place_in_flow(flow, target),
+            Some(Local::Constant(_)) => self.not_definable(name, "a constant"),
+            Some(Local::Block(_)) => self.not_definable(name, "a fragment"),
+            None if name.name == "_" => (Place::Nowhere, Ty::Unknown),
+            None => {
+                let near = rpi_diag::suggest(&name.name, self.local_names());
+                let finding = unknown("flow", &name.name, name.span, near);
+                let finding = finding.help("flows are declared after `returns` or `var`");
+                self.report(finding);
+                (Place::Nowhere, Ty::Unknown)
+            }
+        }
+    }
+
+    fn place_in_flow(&mut self, flow: FlowId, target: &'a ast::Target) -> (Place, Ty) {
+        if let Some(device) = self.unit.device(flow).cloned() {
+            return self.actuator(flow, &device, target);
+        }
+        let what = match self.unit.flow(flow).role {
+            FlowRole::Input | FlowRole::Given => Some("an in-port"),
+            FlowRole::Param => Some("a parameter"),
+            FlowRole::Output | FlowRole::Local => None,
+        };
+        if let Some(what) = what {
+            return self.not_definable(&target.name, what);
+        }
+        let ty = self.unit.flow(flow).ty.clone();
+        match self.path_in(&ty, 0, &target.path) {
+            Some((at, ty)) => (Place::Flow { flow, at }, ty),
+            None => (Place::Nowhere, Ty::Unknown),
+        }
+    }
+
+    fn not_definable(&mut self, name: &Ident, what: &str) -> (Place, Ty) {
+        let finding = Finding::new(Code::RPI1003, format!("`{}` is {what}", name.name))
+            .at(name.span, format!("{what} can not be defined here"));
+        self.report(finding);
+        (Place::Nowhere, Ty::Unknown)
+    }
+}

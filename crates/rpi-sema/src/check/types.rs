@@ -1,0 +1,339 @@
+//! Types as they are written, resolved.
+
+use super::body::Body;
+use super::locals::Local;
+use super::report::{did_you_mean, not_a, unknown};
+use super::statics::Static;
+use super::{Checker, Lazy};
+use crate::program::{DeclId, DeclKind, Lookup};
+use crate::typed::Leaf;
+use crate::ty::{EnumTy, Geometry, Member, StructTy, Ty};
+use crate::units::{Dim, UnitFault, resolve};
+use rpi_diag::{Code, Finding, Span};
+use rpi_image::Scalar;
+use rpi_syntax::Name;
+use rpi_syntax::ast::{
+    ArrayType, Dotted, Frames, NamedType, Type, TypeDef, TypeKind, Unit, VarDecl,
+};
+use std::rc::Rc;
+
+/// The most elements that an array may have, all levels together: more is a slip, and would only fill memory.
+const MAX_LEAVES: usize = 1 << 20;
+
+/// A type with whether a value may be absent.
+#[derive(Clone, Debug)]
+pub(super) struct PortTy {
+    pub(super) ty: Ty,
+    pub(super) optional: bool,
+}
+
+impl<'a> Body<'_, 'a> {
+    /// The type of a port or variable, which may be optional as a whole.
+    pub(super) fn port_ty(&mut self, ty: &'a Type) -> PortTy {
+        match &ty.kind {
+            TypeKind::Optional(inner) => PortTy {
+                ty: self.ty(inner),
+                optional: true,
+            },
+            _ => PortTy {
+                ty: self.ty(ty),
+                optional: false,
+            },
+        }
+    }
+
+    /// A type that is not optional.
+    pub(super) fn ty(&mut self, ty: &'a Type) -> Ty {
+        match &ty.kind {
+            TypeKind::Bool => Ty::Bool,
+            TypeKind::Int | TypeKind::Subrange(_) => Ty::Int,
+            TypeKind::Real(None) => Ty::REAL,
+            TypeKind::Real(Some(unit)) => Ty::Real(self.unit_dim(unit)),
+            TypeKind::Named(named) => self.named_ty(named),
+            TypeKind::Array(array) => self.array_ty(array, ty.span),
+            TypeKind::Optional(inner) => self.inner_optional(inner, ty.span),
+            TypeKind::Enum(_) | TypeKind::Struct(_) => self.nameless_ty(ty.span),
+        }
+    }
+
+    /// The dimension of a unit; that of plain numbers after a fault.
+    pub(super) fn unit_dim(&mut self, unit: &Unit) -> Dim {
+        resolve(unit).map_or_else(
+            |fault| {
+                self.report(unit_fault(&fault));
+                Dim::ONE
+            },
+            |measure| measure.dim,
+        )
+    }
+
+    fn inner_optional(&mut self, inner: &'a Type, span: Span) -> Ty {
+        self.report(
+            Finding::new(Code::RPI3004, "a part of a value can not be absent by itself")
+                .at(span, "only a whole flow or port can be optional")
+                .help("write the `?` behind the whole type"),
+        );
+        self.ty(inner)
+    }
+
+    fn nameless_ty(&mut self, span: Span) -> Ty {
+        self.report(
+            Finding::new(Code::RPI1003, "an enum or struct needs a name")
+                .at(span, "declared in place")
+                .help("declare it by `type Name = ...;` and write the name here"),
+        );
+        Ty::Unknown
+    }
+
+    fn array_ty(&mut self, array: &'a ArrayType, span: Span) -> Ty {
+        let element = self.ty(&array.element);
+        let Some(size) = self.size(&array.size) else {
+            return Ty::Unknown;
+        };
+        let ty = Ty::Array(Rc::new(element), size);
+        if ty.leaf_count() > MAX_LEAVES {
+            self.report(
+                Finding::new(Code::RPI2009, "the array is too large")
+                    .at(span, format!("more than {MAX_LEAVES} values")),
+            );
+            return Ty::Unknown;
+        }
+        ty
+    }
+
+    fn named_ty(&mut self, named: &'a NamedType) -> Ty {
+        let name = &named.name.name;
+        if let Some(Static::Ty(ty)) = self.statics.get(name) {
+            return ty.clone();
+        }
+        match self.c.program.lookup(self.module, name) {
+            Lookup::Found(id) => self.declared_ty(id, named),
+            Lookup::Ambiguous(ids) => {
+                self.ambiguous(name, named.name.span, &ids);
+                Ty::Unknown
+            }
+            Lookup::Missing => self.builtin_ty(named),
+        }
+    }
+
+    fn declared_ty(&mut self, id: DeclId, named: &'a NamedType) -> Ty {
+        let decl = self.c.program.decl(id);
+        match decl.kind {
+            DeclKind::Type(_) => self.c.type_decl(id, named.name.span),
+            DeclKind::Device(device) => self.device_ty(id, device, named),
+            DeclKind::Broken(_) => Ty::Unknown,
+            kind => {
+                let finding = not_a("a type", &decl.name, kind.what(), named.name.span, decl.span);
+                self.report(finding);
+                Ty::Unknown
+            }
+        }
+    }
+
+    fn builtin_ty(&mut self, named: &'a NamedType) -> Ty {
+        let name = named.name.name.as_str();
+        let scalar = Scalar::ALL.iter().copied().find(|s| s.name() == name);
+        match scalar {
+            Some(Scalar::Time) => Ty::Time,
+            Some(scalar) => Ty::Spatial(scalar, Rc::new(self.geometry(named.frames.as_ref()))),
+            None if name == "result" => Ty::Result,
+            None if name == "text" => Ty::Text,
+            None => {
+                let near = self.near_type(name);
+                self.report(unknown("type", name, named.name.span, near));
+                Ty::Unknown
+            }
+        }
+    }
+
+    fn near_type(&self, name: &str) -> Option<String> {
+        let builtin = ["Vector", "Rotation", "Pose", "Twist", "Wrench", "Time"];
+        let is_type = |id: DeclId| {
+            let kind = self.c.program.decl(id).kind;
+            matches!(kind, DeclKind::Type(_) | DeclKind::Device(_))
+        };
+        let declared = self.c.program.nearest(self.module, name, is_type);
+        declared.or_else(|| rpi_diag::suggest(name, builtin.into_iter()))
+    }
+
+    fn geometry(&mut self, frames: Option<&Frames>) -> Geometry {
+        Geometry {
+            dim: None,
+            of: frames.and_then(|f| f.of.as_ref()).and_then(|f| self.frame(f)),
+            in_frame: frames.and_then(|f| self.frame(&f.in_frame)),
+        }
+    }
+
+    /// A frame by its name: declared, of a device, or (in a signature) free.
+    fn frame(&mut self, frame: &Dotted) -> Option<Name> {
+        match &frame.parts[..] {
+            [one] => {
+                let known = self.is_frame(&one.name) || self.free_frame(&one.name);
+                self.known_frame(known, one.name.clone(), one.span)
+            }
+            [device, local] => {
+                let known = self.device_frames(&device.name).contains(&local.name);
+                let name = format!("{}.{}", device.name, local.name);
+                self.known_frame(known, name.into(), frame.span)
+            }
+            _ => self.known_frame(false, "".into(), frame.span),
+        }
+    }
+
+    fn is_frame(&self, name: &Name) -> bool {
+        match self.c.program.lookup(self.module, name) {
+            Lookup::Found(id) => matches!(self.c.program.decl(id).kind, DeclKind::Frame(_)),
+            _ => false,
+        }
+    }
+
+    /// Whether a name may be a frame of the signature; in the signature itself every name may.
+    fn free_frame(&mut self, name: &Name) -> bool {
+        let known = self.unit.free_frames.contains(name);
+        if !known && self.in_signature {
+            self.unit.free_frames.push(name.clone());
+        }
+        known || self.in_signature
+    }
+
+    fn device_frames(&self, device: &Name) -> Vec<Name> {
+        let Some(Local::Flow(flow)) = self.find_local(device) else {
+            return Vec::new();
+        };
+        self.unit.device(flow).map_or_else(Vec::new, |d| d.frames.clone())
+    }
+
+    fn known_frame(&mut self, known: bool, name: Name, span: Span) -> Option<Name> {
+        if !known {
+            let near = rpi_diag::suggest(&name, self.unit.free_frames.iter().map(Name::as_str));
+            self.report(did_you_mean(
+                Finding::new(Code::RPI1001, format!("there is no frame `{name}`"))
+                    .at(span, "not declared")
+                    .help("a frame is declared by `frame`, named in the signature, or of a device"),
+                span,
+                near,
+            ));
+        }
+        known.then_some(name)
+    }
+}
+
+impl<'a> Checker<'a> {
+    /// Checks a type declaration or device type by itself.
+    pub(super) fn type_alone(&mut self, id: DeclId) {
+        match self.program.decl(id).kind {
+            DeclKind::Type(_) => {
+                self.type_decl(id, self.program.decl(id).span);
+            }
+            DeclKind::Device(device) => self.device_alone(id, device),
+            _ => {}
+        }
+    }
+
+    /// What a declared type stands for.
+    pub(super) fn type_decl(&mut self, id: DeclId, used_at: Span) -> Ty {
+        let key = format!("{}", id.0);
+        match self.types.get(&key) {
+            Some(Lazy::Done(ty)) => return ty.clone().unwrap_or(Ty::Unknown),
+            Some(Lazy::Busy) => {
+                self.in_circles("type", &self.program.decl(id).name.clone(), used_at);
+                return Ty::Unknown;
+            }
+            None => {}
+        }
+        self.types.insert(key.clone(), Lazy::Busy);
+        let ty = self.type_def(id);
+        self.types.insert(key, Lazy::Done(Some(ty.clone())));
+        ty
+    }
+
+    fn type_def(&mut self, id: DeclId) -> Ty {
+        let decl = self.program.decl(id);
+        let (DeclKind::Type(def), module) = (decl.kind, decl.module) else {
+            return Ty::Unknown;
+        };
+        let mut body = Body::of_module(self, module);
+        let ty = body.type_meaning(def);
+        body.leave();
+        ty
+    }
+
+    /// Reports what needs itself, from where.
+    pub(super) fn in_circles(&mut self, what: &str, name: &Name, span: Span) {
+        self.findings.push(needs_itself(what, name, span));
+    }
+}
+
+impl<'a> Body<'_, 'a> {
+    fn type_meaning(&mut self, def: &'a TypeDef) -> Ty {
+        let name = def.name.name.clone();
+        match def.ty.as_ref().map(|ty| (&ty.kind, ty)) {
+            None => Ty::Struct(Rc::new(StructTy {
+                name,
+                fields: Vec::new(),
+                defaults: Vec::new(),
+            })),
+            Some((TypeKind::Enum(values), _)) => Ty::Enum(Rc::new(EnumTy {
+                name,
+                values: values.iter().map(|v| v.name.name.clone()).collect(),
+            })),
+            Some((TypeKind::Struct(fields), _)) => Ty::Struct(Rc::new(StructTy {
+                name,
+                fields: self.fields(fields),
+                defaults: self.field_defaults(fields),
+            })),
+            Some((_, ty)) => self.ty(ty),
+        }
+    }
+
+    fn fields(&mut self, decls: &'a [VarDecl]) -> Vec<Member> {
+        let mut fields: Vec<Member> = Vec::new();
+        for decl in decls {
+            let ty = self.ty(&decl.ty);
+            for name in &decl.names {
+                let is_known = |field: &&Member| field.name.as_ref() == Some(&name.name);
+                if fields.iter().find(is_known).is_some() {
+                    let finding = crate::program::twice(&name.name, name.span, decl.span);
+                    self.report(finding);
+                }
+                fields.push(Member {
+                    name: Some(name.name.clone()),
+                    ty: ty.clone(),
+                });
+            }
+        }
+        fields
+    }
+
+    fn field_defaults(&mut self, decls: &'a [VarDecl]) -> Vec<Option<Rc<[Leaf]>>> {
+        let mut defaults = Vec::new();
+        for decl in decls {
+            let default = decl.default.as_ref().and_then(|value| {
+                let ty = self.ty(&decl.ty);
+                self.constant_of(value, &ty)
+            });
+            defaults.extend(decl.names.iter().map(|_| default.clone()));
+        }
+        defaults
+    }
+}
+
+fn needs_itself(what: &str, name: &Name, span: Span) -> Finding {
+    Finding::new(Code::RPI1007, format!("the {what} `{name}` needs itself"))
+        .at(span, format!("`{name}` is needed here to know what `{name}` is"))
+}
+
+/// What is wrong with a unit, in words.
+pub(super) fn unit_fault(fault: &UnitFault) -> Finding {
+    match fault {
+        UnitFault::Unknown { name, span, near } => did_you_mean(
+            Finding::new(Code::RPI2003, format!("there is no unit `{name}`"))
+                .at(*span, "not a unit"),
+            *span,
+            near.clone(),
+        ),
+        UnitFault::Exponent { span } => {
+            Finding::new(Code::RPI2003, "a unit with an exponent out of range").at(*span, "too large")
+        }
+    }
+}

@@ -1,0 +1,232 @@
+//! Units: created when first called, checked from a queue, so that depth of nesting costs no stack.
+
+use super::body::Body;
+use super::header::{Header, kind_of};
+use super::statics::{Statics, key};
+use super::Checker;
+use crate::program::{DeclId, DeclKind};
+use crate::typed::{Kind, Unit, UnitId, UnitKind};
+use rpi_diag::{Code, Finding, Span};
+use rpi_syntax::ast::{CommandDecl, Contract, FragmentDecl, Locals, NodeDecl, NodeDef};
+use std::rc::Rc;
+
+/// The most units that a program may have: a recursion over static parameters that does not end makes more.
+pub const MAX_UNITS: usize = 20_000;
+
+/// A unit on its way.
+pub(super) struct Entry {
+    pub(super) header: Rc<Header>,
+    state: Progress,
+}
+
+/// How far a unit is.
+#[derive(Clone, Copy, PartialEq, Debug)]
+enum Progress {
+    Queued,
+    Busy,
+    Done,
+}
+
+impl<'a> Checker<'a> {
+    /// The unit of a callable; none if there are too many.
+    pub(super) fn unit(&mut self, header: &Rc<Header>, span: Span) -> Option<UnitId> {
+        let key = key(header.decl, &header.statics);
+        if let Some(id) = self.unit_ids.get(&key) {
+            return Some(*id);
+        }
+        if self.units.len() >= MAX_UNITS {
+            self.endless(header, span);
+            return None;
+        }
+        let id = UnitId(u32::try_from(self.units.len()).unwrap_or(u32::MAX));
+        self.units.push(Unit::new(header.name.clone(), header.kind, header.span));
+        self.entries.push(Entry {
+            header: header.clone(),
+            state: Progress::Queued,
+        });
+        self.unit_ids.insert(key, id);
+        self.queue.push_back(id);
+        Some(id)
+    }
+
+    fn endless(&mut self, header: &Header, span: Span) {
+        if std::mem::replace(&mut self.too_many_units, true) {
+            return;
+        }
+        self.findings.push(
+            Finding::new(Code::RPI1011, format!("`{}` has more than {MAX_UNITS} instances", header.name))
+                .at(span, "one more is called here")
+                .help("a recursion over static parameters ends by `with`"),
+        );
+    }
+
+    /// The unit of a declaration that is run by itself, if it needs no static arguments.
+    pub(super) fn unit_alone(&mut self, id: DeclId) -> Option<UnitId> {
+        let mut statics = Statics::new();
+        let open = self.complete(id, &mut statics);
+        let needs_more = self.params_of(id).iter().any(|param| {
+            let is_open = open.contains(&param.name().name);
+            is_open && !matches!(statics.get(&param.name().name), Some(super::statics::Static::Opaque))
+        });
+        let sizes = self.open_sizes(id, &open, &statics);
+        if needs_more || sizes {
+            return None;
+        }
+        let header = self.header(id, Rc::new(statics))?;
+        self.unit(&header, header.span)
+    }
+
+    /// Whether a value that may decide sizes is not given: without it nothing can be said.
+    fn open_sizes(&mut self, id: DeclId, open: &[rpi_syntax::Name], statics: &Statics) -> bool {
+        let params = self.params_of(id);
+        params.iter().any(|param| match param {
+            super::statics::Param::Value(name, def) if open.contains(&name.name) => {
+                super::statics::tells_apart(&self.static_ty(id, def, statics))
+            }
+            _ => false,
+        })
+    }
+
+    /// Checks all units that wait, and those that they call.
+    pub(super) fn check_queued(&mut self) {
+        while let Some(id) = self.queue.pop_front() {
+            self.check_unit(id);
+        }
+    }
+
+    /// Checks a unit and all that it calls, for a constant that needs them.
+    pub(super) fn check_now(&mut self, id: UnitId) {
+        let mut open = vec![id];
+        while let Some(id) = open.pop() {
+            if self.entries[id.0 as usize].state == Progress::Queued {
+                self.check_unit(id);
+                open.extend(self.calls_of(id));
+            }
+        }
+    }
+
+    fn calls_of(&self, id: UnitId) -> Vec<UnitId> {
+        let exprs = &self.units[id.0 as usize].exprs;
+        let calls = exprs.iter().filter_map(|expr| match &expr.kind {
+            Kind::Call(call) => Some(call.unit),
+            _ => None,
+        });
+        calls.collect()
+    }
+
+    fn check_unit(&mut self, id: UnitId) {
+        let entry = &mut self.entries[id.0 as usize];
+        if entry.state != Progress::Queued {
+            return;
+        }
+        entry.state = Progress::Busy;
+        let header = entry.header.clone();
+        let module = self.program.decl(header.decl).module;
+        let unit = Unit::new(header.name.clone(), header.kind, header.span);
+        let mut body = Body::new(self, module, header.statics.clone(), unit);
+        body.check_decl(header.decl);
+        self.units[id.0 as usize] = body.leave();
+        self.entries[id.0 as usize].state = Progress::Done;
+    }
+}
+
+impl<'a> Body<'_, 'a> {
+    fn check_decl(&mut self, id: DeclId) {
+        self.declare_ports(id);
+        // The header has reported what is wrong with the ports.
+        self.findings.clear();
+        match self.c.program.decl(id).kind {
+            DeclKind::Node(node) => self.check_node(node),
+            DeclKind::Fragment(fragment) => self.check_fragment(fragment),
+            DeclKind::Primitive(primitive) => self.check_primitive(primitive),
+            DeclKind::Command(command) => self.check_command(command),
+            _ => {}
+        }
+    }
+
+    fn check_node(&mut self, node: &'a NodeDecl) {
+        match &node.definition {
+            NodeDef::Body(body) => {
+                self.declare_contract(node.contract.as_ref());
+                self.check_body(body);
+                self.check_contract(node.contract.as_ref());
+            }
+            NodeDef::Alias(_) | NodeDef::Extern => {}
+        }
+        if let (UnitKind::Function, Some(span)) = (self.unit.kind, self.state_at) {
+            self.state_in_function(span);
+        }
+    }
+
+    fn state_in_function(&mut self, span: Span) {
+        let finding = Finding::new(Code::RPI3005, format!("the function `{}` has state", self.unit.name))
+            .at(span, "this remembers earlier cycles")
+            .also(self.unit.span, "declared as a function here")
+            .help("a function depends on its arguments alone; declare a `node`");
+        self.report(finding);
+    }
+
+    fn check_fragment(&mut self, fragment: &'a FragmentDecl) {
+        if let Some(when) = &fragment.when {
+            let condition = self.condition(&when.condition, "the activation of a fragment");
+            self.current().when = Some(condition);
+            self.current().restart = when.restart;
+        }
+        if let Some(budget) = &fragment.budget {
+            self.current().budget_ns = self.nanoseconds(budget);
+        }
+        self.declare_contract(fragment.contract.as_ref());
+        self.check_body(&fragment.body);
+        self.check_contract(fragment.contract.as_ref());
+    }
+
+    fn check_command(&mut self, command: &'a CommandDecl) {
+        if let Some(budget) = &command.budget {
+            self.current().budget_ns = self.nanoseconds(budget);
+        }
+        self.declare_contract(command.contract.as_ref());
+        self.check_body(&command.body);
+        self.check_contract(command.contract.as_ref());
+    }
+
+    fn declare_contract(&mut self, contract: Option<&'a Contract>) {
+        let Some(contract) = contract else {
+            return;
+        };
+        for section in &contract.locals {
+            match section {
+                Locals::Var(vars) => vars.iter().for_each(|var| self.declare_var(var)),
+                Locals::Const(defs) => defs.iter().for_each(|def| self.declare_const(def)),
+            }
+        }
+    }
+
+    fn check_contract(&mut self, contract: Option<&'a Contract>) {
+        let Some(contract) = contract else {
+            return;
+        };
+        for claim in &contract.claims {
+            self.check_claim(claim, claim.condition.span);
+        }
+        for mode in &contract.modes {
+            for claim in mode.requires.iter().chain(&mode.ensures) {
+                self.condition(&claim.condition, "a claim");
+            }
+        }
+    }
+
+    /// Whether the file knows the words of the robot world.
+    pub(super) fn is_rpi(&self) -> bool {
+        self.mode() == rpi_syntax::Mode::Rpi
+    }
+
+    /// Which words the file knows.
+    pub(super) fn mode(&self) -> rpi_syntax::Mode {
+        self.c.program.module(self.module).mode
+    }
+}
+
+/// Whether a declaration can be called.
+pub(super) fn is_callable(kind: DeclKind<'_>) -> bool {
+    kind_of(kind).is_some_and(|kind| kind != UnitKind::Command)
+}

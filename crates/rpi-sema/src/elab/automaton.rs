@@ -1,0 +1,165 @@
+//! State machines: an integer that remembers the state, one fragment per state, transitions that choose.
+
+use super::expr::leaf_scalars;
+use super::families::Family;
+use super::scope::Scope;
+use super::signal::Signal;
+use super::{At, Elab};
+use crate::typed::{Automaton, Shared, Transition};
+use rpi_diag::Span;
+use rpi_image::{Scalar, Value};
+use rpi_net::{FragmentId, Restart};
+
+/// The next state and whether it starts afresh.
+#[derive(Clone)]
+struct Next {
+    state: Signal,
+    afresh: Signal,
+}
+
+impl<'u> Elab<'u> {
+    /// A state machine in a fragment.
+    pub(super) fn automaton(&mut self, scope: &mut Scope<'u>, automaton: &'u Automaton, at: At) {
+        self.begin(&format!("{}state", scope.prefix));
+        let span = automaton.span;
+        let (memory, next) = self.memory(automaton, at, span);
+        let current = self.strong(scope, automaton, &memory, at);
+        let mut chosen = stay(&current.state);
+        for (k, state) in automaton.states.iter().enumerate() {
+            let here = self.is_state(&current.state, k, at, span);
+            let fragment = self.state_fragment(scope, automaton, k, &here, &current.afresh, at);
+            scope.fragments[state.block.0 as usize] = Some(fragment);
+            if !state.until.is_empty() {
+                let inner = At::fragment(fragment);
+                let weak = self.transitions(scope, &state.until, stay(&number(k)), inner, span);
+                chosen = self.pick(&here, weak, chosen, at, span);
+            }
+        }
+        self.bind_alias(next[0], &chosen.state);
+        self.bind_alias(next[1], &chosen.afresh);
+        for shared in &automaton.shared {
+            self.shared(scope, shared, at, span);
+        }
+    }
+
+    /// State and restart flag at the start of a cycle, and the aliases for what they are in the next.
+    fn memory(&mut self, automaton: &Automaton, at: At, span: Span) -> (Next, [rpi_net::PortRef; 2]) {
+        let next = [Scalar::Int, Scalar::Bool].map(|scalar| self.new_alias(scalar));
+        let first = self.first(at.fragment, span);
+        let state = self.delay(Family::Pre, Scalar::Int, &Signal::Port(next[0]), at, span);
+        let afresh = self.delay(Family::Pre, Scalar::Bool, &Signal::Port(next[1]), at, span);
+        let initial = number(automaton.initial as usize);
+        let state = self.family(Family::Conditional, Scalar::Int, &[first.clone(), initial, state], at, span);
+        let no = Signal::Const(Value::bool(false));
+        let afresh = self.family(Family::Conditional, Scalar::Bool, &[first, no, afresh], at, span);
+        (Next { state, afresh }, next)
+    }
+
+    /// The state of this cycle: strong transitions act before it runs.
+    fn strong(&mut self, scope: &mut Scope<'u>, automaton: &'u Automaton, memory: &Next, at: At) -> Next {
+        let span = automaton.span;
+        let mut current = memory.clone();
+        for (k, state) in automaton.states.iter().enumerate() {
+            if state.unless.is_empty() {
+                continue;
+            }
+            let here = self.is_state(&memory.state, k, at, span);
+            let strong = self.transitions(scope, &state.unless, memory.clone(), at, span);
+            current = self.pick(&here, strong, current, at, span);
+        }
+        current
+    }
+
+    /// The first transition whose condition holds, or else what is given.
+    fn transitions(
+        &mut self,
+        scope: &mut Scope<'u>,
+        transitions: &'u [Transition],
+        otherwise: Next,
+        at: At,
+        span: Span,
+    ) -> Next {
+        let mut next = otherwise;
+        for transition in transitions.iter().rev() {
+            let target = Next {
+                state: number(transition.target as usize),
+                afresh: Signal::Const(Value::bool(!transition.resumes)),
+            };
+            next = match transition.condition {
+                None => target,
+                Some(condition) => {
+                    let condition = self.one(scope, condition, at);
+                    self.pick(&condition, target, next, at, span)
+                }
+            };
+        }
+        next
+    }
+
+    fn pick(&mut self, condition: &Signal, yes: Next, no: Next, at: At, span: Span) -> Next {
+        let state = [condition.clone(), yes.state, no.state];
+        let afresh = [condition.clone(), yes.afresh, no.afresh];
+        Next {
+            state: self.family(Family::Conditional, Scalar::Int, &state, at, span),
+            afresh: self.family(Family::Conditional, Scalar::Bool, &afresh, at, span),
+        }
+    }
+
+    fn is_state(&mut self, state: &Signal, k: usize, at: At, span: Span) -> Signal {
+        self.named("Core::IntEquals", &[state.clone(), number(k)], at, span)
+    }
+
+    fn state_fragment(
+        &mut self,
+        scope: &Scope<'u>,
+        automaton: &Automaton,
+        k: usize,
+        here: &Signal,
+        afresh: &Signal,
+        at: At,
+    ) -> FragmentId {
+        let block = scope.unit.block(automaton.states[k].block);
+        let path = format!("{}{}", scope.prefix, block.name);
+        let activation = self.when(here, at, block.span);
+        let restart = self.port_of(afresh, Scalar::Bool, at, block.span);
+        let restart = restart.map_or(Restart::Never, Restart::Every);
+        self.fragment(&path, at.fragment, activation, restart, block.span)
+    }
+
+    /// A flow that states define: what the active one makes of it.
+    fn shared(&mut self, scope: &mut Scope<'u>, shared: &'u Shared, at: At, span: Span) {
+        let flow = scope.unit.flow(shared.flow);
+        self.begin(&format!("{}{}", scope.prefix, flow.name));
+        let scalars = leaf_scalars(&flow.ty);
+        let mut merged: Option<Vec<Signal>> = None;
+        for inner in shared.states.iter().flatten() {
+            let wire = self.flow(scope, *inner, span).to_vec();
+            merged = Some(match merged {
+                None => wire,
+                Some(so_far) => {
+                    let pairs = so_far.into_iter().zip(wire).zip(&scalars);
+                    let pairs: Vec<((Signal, Signal), Scalar)> = pairs.map(|(p, s)| (p, *s)).collect();
+                    pairs
+                        .into_iter()
+                        .map(|((a, b), scalar)| self.family(Family::Coalesce, scalar, &[a, b], at, span))
+                        .collect()
+                }
+            });
+        }
+        if let Some(merged) = merged {
+            self.define(scope, shared.flow, 0, &merged.into());
+        }
+    }
+}
+
+fn number(k: usize) -> Signal {
+    Signal::Const(Value::int(k as i64))
+}
+
+/// No transition: the state goes on.
+fn stay(state: &Signal) -> Next {
+    Next {
+        state: state.clone(),
+        afresh: Signal::Const(Value::bool(false)),
+    }
+}

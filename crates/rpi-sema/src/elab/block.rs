@@ -1,0 +1,133 @@
+//! Bodies: equations, claims, fragments in place.
+
+use super::scope::Scope;
+use super::signal::{Signal, Wire, alias_of};
+use super::{At, Elab};
+use crate::typed::{BlockId, Claim, Equation, Place, Target, Unit};
+use rpi_net::{self as net, Restart};
+
+impl<'u> Elab<'u> {
+    /// Everything that stands in a unit. Blocks come after those around them.
+    pub(super) fn body(&mut self, scope: &mut Scope<'u>, at: At) {
+        scope.fragments[0] = Some(at.fragment);
+        for block in (0..scope.unit.blocks.len()).filter_map(|k| u32::try_from(k).ok()).map(BlockId) {
+            let at = match block {
+                BlockId::ROOT => at,
+                _ => At::fragment(self.fragment_in_place(scope, block)),
+            };
+            self.content(scope, block, at);
+        }
+    }
+
+    fn fragment_in_place(&mut self, scope: &mut Scope<'u>, block: BlockId) -> rpi_net::FragmentId {
+        if let Some(fragment) = scope.fragment(block) {
+            return fragment;
+        }
+        let content = scope.unit.block(block);
+        let parent = content.parent.and_then(|parent| scope.fragment(parent));
+        let outer = At::fragment(parent.unwrap_or(net::FragmentId::ROOT));
+        let path = format!("{}{}", scope.prefix, content.name);
+        self.begin(&path);
+        let activation = match content.when {
+            Some(when) => {
+                let condition = self.one(scope, when, outer);
+                self.when(&condition, outer, content.span)
+            }
+            None => net::Activation::Always,
+        };
+        let restart = if content.restart { Restart::OnActivation } else { Restart::Never };
+        let fragment = self.fragment(&path, outer.fragment, activation, restart, content.span);
+        self.net.fragments[fragment.0 as usize].budget_ns = content.budget_ns;
+        scope.fragments[block.0 as usize] = Some(fragment);
+        fragment
+    }
+
+    fn content(&mut self, scope: &mut Scope<'u>, block: BlockId, at: At) {
+        let unit = scope.unit;
+        let content = unit.block(block);
+        for equation in &content.equations {
+            self.equation(scope, block, equation, at);
+        }
+        for claim in &content.claims {
+            self.claim(scope, claim, at);
+        }
+        for automaton in &content.automata {
+            self.automaton(scope, automaton, at);
+        }
+    }
+
+    fn claim(&mut self, scope: &mut Scope<'u>, claim: &'u Claim, at: At) {
+        let label = claim.label.as_ref().map_or("assert", |label| label.as_str());
+        self.begin(&format!("{}{label}", scope.prefix));
+        let condition = self.one(scope, claim.condition, at);
+        self.assert(&condition, at, claim.span);
+    }
+
+    /// Starts naming nodes after a flow.
+    pub(super) fn begin(&mut self, name: &str) {
+        name.clone_into(&mut self.name);
+        self.serial = 0;
+        self.top = None;
+    }
+
+    fn equation(&mut self, scope: &mut Scope<'u>, block: BlockId, equation: &'u Equation, at: At) {
+        let name = target_name(scope.unit, block, equation);
+        self.begin(&format!("{}{name}", scope.prefix));
+        self.top = Some(equation.value);
+        let before = self.net.nodes.len();
+        let wire = self.expr(scope, equation.value, at);
+        let path = self.name.clone();
+        self.name_results(&path, equation, &wire, before);
+        self.define_all(scope, equation, &wire);
+        let mut first = 0;
+        for target in &equation.targets {
+            let count = target.ty.leaf_count();
+            if let Place::Port { device, port } = target.place {
+                let part = super::expr::part(&wire, first, count);
+                self.write(scope, device, port, target, &part, at);
+            }
+            first += count;
+        }
+    }
+
+    /// The nodes that compute a flow's leaves bear its name.
+    fn name_results(&mut self, path: &str, equation: &Equation, wire: &Wire, before: usize) {
+        let mut suffixes: Vec<String> = Vec::new();
+        if let [Target { ty, .. }] = &equation.targets[..] {
+            ty.leaves(&mut |suffix, _| suffixes.push(suffix.to_owned()));
+        }
+        for (k, signal) in wire.iter().enumerate() {
+            let Signal::Port(port) = signal else {
+                continue;
+            };
+            let fresh = alias_of(*port).is_none() && port.node.index() >= before;
+            let name = format!("{path}{}", suffixes.get(k).map_or("", String::as_str));
+            if fresh && suffixes.len() == wire.len() {
+                let node = &mut self.net.nodes[port.node.index()];
+                if node.origin.flow.is_none() && node.outputs.len() == 1 {
+                    node.name.clone_from(&name);
+                    node.origin.flow = Some(name);
+                }
+            }
+        }
+    }
+}
+
+fn target_name(unit: &Unit, _block: BlockId, equation: &Equation) -> String {
+    let name = |target: &Target| match &target.place {
+        Place::Flow { flow, at } => {
+            let flow = unit.flow(*flow);
+            match (*at, target.ty.leaf_count() == flow.ty.leaf_count()) {
+                (0, true) => Some(flow.name.to_string()),
+                _ => Some(format!("{}@{at}", flow.name)),
+            }
+        }
+        Place::Port { device, port } => {
+            let ports = unit.device(*device)?;
+            let port = ports.ports.get(*port as usize)?;
+            Some(format!("{}.{}", unit.flow(*device).name, port.name))
+        }
+        Place::Nowhere => None,
+    };
+    equation.targets.iter().find_map(name).unwrap_or_else(|| "_".to_owned())
+}

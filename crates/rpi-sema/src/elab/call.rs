@@ -1,0 +1,229 @@
+//! Calls: a unit inlined at one place.
+
+use super::expr::leaf_scalars;
+use super::families::Family;
+use super::scope::{Scope, State};
+use super::signal::{Signal, Wire};
+use super::{At, Elab, MAX_DEPTH, Mode, NotConstant};
+use crate::typed::{Activation, BlockId, Call, ExprId, Unit, UnitId, UnitKind};
+use rpi_diag::{Code, Finding, Span};
+use rpi_image::{Scalar, Value};
+use rpi_net::{self as net, Absent, Fragment, FragmentId, Origin, PortRef, Restart};
+
+impl<'u> Elab<'u> {
+    /// A call.
+    pub(super) fn call(&mut self, scope: &mut Scope<'u>, call: &'u Call, id: ExprId, at: At) -> Wire {
+        let span = scope.unit.expr(id).span;
+        let mut args = Vec::with_capacity(call.args.len());
+        for arg in &call.args {
+            args.push(arg.map(|id| self.expr(scope, id, at)));
+        }
+        let path = self.path(id);
+        match &call.activation {
+            Activation::Always => self.inlined(call.unit, &args, at, path, span),
+            Activation::Restart { every } => {
+                let every = self.one(scope, *every, at);
+                let Some(every) = self.port_of(&every, Scalar::Bool, at, span) else {
+                    return super::signal::nothing();
+                };
+                let activation = net::Activation::Always;
+                let inner = self.fragment(&path, at.fragment, activation, Restart::Every(every), span);
+                self.inlined(call.unit, &args, At::fragment(inner), path, span)
+            }
+            Activation::Condact { every, default, restart } => {
+                let inner = self.activated(scope, *every, *restart, &path, at, span);
+                let result = self.inlined(call.unit, &args, At::fragment(inner), path, span);
+                let default = default.map(|id| self.expr(scope, id, at));
+                self.held(&result, default.as_ref(), id, scope, at)
+            }
+        }
+    }
+
+    /// The path of what an expression makes: the flow's if it is the flow's whole value.
+    fn path(&mut self, id: ExprId) -> String {
+        if self.top == Some(id) {
+            return self.name.clone();
+        }
+        self.serial += 1;
+        format!("{}#{}", self.name, self.serial - 1)
+    }
+
+    fn activated(
+        &mut self,
+        scope: &mut Scope<'u>,
+        every: ExprId,
+        restart: Option<ExprId>,
+        path: &str,
+        at: At,
+        span: Span,
+    ) -> FragmentId {
+        let every = self.one(scope, every, at);
+        let restart = restart.map(|id| self.one(scope, id, at));
+        let restart = restart.and_then(|signal| self.port_of(&signal, Scalar::Bool, at, span));
+        let restart = restart.map_or(Restart::Never, Restart::Every);
+        let activation = self.when(&every, at, span);
+        self.fragment(path, at.fragment, activation, restart, span)
+    }
+
+    /// An activation by a condition.
+    pub(super) fn when(&mut self, condition: &Signal, at: At, span: Span) -> net::Activation {
+        if *condition == Signal::Const(Value::bool(true)) {
+            return net::Activation::Always;
+        }
+        match self.port_of(condition, Scalar::Bool, at, span) {
+            Some(condition) => net::Activation::When {
+                condition,
+                absent: Absent::Inactive,
+            },
+            None => net::Activation::Always,
+        }
+    }
+
+    /// Adds a fragment to the net.
+    pub(super) fn fragment(
+        &mut self,
+        path: &str,
+        parent: FragmentId,
+        activation: net::Activation,
+        restart: Restart,
+        span: Span,
+    ) -> FragmentId {
+        self.net.add_fragment(Fragment {
+            name: path.to_owned(),
+            parent: Some(parent),
+            activation,
+            restart,
+            inputs: Vec::new(),
+            outputs: Vec::new(),
+            budget_ns: None,
+            origin: Origin {
+                span,
+                flow: Some(path.to_owned()),
+            },
+        })
+    }
+
+    /// What a call gives that does not run in all cycles: its result, or what it was last.
+    fn held(&mut self, result: &Wire, default: Option<&Wire>, id: ExprId, scope: &Scope<'u>, at: At) -> Wire {
+        let span = scope.unit.expr(id).span;
+        let scalars = leaf_scalars(&scope.unit.expr(id).ty);
+        let mut leaves = Vec::with_capacity(scalars.len());
+        for (k, (scalar, signal)) in scalars.into_iter().zip(result.iter()).enumerate() {
+            let default = default.and_then(|wire| wire.get(k)).cloned();
+            leaves.push(self.held_leaf(signal, default, scalar, at, span));
+        }
+        leaves.into()
+    }
+
+    fn held_leaf(&mut self, signal: &Signal, default: Option<Signal>, scalar: Scalar, at: At, span: Span) -> Signal {
+        if let Some(default @ Signal::Const(_)) = default {
+            return self.family(Family::Hold, scalar, &[signal.clone(), default], at, span);
+        }
+        let result = self.new_alias(scalar);
+        let alias = Signal::Port(result);
+        let before = match default {
+            None => self.delay(Family::OptionalPre, scalar, &alias, at, span),
+            Some(default) => {
+                let before = self.delay(Family::Pre, scalar, &alias, at, span);
+                let first = self.first(at.fragment, span);
+                self.family(Family::Conditional, scalar, &[first, default, before], at, span)
+            }
+        };
+        let held = self.family(Family::Coalesce, scalar, &[signal.clone(), before], at, span);
+        self.bind_alias(result, &held);
+        held
+    }
+
+    /// A unit with its in-ports connected; gives its out-ports.
+    pub(super) fn inlined(&mut self, id: UnitId, args: &[Option<Wire>], at: At, path: String, span: Span) -> Wire {
+        let unit = &self.units[id.0 as usize];
+        if self.depth >= MAX_DEPTH {
+            return self.too_deep(unit, span);
+        }
+        self.depth += 1;
+        let outer = (std::mem::take(&mut self.name), self.serial, self.top);
+        let result = self.inlined_here(unit, id, args, at, path, span);
+        (self.name, self.serial, self.top) = outer;
+        self.depth -= 1;
+        result
+    }
+
+    fn inlined_here(
+        &mut self,
+        unit: &'u Unit,
+        id: UnitId,
+        args: &[Option<Wire>],
+        at: At,
+        path: String,
+        span: Span,
+    ) -> Wire {
+        let mut scope = Scope::new(unit, Some(id));
+        let in_fragment = unit.kind == UnitKind::Fragment && self.mode == Mode::Net;
+        scope.prefix = if in_fragment || path.is_empty() { String::new() } else { format!("{path}.") };
+        self.name.clone_from(&path);
+        let at = match unit.kind {
+            UnitKind::Function => at,
+            _ => at.unguarded(),
+        };
+        self.connect(&mut scope, args, at);
+        let at = match in_fragment {
+            true => At::fragment(self.fragment_of_unit(&mut scope, &path, at, span)),
+            false => at,
+        };
+        if self.mode == Mode::Net {
+            self.body(&mut scope, at);
+        }
+        let mut leaves = Vec::new();
+        for output in &unit.outputs {
+            leaves.extend(self.flow(&mut scope, *output, span).iter().cloned());
+        }
+        leaves.into()
+    }
+
+    fn fragment_of_unit(&mut self, scope: &mut Scope<'u>, path: &str, at: At, span: Span) -> FragmentId {
+        let root = scope.unit.block(BlockId::ROOT);
+        let activation = match root.when {
+            Some(when) => {
+                let condition = self.one(scope, when, at);
+                self.when(&condition, at, span)
+            }
+            None => net::Activation::Always,
+        };
+        let restart = if root.restart { Restart::OnActivation } else { Restart::Never };
+        let fragment = self.fragment(path, at.fragment, activation, restart, span);
+        self.net.fragments[fragment.0 as usize].budget_ns = root.budget_ns;
+        fragment
+    }
+
+    /// Gives a unit's in-ports what the caller connects, or their defaults.
+    pub(super) fn connect(&mut self, scope: &mut Scope<'u>, args: &[Option<Wire>], at: At) {
+        let unit = scope.unit;
+        for (flow, arg) in unit.inputs.iter().zip(args) {
+            let wire = match (arg, unit.flow(*flow).default) {
+                (Some(wire), _) => wire.clone(),
+                (None, Some(default)) => self.expr(scope, default, at),
+                (None, None) => continue,
+            };
+            *scope.state(*flow) = State::Known(wire);
+        }
+    }
+
+    fn too_deep(&mut self, unit: &Unit, span: Span) -> Wire {
+        if self.failure.is_none() {
+            self.findings.push(
+                Finding::new(Code::RPI1011, format!("`{}` calls itself without end", unit.name))
+                    .at(span, "called again here")
+                    .also(unit.span, "declared here")
+                    .help("a recursion over static parameters ends by `with`"),
+            );
+        }
+        self.fail(NotConstant::Faulty)
+    }
+
+    /// Gives an alias its signal.
+    pub(super) fn bind_alias(&mut self, port: PortRef, signal: &Signal) {
+        if let Some(alias) = super::signal::alias_of(port) {
+            self.aliases[alias].get_or_insert_with(|| signal.clone());
+        }
+    }
+}

@@ -1,0 +1,106 @@
+//! Ports of devices.
+
+use super::expr::leaf_scalars;
+use super::families::{Family, member};
+use super::scope::Scope;
+use super::signal::{Signal, Wire, nothing};
+use super::{At, Elab, Mode, NotConstant};
+use crate::ty::{DeviceTy, Ty};
+use crate::typed::{ExprId, FlowId, Target};
+use rpi_diag::Span;
+use rpi_image::{Scalar, Type, Value};
+use rpi_net::{FragmentId, PortRef};
+use rpi_prims::PrimId;
+
+impl<'u> Elab<'u> {
+    /// A sensor or status port: read once, at the start of the cycle, whatever is active.
+    pub(super) fn sensor(&mut self, scope: &mut Scope<'u>, device: ExprId, port: u32, at: At, span: Span) -> Wire {
+        if self.mode == Mode::Constant {
+            return self.fail(NotConstant::Flow(span));
+        }
+        let unit = scope.unit;
+        let Ty::Device(ty) = &unit.expr(device).ty else {
+            return nothing();
+        };
+        let name = self.one(scope, device, at);
+        let (Some(name), Some(port)) = (self.device_name(&name), ty.ports.get(port as usize)) else {
+            return nothing();
+        };
+        let family = if port.optional { Family::Sample } else { Family::Read };
+        let scalars = port.ty.as_ref().map(leaf_scalars).unwrap_or_default();
+        let count = scalars.len();
+        let mut leaves = Vec::with_capacity(count);
+        for (k, scalar) in (0..).zip(scalars) {
+            let key = (name.clone(), port.name.to_string(), k);
+            leaves.push(match self.sensors.get(&key) {
+                Some(port) => Signal::Port(*port),
+                None => self.read(family, scalar, key, span),
+            });
+        }
+        leaves.into()
+    }
+
+    fn read(&mut self, family: Family, scalar: Scalar, key: (String, String, u32), span: Span) -> Signal {
+        let Some(prim) = member(family, scalar) else {
+            return Signal::Absent;
+        };
+        let params = port_params(prim, &key.0, &key.1, key.2);
+        let node = self.node(prim, Vec::new(), params, vec![Type::One(scalar)], FragmentId::ROOT, span);
+        self.net.nodes[node.index()].name = format!("{}.{}#{}", key.0, key.1, node.0);
+        self.net.nodes[node.index()].origin.flow = Some(port_name(&key.0, &key.1, key.2));
+        let port = PortRef { node, port: 0 };
+        self.sensors.insert(key, port);
+        Signal::Port(port)
+    }
+
+    fn device_name(&self, signal: &Signal) -> Option<String> {
+        self.settled_constant(signal)?.as_str().map(str::to_owned)
+    }
+
+    /// A set-point for an actuator port, leaf by leaf.
+    pub(super) fn write(
+        &mut self,
+        scope: &mut Scope<'u>,
+        device: FlowId,
+        port: u32,
+        target: &Target,
+        wire: &Wire,
+        at: At,
+    ) {
+        let unit = scope.unit;
+        let Some(ty): Option<&DeviceTy> = unit.device(device).map(|ty| &**ty) else {
+            return;
+        };
+        let name = self.flow(scope, device, target.span);
+        let name = name.first().and_then(|signal| self.device_name(signal));
+        let (Some(name), Some(port)) = (name, ty.ports.get(port as usize)) else {
+            return;
+        };
+        for (k, (scalar, signal)) in (0..).zip(leaf_scalars(&target.ty).into_iter().zip(wire.iter())) {
+            let Some(prim) = member(Family::Write, scalar) else {
+                continue;
+            };
+            let params = port_params(prim, &name, &port.name, k);
+            let inputs = vec![Some(super::signal::single(signal.clone()))];
+            self.prim(prim, inputs, params, at, target.span);
+        }
+    }
+}
+
+/// `arm.joints[2]`, as a flow is called.
+fn port_name(device: &str, port: &str, index: u32) -> String {
+    match index {
+        0 => format!("{device}.{port}"),
+        _ => format!("{device}.{port}[{index}]"),
+    }
+}
+
+fn port_params(prim: PrimId, device: &str, port: &str, index: u32) -> Vec<Value> {
+    let value = |param: &rpi_image::Param| match param.name {
+        "Device" => Some(Value::Str(device.to_owned())),
+        "Port" => Some(Value::Str(port.to_owned())),
+        "Index" => Some(Value::int(index.into())),
+        _ => crate::check::param_default(param),
+    };
+    prim.desc().params.iter().filter_map(value).collect()
+}

@@ -1,0 +1,212 @@
+//! Operators that work leaf by leaf: `if`, `pre`, `->`, `??`, `hold`.
+
+use super::expr::leaf_scalars;
+use super::families::{Family, member};
+use super::scope::Scope;
+use super::signal::{Signal, Wire};
+use super::{At, Elab, Mode, NotConstant};
+use crate::typed::{Each, ExprId, Kind};
+use rpi_diag::Span;
+use rpi_image::{Scalar, Type, Value};
+use rpi_net::{Input, PortRef};
+
+impl<'u> Elab<'u> {
+    pub(super) fn each(
+        &mut self,
+        scope: &mut Scope<'u>,
+        each: Each,
+        operands: &'u [ExprId],
+        id: ExprId,
+        at: At,
+    ) -> Wire {
+        let unit = scope.unit;
+        let (ty, span) = (&unit.expr(id).ty, unit.expr(id).span);
+        match (each, operands) {
+            (Each::If, [condition, yes, no]) => self.choice(scope, *condition, [*yes, *no], id, at),
+            (Each::Pre, [x]) => self.pre(scope, *x, id, at),
+            (Each::Arrow, [a, b]) => self.arrow(scope, *a, *b, id, at),
+            (Each::Coalesce, [a, b]) => {
+                let scalars = leaf_scalars(ty);
+                let (a, b) = (self.expr(scope, *a, at), self.expr(scope, *b, at));
+                let pairs = a.iter().zip(spread(&b, a.len()).iter().cloned().collect::<Vec<_>>());
+                let pairs: Vec<(Signal, Signal)> = pairs.map(|(a, b)| (a.clone(), b)).collect();
+                let leaves = pairs.into_iter().zip(scalars);
+                leaves.map(|((a, b), scalar)| self.coalesce(a, b, scalar, at, span)).collect()
+            }
+            (Each::Hold, [x, init]) => {
+                let scalars = leaf_scalars(ty);
+                let (x, init) = (self.expr(scope, *x, at), self.expr(scope, *init, at));
+                let leaves: Vec<((Signal, Signal), Scalar)> =
+                    x.iter().cloned().zip(init.iter().cloned()).zip(scalars).collect();
+                leaves
+                    .into_iter()
+                    .map(|((x, init), scalar)| self.family(Family::Hold, scalar, &[x, init], at, span))
+                    .collect()
+            }
+            _ => super::signal::nothing(),
+        }
+    }
+
+    /// `x ?? y`
+    fn coalesce(&mut self, first: Signal, second: Signal, scalar: Scalar, at: At, span: Span) -> Signal {
+        match (&first, &second) {
+            (Signal::Const(_), _) | (_, Signal::Absent) => first,
+            (Signal::Absent, _) => second,
+            _ => self.family(Family::Coalesce, scalar, &[first, second], at, span),
+        }
+    }
+
+    /// `if c then x else y`: what can fault in a branch is guarded by the condition.
+    fn choice(&mut self, scope: &mut Scope<'u>, condition: ExprId, [yes, no]: [ExprId; 2], id: ExprId, at: At) -> Wire {
+        let span = scope.unit.expr(id).span;
+        let condition = self.one(scope, condition, at);
+        match &condition {
+            Signal::Const(value) if value.as_bool() == Some(true) => return self.expr(scope, yes, at),
+            Signal::Const(_) => return self.expr(scope, no, at),
+            _ => {}
+        }
+        let guards = self.guards(scope, &condition, [yes, no], at, span);
+        let yes = self.expr(scope, yes, At { guard: guards[0], ..at });
+        let no = self.expr(scope, no, At { guard: guards[1], ..at });
+        let scalars = leaf_scalars(&scope.unit.expr(id).ty);
+        let count = scalars.len();
+        let (yes, no) = (spread(&yes, count), spread(&no, count));
+        let mut leaves = Vec::with_capacity(count);
+        for (k, scalar) in scalars.into_iter().enumerate() {
+            let (Some(yes), Some(no)) = (yes.get(k), no.get(k)) else {
+                break;
+            };
+            let inputs = [condition.clone(), yes.clone(), no.clone()];
+            leaves.push(match yes == no {
+                true if matches!(yes, Signal::Const(_)) => yes.clone(),
+                _ => self.family(Family::Conditional, scalar, &inputs, at, span),
+            });
+        }
+        leaves.into()
+    }
+
+    /// For each branch the condition under which it counts, if something in it can fault.
+    fn guards(
+        &mut self,
+        scope: &Scope<'u>,
+        condition: &Signal,
+        branches: [ExprId; 2],
+        at: At,
+        span: Span,
+    ) -> [Option<PortRef>; 2] {
+        let mut guards = [at.guard; 2];
+        for (k, branch) in branches.into_iter().enumerate() {
+            if !super::guarded::can_fault(self.units, scope.unit, branch) {
+                continue;
+            }
+            let here = match k {
+                0 => condition.clone(),
+                _ => self.named("Core::BooleanNot", &[condition.clone()], at, span),
+            };
+            let here = match at.guard {
+                Some(outer) => self.named("Core::BooleanAnd", &[Signal::Port(outer), here], at, span),
+                None => here,
+            };
+            guards[k] = self.port_of(&here, Scalar::Bool, at, span);
+        }
+        guards
+    }
+
+    /// `pre x`: which of both delays depends on whether x can be absent.
+    fn pre(&mut self, scope: &mut Scope<'u>, x: ExprId, id: ExprId, at: At) -> Wire {
+        let absence = self.absence(scope, x);
+        self.delayed(scope, x, id, at, |leaf| absence.leaf(leaf))
+    }
+
+    fn delayed(
+        &mut self,
+        scope: &mut Scope<'u>,
+        x: ExprId,
+        id: ExprId,
+        at: At,
+        optional: impl Fn(usize) -> bool,
+    ) -> Wire {
+        let span = scope.unit.expr(id).span;
+        if self.mode == Mode::Constant {
+            return self.fail(NotConstant::Flow(span));
+        }
+        let scalars = leaf_scalars(&scope.unit.expr(id).ty);
+        let wire = self.expr(scope, x, at.unguarded());
+        let mut leaves = Vec::with_capacity(scalars.len());
+        for (k, (scalar, signal)) in scalars.into_iter().zip(wire.iter()).enumerate() {
+            let family = if optional(k) { Family::OptionalPre } else { Family::Pre };
+            leaves.push(self.delay(family, scalar, signal, at, span));
+        }
+        leaves.into()
+    }
+
+    /// One delay.
+    pub(super) fn delay(&mut self, family: Family, scalar: Scalar, signal: &Signal, at: At, span: Span) -> Signal {
+        let Some(prim) = member(family, scalar) else {
+            return Signal::Absent;
+        };
+        let input = match self.port_of(signal, scalar, at, span) {
+            Some(port) => Input::Port(port),
+            None => Input::Open,
+        };
+        let node = self.node(prim, vec![input], Vec::new(), vec![Type::One(scalar)], at.fragment, span);
+        Signal::Port(PortRef { node, port: 0 })
+    }
+
+    /// `a -> b`. `none -> pre x` is the delay that starts absent.
+    fn arrow(&mut self, scope: &mut Scope<'u>, a: ExprId, b: ExprId, id: ExprId, at: At) -> Wire {
+        let unit = scope.unit;
+        let span = unit.expr(id).span;
+        if self.mode == Mode::Constant {
+            return self.fail(NotConstant::Flow(span));
+        }
+        if let (Kind::None, Kind::Each(Each::Pre, operands)) = (&unit.expr(a).kind, &unit.expr(b).kind) {
+            return self.delayed(scope, operands[0], b, at, |_| true);
+        }
+        let scalars = leaf_scalars(&unit.expr(id).ty);
+        let (a, b) = (self.expr(scope, a, at), self.expr(scope, b, at));
+        let (a, b) = (spread(&a, scalars.len()), spread(&b, scalars.len()));
+        let first = self.first(at.fragment, span);
+        let mut leaves = Vec::with_capacity(scalars.len());
+        for (k, scalar) in scalars.into_iter().enumerate() {
+            let (Some(a), Some(b)) = (a.get(k), b.get(k)) else {
+                break;
+            };
+            let inputs = [first.clone(), a.clone(), b.clone()];
+            leaves.push(match a == b {
+                true => a.clone(),
+                false => self.family(Family::Conditional, scalar, &inputs, at, span),
+            });
+        }
+        leaves.into()
+    }
+
+    /// Whether leaves of an expression can be absent.
+    pub(super) fn absence(&self, scope: &Scope<'u>, id: ExprId) -> crate::facts::Absence {
+        let facts = scope.id.and_then(|unit| self.facts.get(unit.0 as usize));
+        facts.map_or(crate::facts::Absence::NEVER, |facts| facts.absence(id))
+    }
+
+    /// A constant that a signal is, or stands for.
+    pub(super) fn settled_constant(&self, signal: &Signal) -> Option<Value> {
+        match signal {
+            Signal::Const(value) => Some(value.clone()),
+            Signal::Port(port) => {
+                let alias = super::signal::alias_of(*port)?;
+                match self.aliases.get(alias)?.as_ref()? {
+                    Signal::Const(value) => Some(value.clone()),
+                    _ => None,
+                }
+            }
+            _ => None,
+        }
+    }
+}
+
+/// `none` has one leaf, whatever it stands beside.
+fn spread(wire: &Wire, count: usize) -> Wire {
+    match (&wire[..], count) {
+        ([Signal::Absent], n) if n != 1 => (0..n).map(|_| Signal::Absent).collect(),
+        _ => wire.clone(),
+    }
+}

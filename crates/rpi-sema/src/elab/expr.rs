@@ -1,0 +1,250 @@
+//! Expressions, kind by kind.
+
+use super::families::Family;
+use super::scope::Scope;
+use super::signal::{Signal, Wire, nothing, single};
+use super::{At, Elab, Mode, NotConstant};
+use crate::typed::{ExprId, Kind, PrimCall};
+use rpi_diag::Span;
+use rpi_image::{ParamType, Scalar, Value};
+
+impl<'u> Elab<'u> {
+    /// The wire of an expression.
+    pub(super) fn expr(&mut self, scope: &mut Scope<'u>, id: ExprId, at: At) -> Wire {
+        if let Some(wire) = scope.recall(id) {
+            return wire;
+        }
+        let at = self.placed(scope, id, at);
+        let wire = self.fresh(scope, id, at);
+        scope.remember(id, &wire);
+        wire
+    }
+
+    fn fresh(&mut self, scope: &mut Scope<'u>, id: ExprId, at: At) -> Wire {
+        let unit = scope.unit;
+        let expr = unit.expr(id);
+        let span = expr.span;
+        match &expr.kind {
+            Kind::Fault => self.fail(NotConstant::Faulty),
+            Kind::Const(leaves) => leaves.iter().cloned().map(Signal::Const).collect(),
+            Kind::Literal(leaf) => single(Signal::Const(leaf.clone())),
+            Kind::None => (0..expr.ty.leaf_count().max(1)).map(|_| Signal::Absent).collect(),
+            Kind::Flow(flow) => self.flow(scope, *flow, span),
+            Kind::Sensor { device, port } => self.sensor(scope, *device, *port, at, span),
+            Kind::Part { base, at: offset } => {
+                let wire = self.expr(scope, *base, at);
+                part(&wire, *offset as usize, expr.ty.leaf_count())
+            }
+            Kind::Slice { base, from, step } => self.slice(scope, *base, *from, *step, id, at),
+            Kind::Select { base, index } => self.select(scope, *base, *index, id, at),
+            Kind::Build(parts) => {
+                let wires: Vec<Wire> = parts.iter().map(|part| self.expr(scope, *part, at)).collect();
+                wires.iter().flat_map(|wire| wire.iter().cloned()).collect()
+            }
+            Kind::Repeat(element) => {
+                let wire = self.expr(scope, *element, at);
+                let count = expr.ty.leaf_count();
+                wire.iter().cloned().cycle().take(count).collect()
+            }
+            Kind::Replace { base, at: offset, value } => {
+                let mut wire = self.expr(scope, *base, at).to_vec();
+                let value = self.expr(scope, *value, at);
+                for (slot, signal) in wire.iter_mut().skip(*offset as usize).zip(value.iter()) {
+                    *slot = signal.clone();
+                }
+                wire.into()
+            }
+            Kind::Each(each, operands) => self.each(scope, *each, operands, id, at),
+            Kind::Equal { operands, negated } => self.equal(scope, *operands, *negated, at, span),
+            Kind::Present(operand) => self.present(scope, *operand, at, span),
+            Kind::Prim(call) => self.prim_call(scope, call, at, span),
+            Kind::Call(call) => self.call(scope, call, id, at),
+            Kind::When { value, .. } => self.expr(scope, *value, at),
+            Kind::Merge { on, cases } => self.merge(scope, *on, cases, id, at),
+            Kind::Current(operand) => self.current(scope, *operand, at, span),
+        }
+    }
+
+    /// A condition as one signal.
+    pub(super) fn one(&mut self, scope: &mut Scope<'u>, id: ExprId, at: At) -> Signal {
+        let wire = self.expr(scope, id, at);
+        wire.first().cloned().unwrap_or(Signal::Absent)
+    }
+
+    fn slice(&mut self, scope: &mut Scope<'u>, base: ExprId, from: u32, step: i32, id: ExprId, at: At) -> Wire {
+        let wire = self.expr(scope, base, at);
+        let total = scope.unit.expr(id).ty.leaf_count();
+        let crate::ty::Ty::Array(element, _) = &scope.unit.expr(base).ty else {
+            return nothing();
+        };
+        let size = element.leaf_count().max(1);
+        let mut leaves = Vec::with_capacity(total);
+        let mut k = i64::from(from);
+        while leaves.len() < total {
+            let at = usize::try_from(k).unwrap_or(usize::MAX).saturating_mul(size);
+            let Some(element) = wire.get(at..at.saturating_add(size)) else {
+                break;
+            };
+            leaves.extend_from_slice(element);
+            k += i64::from(step);
+        }
+        leaves.into()
+    }
+
+    /// An element at a place that is computed: a chain of choices, and a check that there is such a place.
+    fn select(&mut self, scope: &mut Scope<'u>, base: ExprId, index: ExprId, id: ExprId, at: At) -> Wire {
+        let span = scope.unit.expr(id).span;
+        let wire = self.expr(scope, base, at);
+        let index = self.one(scope, index, at);
+        let scalars = leaf_scalars(&scope.unit.expr(id).ty);
+        let size = scalars.len().max(1);
+        let count = wire.len() / size;
+        self.check_index(&index, count, at, span);
+        let mut chosen = wire.get(..size).unwrap_or_default().to_vec();
+        for k in 1..count {
+            let place = Signal::Const(Value::int(k as i64));
+            let here = self.named("Core::IntEquals", &[index.clone(), place], at, span);
+            for (leaf, scalar) in chosen.iter_mut().zip(&scalars).enumerate().map(|(n, (c, s))| ((n, c), s)) {
+                let (n, slot) = leaf;
+                let inputs = [here.clone(), wire[k * size + n].clone(), slot.clone()];
+                *slot = self.family(Family::Conditional, *scalar, &inputs, at, span);
+            }
+        }
+        chosen.into()
+    }
+
+    fn check_index(&mut self, index: &Signal, count: usize, at: At, span: Span) {
+        let [first, last] = [0, count as i64 - 1].map(|k| Signal::Const(Value::int(k)));
+        let from = self.named("Rpi::IntGreaterOrEqual", &[index.clone(), first], at, span);
+        let to = self.named("Rpi::IntGreaterOrEqual", &[last, index.clone()], at, span);
+        let inside = self.named("Core::BooleanAnd", &[from, to], at, span);
+        self.assert(&inside, at, span);
+    }
+
+    /// A check that ends the command by a fault in the cycle in which it fails.
+    pub(super) fn assert(&mut self, condition: &Signal, at: At, span: Span) {
+        if *condition == Signal::Const(Value::bool(true)) {
+            return;
+        }
+        let condition = match at.guard {
+            Some(guard) => self.named("Rpi::BooleanImplies", &[Signal::Port(guard), condition.clone()], at, span),
+            None => condition.clone(),
+        };
+        if self.mode == Mode::Net {
+            self.named("Rpi::Assert", &[condition], at, span);
+        } else {
+            self.fail(NotConstant::Fault(span, "the index lies outside of the array".to_owned()));
+        }
+    }
+
+    /// `x = y`, leaf by leaf.
+    fn equal(&mut self, scope: &mut Scope<'u>, operands: [ExprId; 2], negated: bool, at: At, span: Span) -> Wire {
+        let scalars = leaf_scalars(&scope.unit.expr(operands[0]).ty);
+        let [a, b] = operands.map(|id| self.expr(scope, id, at));
+        let mut all: Option<Signal> = None;
+        for ((a, b), scalar) in a.iter().zip(b.iter()).zip(scalars) {
+            let same = self.family(Family::Equals, scalar, &[a.clone(), b.clone()], at, span);
+            all = Some(match all {
+                None => same,
+                Some(all) => self.named("Core::BooleanAnd", &[all, same], at, span),
+            });
+        }
+        let all = all.unwrap_or(Signal::Const(Value::bool(true)));
+        single(match negated {
+            true => self.named("Core::BooleanNot", &[all], at, span),
+            false => all,
+        })
+    }
+
+    /// `present(x)`: all leaves are there.
+    fn present(&mut self, scope: &mut Scope<'u>, operand: ExprId, at: At, span: Span) -> Wire {
+        let scalars = leaf_scalars(&scope.unit.expr(operand).ty);
+        let wire = self.expr(scope, operand, at);
+        let mut all = Signal::Const(Value::bool(true));
+        for (signal, scalar) in wire.iter().zip(scalars) {
+            let there = match signal {
+                Signal::Const(_) => Signal::Const(Value::bool(true)),
+                Signal::Absent => Signal::Const(Value::bool(false)),
+                other => {
+                    let absent = self.family(Family::IsNull, scalar, &[other.clone()], at, span);
+                    self.named("Core::BooleanNot", &[absent], at, span)
+                }
+            };
+            all = self.both(&all, &there, at, span);
+        }
+        single(all)
+    }
+
+    /// Conjunction that does without a node where one side is known.
+    pub(super) fn both(&mut self, a: &Signal, b: &Signal, at: At, span: Span) -> Signal {
+        let known = |signal: &Signal| match signal {
+            Signal::Const(value) => value.as_bool(),
+            _ => None,
+        };
+        match (known(a), known(b)) {
+            (Some(true), _) => b.clone(),
+            (_, Some(true)) => a.clone(),
+            (Some(false), _) | (_, Some(false)) => Signal::Const(Value::bool(false)),
+            _ => self.named("Core::BooleanAnd", &[a.clone(), b.clone()], at, span),
+        }
+    }
+
+    fn prim_call(&mut self, scope: &mut Scope<'u>, call: &'u PrimCall, at: At, span: Span) -> Wire {
+        let mut inputs = Vec::with_capacity(call.inputs.len());
+        for input in &call.inputs {
+            inputs.push(input.map(|id| self.expr(scope, id, at)));
+        }
+        let Some(params) = self.params(scope, call, at, span) else {
+            return nothing();
+        };
+        match at.guard.and_then(|guard| super::guarded::twin(call.prim).map(|twin| (guard, twin))) {
+            Some((guard, twin)) => {
+                inputs.insert(0, Some(single(Signal::Port(guard))));
+                self.prim(twin, inputs, params, at, span)
+            }
+            None => self.prim(call.prim, inputs, params, at, span),
+        }
+    }
+
+    /// The parameters of a primitive: constants by now.
+    fn params(&mut self, scope: &mut Scope<'u>, call: &'u PrimCall, at: At, span: Span) -> Option<Vec<Value>> {
+        let desc = call.prim.desc();
+        let mut params = Vec::with_capacity(desc.params.len());
+        for (param, given) in desc.params.iter().zip(&call.params) {
+            let Some(id) = given else {
+                params.extend(crate::check::param_default(param));
+                continue;
+            };
+            let wire = self.expr(scope, *id, at);
+            let values: Option<Vec<Value>> = wire.iter().map(|signal| self.settled_constant(signal)).collect();
+            let value = values.and_then(|values| match param.ty {
+                ParamType::Array(scalar) => Some(crate::check::packed(scalar, &values)),
+                _ => values.first().cloned(),
+            });
+            match value {
+                Some(value) => params.push(value),
+                None => {
+                    self.fail(NotConstant::Flow(span));
+                    return None;
+                }
+            }
+        }
+        Some(params)
+    }
+}
+
+/// Some leaves of a wire.
+pub(super) fn part(wire: &Wire, at: usize, count: usize) -> Wire {
+    match wire.get(at..at.saturating_add(count)) {
+        Some(leaves) if leaves.len() == wire.len() => wire.clone(),
+        Some(leaves) => leaves.into(),
+        None => nothing(),
+    }
+}
+
+/// The machine types of a type's leaves.
+pub(super) fn leaf_scalars(ty: &crate::ty::Ty) -> Vec<Scalar> {
+    let mut scalars = Vec::new();
+    ty.leaves(&mut |_, leaf| scalars.push(leaf.scalar().unwrap_or(Scalar::Bool)));
+    scalars
+}

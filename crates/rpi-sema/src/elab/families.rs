@@ -1,0 +1,79 @@
+//! Primitives that exist once per value type: their names.
+
+use rpi_image::Scalar;
+use rpi_prims::PrimId;
+
+/// The operations.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub(super) enum Family {
+    Value,
+    IsNull,
+    SetNull,
+    Conditional,
+    OptionalPre,
+    Pre,
+    Coalesce,
+    Hold,
+    Equals,
+    Read,
+    Sample,
+    Write,
+    Array,
+    ArrayGet,
+    ArraySet,
+    Input,
+}
+
+/// For each operation what stands before and after the type's name.
+const NAMES: &[(Family, Prefix, &str)] = &[
+    (Family::Value, Prefix::Reference, "Value"),
+    (Family::IsNull, Prefix::Reference, "IsNull"),
+    (Family::SetNull, Prefix::Reference, "SetNull"),
+    (Family::Conditional, Prefix::Reference, "Conditional"),
+    (Family::OptionalPre, Prefix::Reference, "Pre"),
+    (Family::Pre, Prefix::Own(""), "Pre"),
+    (Family::Coalesce, Prefix::Own(""), "Coalesce"),
+    (Family::Hold, Prefix::Own(""), "Hold"),
+    (Family::Equals, Prefix::Reference, "Equals"),
+    (Family::Read, Prefix::Own("Read"), ""),
+    (Family::Sample, Prefix::Own("Sample"), ""),
+    (Family::Write, Prefix::Own("Write"), ""),
+    (Family::Array, Prefix::Reference, "Array"),
+    (Family::ArrayGet, Prefix::Reference, "ArrayGet"),
+    (Family::ArraySet, Prefix::Reference, "ArraySet"),
+    (Family::Input, Prefix::Reference, "NetcommIn"),
+];
+
+/// Where a name begins.
+#[derive(Clone, Copy)]
+enum Prefix {
+    /// `Core::` or `World::`, as the reference system has it.
+    Reference,
+    /// `Rpi::` and a word.
+    Own(&'static str),
+}
+
+/// The primitive of an operation for a value type, if there is one.
+pub(super) fn member(family: Family, scalar: Scalar) -> Option<PrimId> {
+    let (_, prefix, suffix) = NAMES.iter().find(|row| row.0 == family)?;
+    let ty = type_name(scalar);
+    let reference = match scalar {
+        Scalar::Bool | Scalar::Int | Scalar::Real | Scalar::Time => "Core::",
+        _ => "World::",
+    };
+    let name = match prefix {
+        Prefix::Reference => format!("{reference}{ty}{suffix}"),
+        Prefix::Own(word) => format!("Rpi::{word}{ty}{suffix}"),
+    };
+    PrimId::of(&name).or_else(|| PrimId::of(&format!("Rpi::{ty}{suffix}")))
+}
+
+fn type_name(scalar: Scalar) -> &'static str {
+    match scalar {
+        Scalar::Bool => "Boolean",
+        Scalar::Int => "Int",
+        Scalar::Real => "Double",
+        Scalar::Pose => "Frame",
+        other => other.name(),
+    }
+}

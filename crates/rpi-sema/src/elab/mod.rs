@@ -1,0 +1,173 @@
+//! From typed units to a net.
+//!
+//! Calls are inlined, composite values exploded into one link per leaf, parameters folded; what a fragment in place
+//! reads and gives becomes links across its border. A flow may be read before its equation has been reached: its reader
+//! is connected to an alias, which is settled at the end, so that neither order nor length of a chain matters.
+//!
+//! The same walk works out constants: then nothing but folding is allowed, and flows are worked out on demand.
+//!
+//! | file | idea |
+//! |---|---|
+//! | `signal.rs` | what a leaf is connected to |
+//! | `families.rs` | primitives that exist once per value type |
+//! | `nodes.rs`, `pack.rs` | adding nodes, folding them; arrays at ports |
+//! | `scope.rs`, `flows.rs` | one inlined unit and its flows |
+//! | `expr.rs`, `each.rs`, `guarded.rs`, `call.rs` | expressions |
+//! | `block.rs`, `automaton.rs`, `clocks.rs` | bodies, fragments, states, sampled flows |
+//! | `device.rs`, `root.rs`, `settle.rs` | devices, commands and nodes that are run, the end |
+
+mod automaton;
+mod block;
+mod call;
+mod clocks;
+mod device;
+mod each;
+mod expr;
+mod families;
+mod flows;
+mod guarded;
+mod nodes;
+mod pack;
+mod root;
+mod scope;
+mod settle;
+mod signal;
+
+pub use root::{Argument, Elaborated, PortShape, elaborate};
+
+use crate::facts::Facts;
+use crate::hash::Map;
+use crate::typed::{ExprId, Leaf, Unit};
+use rpi_diag::{Finding, Span};
+use rpi_image::Scalar;
+use rpi_net::{FragmentId, Net, PortRef};
+use scope::Scope;
+use signal::{Signal, Wire};
+use std::rc::Rc;
+
+/// Why an expression has no value before the program runs.
+#[derive(Clone, PartialEq, Debug)]
+pub(crate) enum NotConstant {
+    /// A fault that has been reported.
+    Faulty,
+    /// It depends on something that is known only at run time.
+    Flow(Span),
+    /// Working it out faults.
+    Fault(Span, String),
+}
+
+/// The leaves of a constant expression of a unit.
+pub(crate) fn constant(units: &[Unit], unit: &Unit, id: ExprId) -> Result<Rc<[Leaf]>, NotConstant> {
+    let mut elab = Elab::new(units, &[], Mode::Constant);
+    let mut scope = Scope::new(unit, None);
+    let wire = elab.expr(&mut scope, id, At::ROOT);
+    if let Some(failure) = elab.failure.take() {
+        return Err(failure);
+    }
+    let leaf = |signal: &Signal| match signal {
+        Signal::Const(value) => Ok(value.clone()),
+        _ => Err(NotConstant::Flow(unit.expr(id).span)),
+    };
+    wire.iter().map(leaf).collect()
+}
+
+/// What an elaboration is for.
+#[derive(Clone, Copy, PartialEq, Debug)]
+enum Mode {
+    /// A net.
+    Net,
+    /// A constant.
+    Constant,
+}
+
+/// Where an expression is evaluated.
+#[derive(Clone, Copy, PartialEq, Debug)]
+struct At {
+    /// The fragment.
+    fragment: FragmentId,
+    /// Inside a branch of an `if`: true in the cycles in which it is chosen. What can fault is guarded by it.
+    guard: Option<PortRef>,
+}
+
+impl At {
+    const ROOT: At = At {
+        fragment: FragmentId::ROOT,
+        guard: None,
+    };
+
+    fn fragment(fragment: FragmentId) -> At {
+        At {
+            fragment,
+            guard: None,
+        }
+    }
+
+    fn unguarded(self) -> At {
+        At {
+            guard: None,
+            ..self
+        }
+    }
+}
+
+/// A net in the making.
+struct Elab<'u> {
+    units: &'u [Unit],
+    facts: &'u [Facts],
+    mode: Mode,
+    net: Net,
+    /// What each alias stands for, once it is known.
+    aliases: Vec<Option<Signal>>,
+    alias_types: Vec<Scalar>,
+    /// `first` of each fragment.
+    firsts: Map<FragmentId, PortRef>,
+    /// Elements that have been taken out of array ports.
+    elements: Map<(PortRef, u32), PortRef>,
+    /// Sensor ports that have been read.
+    sensors: Map<(String, String, u32), PortRef>,
+    /// Why the constant is none.
+    failure: Option<NotConstant>,
+    /// Name of the flow that is being defined, with the path of calls that leads to it.
+    name: String,
+    /// The expression that is its whole value.
+    top: Option<ExprId>,
+    /// Number of nodes made for it.
+    serial: u32,
+    /// How deep calls are nested.
+    depth: u32,
+    findings: Vec<Finding>,
+}
+
+/// The deepest nesting of calls; more can only be a recursion without end.
+const MAX_DEPTH: u32 = 400;
+
+/// The most nodes of a net.
+const MAX_NODES: usize = 20_000_000;
+
+impl<'u> Elab<'u> {
+    fn new(units: &'u [Unit], facts: &'u [Facts], mode: Mode) -> Self {
+        Elab {
+            units,
+            facts,
+            mode,
+            net: Net::new(""),
+            aliases: Vec::new(),
+            alias_types: Vec::new(),
+            top: None,
+            firsts: Map::default(),
+            elements: Map::default(),
+            sensors: Map::default(),
+            failure: None,
+            name: String::new(),
+            serial: 0,
+            depth: 0,
+            findings: Vec::new(),
+        }
+    }
+
+    /// Notes why a constant is none; the first reason counts.
+    fn fail(&mut self, reason: NotConstant) -> Wire {
+        self.failure.get_or_insert(reason);
+        signal::nothing()
+    }
+}

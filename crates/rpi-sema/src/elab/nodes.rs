@@ -1,0 +1,268 @@
+//! Adding nodes to the net, and not adding those whose result is known.
+
+use super::families::{Family, member};
+use super::signal::{Signal, Wire, alias, single};
+use super::{At, Elab, MAX_NODES, Mode, NotConstant};
+use crate::typed::Leaf;
+use rpi_diag::{Code, Finding, Span};
+use rpi_image::{Default as PortDefault, Need, PortType, Scalar, ShapeArgs, Type, Value};
+use rpi_net::{FragmentId, Input, Node, NodeId, Origin, PortRef};
+use rpi_prims::{FaultCode, PrimId, fold};
+
+impl Elab<'_> {
+    /// A primitive with its in-ports connected, `None` where they are open, and all its parameters. Gives the leaves of
+    /// its out-ports.
+    pub(super) fn prim(
+        &mut self,
+        prim: PrimId,
+        inputs: Vec<Option<Wire>>,
+        params: Vec<Value>,
+        at: At,
+        span: Span,
+    ) -> Wire {
+        let mut connected = Vec::with_capacity(inputs.len());
+        for (port, wire) in prim.desc().inputs.iter().zip(inputs) {
+            let input = match wire {
+                Some(wire) => self.input(&wire, port.ty, at, span),
+                None => open(port.need, port.ty),
+            };
+            connected.push(input);
+        }
+        let Some(outputs) = self.out_types(prim, &connected, &params) else {
+            return self.no_sizes(prim, span);
+        };
+        if let Some(known) = self.folded(prim, &connected, &params, &outputs, at, span) {
+            return known;
+        }
+        if self.mode == Mode::Constant {
+            return self.fail(NotConstant::Flow(span));
+        }
+        let node = self.node(prim, connected, params, outputs, at.fragment, span);
+        self.out_wire(node)
+    }
+
+    /// A primitive with one-leaf in-ports and one out-port.
+    pub(super) fn simple(&mut self, prim: PrimId, inputs: &[Signal], at: At, span: Span) -> Signal {
+        let inputs = inputs.iter().map(|signal| Some(single(signal.clone()))).collect();
+        let wire = self.prim(prim, inputs, default_params(prim), at, span);
+        wire.first().cloned().unwrap_or(Signal::Absent)
+    }
+
+    /// A registered primitive by name, with one-leaf in-ports and one out-port.
+    pub(super) fn named(&mut self, name: &str, inputs: &[Signal], at: At, span: Span) -> Signal {
+        match PrimId::of(name) {
+            Some(prim) => self.simple(prim, inputs, at, span),
+            None => Signal::Absent,
+        }
+    }
+
+    /// The member of a family for a value type.
+    pub(super) fn family(
+        &mut self,
+        family: Family,
+        scalar: Scalar,
+        inputs: &[Signal],
+        at: At,
+        span: Span,
+    ) -> Signal {
+        match member(family, scalar) {
+            Some(prim) => self.simple(prim, inputs, at, span),
+            None => Signal::Absent,
+        }
+    }
+
+    /// Adds a node.
+    pub(super) fn node(
+        &mut self,
+        prim: PrimId,
+        inputs: Vec<Input>,
+        params: Vec<Value>,
+        outputs: Vec<Type>,
+        fragment: FragmentId,
+        span: Span,
+    ) -> NodeId {
+        if self.net.nodes.len() >= MAX_NODES {
+            self.too_large(span);
+            return NodeId(0);
+        }
+        let name = format!("{}#{}", self.name, self.serial);
+        self.serial += 1;
+        self.net.add_node(Node {
+            name,
+            prim,
+            fragment,
+            inputs,
+            params,
+            outputs,
+            origin: Origin { span, flow: None },
+        })
+    }
+
+    fn too_large(&mut self, span: Span) {
+        if self.failure.is_none() {
+            self.failure = Some(NotConstant::Faulty);
+            self.findings.push(
+                Finding::new(Code::RPI1011, format!("the net has more than {MAX_NODES} primitives"))
+                    .at(span, "one more here"),
+            );
+        }
+    }
+
+    /// The leaves of a node's out-ports.
+    pub(super) fn out_wire(&self, node: NodeId) -> Wire {
+        let mut wire = Vec::new();
+        for (port, ty) in (0..).zip(&self.net.node(node).outputs) {
+            let port = PortRef { node, port };
+            match ty {
+                Type::One(_) => wire.push(Signal::Port(port)),
+                Type::Array(_, n) => wire.extend((0..*n).map(|k| Signal::Element(port, k))),
+                Type::Matrix(rows, cols) => {
+                    wire.extend((0..rows * cols).map(|k| Signal::Element(port, k)));
+                }
+            }
+        }
+        wire.into()
+    }
+
+    fn out_types(&self, prim: PrimId, inputs: &[Input], params: &[Value]) -> Option<Vec<Type>> {
+        let desc = prim.desc();
+        let simple = desc.outputs.iter().map(|port| match port.ty {
+            PortType::One(scalar) => Some(Type::One(scalar)),
+            _ => None,
+        });
+        if let Some(types) = simple.collect::<Option<Vec<Type>>>() {
+            return Some(types);
+        }
+        let types: Vec<Option<Type>> = inputs.iter().map(|input| self.input_type(input)).collect();
+        let args = ShapeArgs {
+            inputs: &types,
+            params,
+        };
+        (0..desc.outputs.len()).map(|port| desc.out_type(port, &args)).collect()
+    }
+
+    fn input_type(&self, input: &Input) -> Option<Type> {
+        match input {
+            Input::Open => None,
+            Input::Const(value) => value.ty(),
+            Input::Port(port) if super::signal::alias_of(*port).is_some() => None,
+            Input::Port(port) => self.net.node(port.node).outputs.get(usize::from(port.port)).copied(),
+        }
+    }
+
+    fn no_sizes(&mut self, prim: PrimId, span: Span) -> Wire {
+        let finding = Finding::new(Code::RPI2009, format!("the sizes of `{}` do not fit", prim.desc().name))
+            .at(span, "no size of its result follows from these arguments");
+        self.findings.push(finding);
+        self.fail(NotConstant::Faulty)
+    }
+
+    /// The result if all in-ports are constant and nothing else counts.
+    fn folded(
+        &mut self,
+        prim: PrimId,
+        inputs: &[Input],
+        params: &[Value],
+        outputs: &[Type],
+        at: At,
+        span: Span,
+    ) -> Option<Wire> {
+        let mut values = Vec::with_capacity(inputs.len());
+        for input in inputs {
+            match input {
+                Input::Const(value) => values.push(value),
+                _ => return None,
+            }
+        }
+        match fold(prim, &values, params, outputs)? {
+            Ok(results) => Some(results.iter().flat_map(leaves).map(Signal::Const).collect()),
+            Err(fault) => {
+                self.constant_fault(fault, at, span);
+                None
+            }
+        }
+    }
+
+    /// A fault that is certain; in a branch of an `if` it may never be reached.
+    fn constant_fault(&mut self, fault: FaultCode, at: At, span: Span) {
+        if at.guard.is_some() {
+            return;
+        }
+        let what = fault_text(fault);
+        match self.mode {
+            Mode::Constant => {
+                self.fail(NotConstant::Fault(span, what.to_owned()));
+            }
+            Mode::Net => self.findings.push(Finding::new(Code::RPI2010, what).at(span, "in every cycle")),
+        }
+    }
+
+    /// A new alias for a flow of a machine type.
+    pub(super) fn new_alias(&mut self, scalar: Scalar) -> PortRef {
+        self.aliases.push(None);
+        self.alias_types.push(scalar);
+        alias(self.aliases.len() - 1)
+    }
+
+    /// `first` of a fragment.
+    pub(super) fn first(&mut self, fragment: FragmentId, span: Span) -> Signal {
+        if let Some(port) = self.firsts.get(&fragment) {
+            return Signal::Port(*port);
+        }
+        let signal = self.named("Rpi::First", &[], At::fragment(fragment), span);
+        if let Signal::Port(port) = signal {
+            self.firsts.insert(fragment, port);
+        }
+        signal
+    }
+}
+
+/// All parameters of a primitive by their defaults.
+pub(super) fn default_params(prim: PrimId) -> Vec<Value> {
+    prim.desc().params.iter().filter_map(crate::check::param_default).collect()
+}
+
+/// What an in-port reads that is not connected.
+fn open(need: Need, ty: PortType) -> Input {
+    let PortType::One(scalar) = ty else {
+        return Input::Open;
+    };
+    match need {
+        Need::Param(_, default) => default_input(default, scalar),
+        Need::Params(parts, make) => {
+            let reals: Vec<f64> = parts.iter().map(|(_, default)| *default).collect();
+            Input::Const(make(&reals))
+        }
+        Need::Required | Need::Absent => Input::Open,
+    }
+}
+
+fn default_input(default: PortDefault, scalar: Scalar) -> Input {
+    default.value(Type::One(scalar)).map_or(Input::Open, Input::Const)
+}
+
+/// A value leaf by leaf: the elements of an array one by one.
+pub(super) fn leaves(value: &Value) -> Vec<Leaf> {
+    let (scalar, count) = match value.ty() {
+        None | Some(Type::One(_)) => return vec![value.clone()],
+        Some(Type::Array(scalar, n)) => (scalar, n),
+        Some(Type::Matrix(rows, cols)) => (Scalar::Real, rows * cols),
+    };
+    let element = |cells: &[u64]| Value::Cells {
+        ty: Type::One(scalar),
+        cells: cells.to_vec(),
+    };
+    let chunks = value.cells().chunks(scalar.cells() as usize);
+    chunks.take(count as usize).map(element).collect()
+}
+
+fn fault_text(fault: FaultCode) -> &'static str {
+    match fault {
+        FaultCode::IntegerOverflow => "the result does not fit into 64 bits",
+        FaultCode::DivisionByZero => "a division by zero",
+        FaultCode::LossyConversion => "the real has no integer value",
+        FaultCode::IndexOutOfRange => "the index lies outside of the array",
+        FaultCode::ShapeMismatch => "sizes that do not fit",
+        _ => "this can not be worked out",
+    }
+}

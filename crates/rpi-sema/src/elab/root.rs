@@ -1,0 +1,222 @@
+//! What is run: a command, or a node by itself.
+
+use super::scope::{Scope, State};
+use super::signal::{Signal, single};
+use super::{At, Elab, Mode};
+use crate::facts::Facts;
+use crate::ty::Ty;
+use crate::typed::{BlockId, FlowId, FlowRole, Leaf, Unit, UnitId, UnitKind};
+use rpi_diag::Finding;
+use rpi_image::{Scalar, Value};
+use rpi_net::{Driver, ExportPort, Input, Net, Origin, ResultKind, ResultPort};
+use rpi_syntax::ast::EndKind;
+
+/// What a parameter of a command is when it is loaded.
+#[derive(Clone, PartialEq, Debug)]
+pub enum Argument {
+    /// Its leaves; the name of the device if it is one.
+    Value(Vec<Leaf>),
+    /// Not known yet: the net is only to be checked.
+    Unknown,
+}
+
+/// A port of what is run: where its leaves come from or go to.
+#[derive(Clone, PartialEq, Debug)]
+pub struct PortShape {
+    /// Key of the leaf, `x.f[2]`.
+    pub key: String,
+    /// Its type.
+    pub ty: Ty,
+}
+
+/// A net, and how to talk to it.
+#[derive(Clone, Debug)]
+pub struct Elaborated {
+    /// The net.
+    pub net: Net,
+    /// In-ports, leaf by leaf.
+    pub inputs: Vec<PortShape>,
+    /// Out-ports, leaf by leaf.
+    pub outputs: Vec<PortShape>,
+    /// What was found on the way.
+    pub findings: Vec<Finding>,
+}
+
+/// Makes the net of a unit. `args` are for its parameters, in order; what is missing is not known.
+#[must_use]
+pub fn elaborate(units: &[Unit], facts: &[Facts], id: UnitId, args: &[Argument]) -> Elaborated {
+    let mut elab = Elab::new(units, facts, Mode::Net);
+    let unit = &units[id.0 as usize];
+    elab.net.name = unit.name.to_string();
+    let mut scope = Scope::new(unit, Some(id));
+    let unknown = elab.parameters(&mut scope, args);
+    let inputs = elab.inputs(&mut scope);
+    elab.body(&mut scope, At::ROOT);
+    let outputs = elab.outputs(&mut scope);
+    elab.exports(&mut scope);
+    elab.driver(&mut scope);
+    for (port, value) in unknown {
+        elab.bind_alias(port, &Signal::Const(value));
+    }
+    elab.settle();
+    Elaborated {
+        net: elab.net,
+        inputs,
+        outputs,
+        findings: elab.findings,
+    }
+}
+
+impl<'u> Elab<'u> {
+    /// Connects the parameters. Those that are not known become aliases that stand for neutral values.
+    fn parameters(&mut self, scope: &mut Scope<'u>, args: &[Argument]) -> Vec<(rpi_net::PortRef, Value)> {
+        let unit = scope.unit;
+        let mut unknown = Vec::new();
+        let params = unit.inputs.iter().filter(|id| unit.flow(**id).role == FlowRole::Param);
+        for (k, flow) in params.enumerate() {
+            let declared = unit.flow(*flow);
+            let wire = match (args.get(k), declared.default, &declared.ty) {
+                (Some(Argument::Value(leaves)), ..) => leaves.iter().cloned().map(Signal::Const).collect(),
+                (_, _, Ty::Device(_)) => single(Signal::Const(Value::Str(declared.name.to_string()))),
+                (_, Some(default), _) => self.expr(scope, default, At::ROOT),
+                _ => {
+                    let mut leaves = Vec::new();
+                    for scalar in super::expr::leaf_scalars(&declared.ty) {
+                        let alias = self.new_alias(scalar);
+                        unknown.push((alias, Value::neutral(scalar.into())));
+                        leaves.push(Signal::Port(alias));
+                    }
+                    leaves.into()
+                }
+            };
+            *scope.state(*flow) = State::Known(wire);
+        }
+        unknown
+    }
+
+    /// In-ports of a node by itself, and what a command takes over: set from outside, by key.
+    fn inputs(&mut self, scope: &mut Scope<'u>) -> Vec<PortShape> {
+        let unit = scope.unit;
+        let mut shapes = Vec::new();
+        for flow in unit.inputs.iter().filter(|id| unit.flow(**id).role != FlowRole::Param) {
+            let declared = unit.flow(*flow);
+            self.begin(&declared.name);
+            let mut leaves: Vec<(String, Ty)> = Vec::new();
+            declared.ty.leaves(&mut |path, ty| leaves.push((format!("{}{path}", declared.name), ty.clone())));
+            let mut wire = Vec::with_capacity(leaves.len());
+            for (key, ty) in leaves {
+                wire.push(self.outside(&key, ty.scalar().unwrap_or(Scalar::Bool), declared.span));
+                shapes.push(PortShape { key, ty });
+            }
+            *scope.state(*flow) = State::Known(wire.into());
+        }
+        shapes
+    }
+
+    fn outside(&mut self, key: &str, scalar: Scalar, span: rpi_diag::Span) -> Signal {
+        let Some(prim) = super::families::member(super::families::Family::Input, scalar) else {
+            return Signal::Absent;
+        };
+        let value = |param: &rpi_image::Param| match param.name {
+            "Key" => Some(Value::Str(key.to_owned())),
+            _ => crate::check::param_default(param),
+        };
+        let params = prim.desc().params.iter().filter_map(value).collect();
+        let wire = self.prim(prim, Vec::new(), params, At::ROOT, span);
+        if let Some(Signal::Port(port)) = wire.first() {
+            let node = &mut self.net.nodes[port.node.index()];
+            key.clone_into(&mut node.name);
+            node.origin.flow = Some(key.to_owned());
+        }
+        wire.first().cloned().unwrap_or(Signal::Absent)
+    }
+
+    /// Out-ports of a node by itself are published.
+    fn outputs(&mut self, scope: &mut Scope<'u>) -> Vec<PortShape> {
+        let unit = scope.unit;
+        let mut shapes = Vec::new();
+        for flow in &unit.outputs {
+            let declared = unit.flow(*flow);
+            let wire = self.flow(scope, *flow, declared.span);
+            self.begin(&declared.name);
+            let mut leaves: Vec<(String, Ty)> = Vec::new();
+            declared.ty.leaves(&mut |path, ty| leaves.push((format!("{}{path}", declared.name), ty.clone())));
+            for ((key, ty), signal) in leaves.into_iter().zip(wire.iter()) {
+                self.export(&key, signal, &ty, declared.span);
+                shapes.push(PortShape { key, ty });
+            }
+        }
+        shapes
+    }
+
+    fn export(&mut self, key: &str, signal: &Signal, ty: &Ty, span: rpi_diag::Span) {
+        let scalar = ty.scalar().unwrap_or(Scalar::Bool);
+        if let Some(source) = self.port_of(signal, scalar, At::ROOT, span) {
+            self.net.exports.push(ExportPort {
+                key: key.to_owned(),
+                source,
+                origin: Origin {
+                    span,
+                    flow: Some(key.to_owned()),
+                },
+            });
+        }
+    }
+
+    fn exports(&mut self, scope: &mut Scope<'u>) {
+        let unit = scope.unit;
+        for (k, block) in unit.blocks.iter().enumerate() {
+            let fragment = scope.fragments[k].unwrap_or(rpi_net::FragmentId::ROOT);
+            for export in &block.exports {
+                let wire = self.expr(scope, export.value, At::fragment(fragment));
+                self.begin(&export.key);
+                let mut leaves: Vec<(String, Ty)> = Vec::new();
+                let ty = &unit.expr(export.value).ty;
+                ty.leaves(&mut |path, ty| leaves.push((format!("{}{path}", export.key), ty.clone())));
+                for ((key, ty), signal) in leaves.into_iter().zip(wire.iter()) {
+                    self.export(&key, signal, &ty, export.span);
+                }
+            }
+        }
+    }
+
+    fn driver(&mut self, scope: &mut Scope<'u>) {
+        let unit = scope.unit;
+        if unit.kind != UnitKind::Command {
+            return;
+        }
+        let mut results = Vec::new();
+        for end in &unit.block(BlockId::ROOT).ends {
+            self.begin(&end.result);
+            let signal = self.one(scope, end.condition, At::ROOT);
+            let condition = match signal {
+                Signal::Const(value) => Input::Const(value),
+                other => match self.port_of(&other, Scalar::Bool, At::ROOT, end.span) {
+                    Some(port) => Input::Port(port),
+                    None => Input::Open,
+                },
+            };
+            results.push(ResultPort {
+                name: end.result.to_string(),
+                kind: match end.kind {
+                    EndKind::Finish => ResultKind::Finish,
+                    EndKind::Yield => ResultKind::Yield,
+                    EndKind::Fail => ResultKind::Fail,
+                },
+                condition,
+                origin: Origin {
+                    span: end.span,
+                    flow: Some(end.result.to_string()),
+                },
+            });
+        }
+        self.net.driver = Driver::Results(results);
+    }
+}
+
+/// The parameters of a unit, in the order in which [`elaborate`] takes arguments.
+#[must_use]
+pub fn parameters(unit: &Unit) -> Vec<FlowId> {
+    let is_param = |id: &FlowId| unit.flow(*id).role == FlowRole::Param;
+    unit.inputs.iter().copied().filter(is_param).collect()
+}

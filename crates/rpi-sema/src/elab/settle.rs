@@ -1,0 +1,131 @@
+//! The end of an elaboration: aliases become what they stand for.
+
+use super::families::{Family, member};
+use super::signal::{Signal, alias_of};
+use super::{At, Elab};
+use rpi_diag::Span;
+use rpi_image::{Scalar, Type, Value};
+use rpi_net::{Activation, Driver, FragmentId, Input, PortRef, Restart};
+
+impl Elab<'_> {
+    /// Replaces all aliases.
+    pub(super) fn settle(&mut self) {
+        for alias in 0..self.aliases.len() {
+            self.settle_alias(alias);
+        }
+        for node in 0..self.net.nodes.len() {
+            self.settle_node(node);
+        }
+        for fragment in 0..self.net.fragments.len() {
+            self.settle_fragment(fragment);
+        }
+        for export in 0..self.net.exports.len() {
+            let source = self.net.exports[export].source;
+            let (at, span) = (At::ROOT, self.net.exports[export].origin.span);
+            self.net.exports[export].source = self.settled_port(source, at, span);
+        }
+        self.settle_driver();
+    }
+
+    /// Follows an alias to what it stands for. Aliases that stand for each other are a dependency cycle without any
+    /// primitive in it: one is put in, so that the net shows the cycle.
+    fn settle_alias(&mut self, alias: usize) {
+        let mut chain = vec![alias];
+        let end = loop {
+            let last = chain[chain.len() - 1];
+            match &self.aliases[last] {
+                Some(Signal::Port(port)) => match alias_of(*port) {
+                    Some(next) if chain.contains(&next) => break self.knot(last, *port),
+                    Some(next) => chain.push(next),
+                    None => break Signal::Port(*port),
+                },
+                Some(other) => break other.clone(),
+                None => break self.loose(last),
+            }
+        };
+        let end = match end {
+            Signal::Element(port, k) => Signal::Port(self.element(port, k, Span::NONE)),
+            other => other,
+        };
+        for alias in chain {
+            self.aliases[alias] = Some(end.clone());
+        }
+    }
+
+    /// A primitive that passes its input on, reading itself through the aliases.
+    fn knot(&mut self, alias: usize, port: PortRef) -> Signal {
+        let scalar = self.alias_types[alias];
+        let Some(prim) = member(Family::Conditional, scalar) else {
+            return Signal::Const(Value::neutral(scalar.into()));
+        };
+        let inputs = vec![Input::Const(Value::bool(true)), Input::Port(port), Input::Port(port)];
+        let node = self.node(prim, inputs, Vec::new(), vec![Type::One(scalar)], FragmentId::ROOT, Span::NONE);
+        Signal::Port(PortRef { node, port: 0 })
+    }
+
+    /// A flow that is never defined has been reported; a neutral value stands in.
+    fn loose(&mut self, alias: usize) -> Signal {
+        Signal::Const(Value::neutral(self.alias_types[alias].into()))
+    }
+
+    fn settle_node(&mut self, node: usize) {
+        for k in 0..self.net.nodes[node].inputs.len() {
+            let Input::Port(port) = self.net.nodes[node].inputs[k] else {
+                continue;
+            };
+            let Some(alias) = alias_of(port) else {
+                continue;
+            };
+            let at = At::fragment(self.net.nodes[node].fragment);
+            let span = self.net.nodes[node].origin.span;
+            let input = match self.aliases[alias].clone() {
+                Some(Signal::Const(value)) => Input::Const(value),
+                Some(Signal::Port(port)) => Input::Port(port),
+                _ => match self.absent(self.alias_types[alias], at, span) {
+                    Some(port) => Input::Port(port),
+                    None => Input::Open,
+                },
+            };
+            self.net.nodes[node].inputs[k] = input;
+        }
+    }
+
+    fn settled_port(&mut self, port: PortRef, at: At, span: Span) -> PortRef {
+        let Some(alias) = alias_of(port) else {
+            return port;
+        };
+        let signal = self.aliases[alias].clone().unwrap_or(Signal::Absent);
+        self.port_of(&signal, self.alias_types[alias], at, span).unwrap_or(port)
+    }
+
+    fn settle_fragment(&mut self, fragment: usize) {
+        let parent = self.net.fragments[fragment].parent.unwrap_or(FragmentId::ROOT);
+        let (at, span) = (At::fragment(parent), self.net.fragments[fragment].origin.span);
+        if let Activation::When { condition, absent } = self.net.fragments[fragment].activation {
+            let condition = self.settled_port(condition, at, span);
+            self.net.fragments[fragment].activation = Activation::When { condition, absent };
+        }
+        if let Restart::Every(condition) = self.net.fragments[fragment].restart {
+            let condition = self.settled_port(condition, at, span);
+            self.net.fragments[fragment].restart = Restart::Every(condition);
+        }
+    }
+
+    fn settle_driver(&mut self) {
+        let Driver::Results(mut results) = std::mem::replace(&mut self.net.driver, Driver::Results(Vec::new())) else {
+            return;
+        };
+        for result in &mut results {
+            if let Input::Port(port) = result.condition {
+                let port = self.settled_port(port, At::ROOT, result.origin.span);
+                result.condition = Input::Port(port);
+            }
+        }
+        self.net.driver = Driver::Results(results);
+    }
+
+    /// The machine type of a signal's alias, for what has to know it.
+    pub(super) fn alias_type(&self, alias: usize) -> Scalar {
+        self.alias_types[alias]
+    }
+}

@@ -1,0 +1,129 @@
+//! What must be present: declared total flows, conditions, total in-ports.
+
+use super::presence::Inference;
+use super::reads::{Definition, Reads};
+use crate::typed::{Activation, Call, ExprId, Kind, Optional, Place, UnitKind};
+use rpi_diag::{Code, Finding, Span};
+
+/// Reports what must be present and may not be.
+pub(super) fn demand(inference: &Inference<'_>, reads: &Reads<'_>, findings: &mut Vec<Finding>) {
+    flows(inference, reads, findings);
+    conditions(inference, findings);
+    for id in (0..).map(ExprId).take(inference.unit.exprs.len()) {
+        match &inference.unit.expr(id).kind {
+            Kind::Call(call) => arguments(inference, call, findings),
+            Kind::Each(crate::typed::Each::Coalesce, operands) => {
+                needless(inference, operands[0], operands[1], findings);
+            }
+            _ => {}
+        }
+    }
+}
+
+fn flows(inference: &Inference<'_>, reads: &Reads<'_>, findings: &mut Vec<Finding>) {
+    for definition in &reads.definitions {
+        let Definition::Equation(_, equation) = definition else {
+            continue;
+        };
+        let value = &inference.exprs[equation.value.0 as usize];
+        let mut at = 0;
+        for target in &equation.targets {
+            let count = target.ty.leaf_count();
+            if let Place::Flow { flow, .. } = target.place
+                && inference.must_be_present(flow)
+                && value.part(at, count).any()
+            {
+                let flow = inference.unit.flow(flow);
+                let text = format!("`{}` is `{}`, which is always present", flow.name, flow.ty);
+                let finding = inference.absent_here(equation.value, "absent in some cycles");
+                findings.push(finding.also(flow.span, text));
+            }
+            at += count;
+        }
+    }
+}
+
+fn conditions(inference: &Inference<'_>, findings: &mut Vec<Finding>) {
+    let unit = inference.unit;
+    for block in &unit.blocks {
+        let when = block.when.iter().map(|id| (*id, "a fragment is active or not, never neither"));
+        let ends = block.ends.iter().map(|end| (end.condition, "a command ends or not, never neither"));
+        let claims = block.claims.iter().map(|claim| (claim.condition, "a claim holds or not, never neither"));
+        let states = block.automata.iter().flat_map(|automaton| &automaton.states);
+        let transitions = states.flat_map(|state| state.unless.iter().chain(&state.until));
+        let transitions = transitions.filter_map(|t| Some((t.condition?, "a transition is taken or not, never neither")));
+        for (id, why) in when.chain(ends).chain(claims).chain(transitions) {
+            if inference.exprs[id.0 as usize].any() {
+                findings.push(inference.absent_here(id, why).help("often `x ?? false`"));
+            }
+        }
+    }
+}
+
+fn arguments(inference: &Inference<'_>, call: &Call, findings: &mut Vec<Finding>) {
+    let callee = &inference.units[call.unit.0 as usize];
+    for (flow, arg) in callee.inputs.iter().zip(&call.args) {
+        let (flow, Some(arg)) = (callee.flow(*flow), arg) else {
+            continue;
+        };
+        let total = flow.optional != Optional::Declared(true) && callee.kind != UnitKind::Function;
+        if total && inference.exprs[arg.0 as usize].any() {
+            let text = format!("`{}` of `{}` is always present", flow.name, callee.name);
+            let finding = inference.absent_here(*arg, "absent in some cycles");
+            findings.push(finding.also(flow.span, text));
+        }
+    }
+    let conditions = match &call.activation {
+        Activation::Always => [None, None],
+        Activation::Restart { every } => [Some(*every), None],
+        Activation::Condact { every, restart, .. } => [Some(*every), *restart],
+    };
+    for id in conditions.into_iter().flatten() {
+        if inference.exprs[id.0 as usize].any() {
+            findings.push(inference.absent_here(id, "an activation is true or false, never neither"));
+        }
+    }
+}
+
+/// `x ?? y` where x is always present.
+fn needless(inference: &Inference<'_>, first: ExprId, second: ExprId, findings: &mut Vec<Finding>) {
+    let unit = inference.unit;
+    let sure = !inference.exprs[first.0 as usize].any() && unit.expr(first).ty.leaf_count() > 0;
+    if sure && !matches!(unit.expr(first).kind, Kind::Fault) {
+        let finding = Finding::new(Code::RPI3002, "the right side of `??` is never used")
+            .at(unit.expr(second).span, "never used")
+            .also(unit.expr(first).span, "this is always present");
+        findings.push(finding);
+    }
+}
+
+/// What makes an expression absent: the first flow or operand that is.
+pub(super) fn origin(inference: &Inference<'_>, id: ExprId) -> Option<(Span, String)> {
+    let unit = inference.unit;
+    let mut at = id;
+    loop {
+        let expr = unit.expr(at);
+        match &expr.kind {
+            Kind::Flow(flow) => {
+                let flow = unit.flow(*flow);
+                let block = unit.block(flow.block);
+                return Some(match block.when {
+                    Some(when) => (
+                        unit.expr(when).span,
+                        format!("`{}` is absent while this does not hold", flow.name),
+                    ),
+                    None => (flow.span, format!("`{}` may be absent", flow.name)),
+                });
+            }
+            Kind::None => return Some((expr.span, "`none` is absent".to_owned())),
+            _ => {}
+        }
+        let mut next = None;
+        expr.kind.operands(&mut |operand| {
+            if inference.exprs[operand.0 as usize].any() {
+                next.get_or_insert(operand);
+            }
+        });
+        at = next?;
+    }
+}

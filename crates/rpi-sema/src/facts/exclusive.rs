@@ -1,0 +1,53 @@
+//! Fragments of which one is always active: what `??` makes of their flows is always present.
+
+use crate::typed::{BlockId, Each, ExprId, FlowId, Kind, Unit};
+
+/// Whether `a ?? b` is present in all cycles because two of the flows in it come from fragments with opposite
+/// activations, or from all states of an automaton. `total` says which flows are present whenever their block is active.
+pub(super) fn covers(unit: &Unit, a: ExprId, b: ExprId, total: impl Fn(FlowId) -> bool) -> bool {
+    let mut flows = Vec::new();
+    sources(unit, a, &mut flows);
+    sources(unit, b, &mut flows);
+    flows.retain(|flow| total(*flow));
+    let blocks: Vec<BlockId> = flows.iter().map(|flow| unit.flow(*flow).block).collect();
+    opposite(unit, &blocks) || all_states(unit, &blocks)
+}
+
+/// The flows that a chain of `??` falls back on, or parts of them.
+fn sources(unit: &Unit, id: ExprId, flows: &mut Vec<FlowId>) {
+    match &unit.expr(id).kind {
+        Kind::Flow(flow) => flows.push(*flow),
+        Kind::Part { base, .. } => sources(unit, *base, flows),
+        Kind::Each(Each::Coalesce, operands) => {
+            operands.iter().for_each(|id| sources(unit, *id, flows));
+        }
+        _ => {}
+    }
+}
+
+fn opposite(unit: &Unit, blocks: &[BlockId]) -> bool {
+    let condition = |block: &BlockId| {
+        let block = unit.block(*block);
+        let outermost = block.parent.is_some_and(|parent| parent == BlockId::ROOT);
+        block.when.filter(|_| outermost).and_then(|when| literal(unit, when, true))
+    };
+    let conditions: Vec<(u32, bool)> = blocks.iter().filter_map(condition).collect();
+    conditions.iter().any(|(flow, holds)| conditions.contains(&(*flow, !holds)))
+}
+
+/// A flow or its negation.
+fn literal(unit: &Unit, id: ExprId, holds: bool) -> Option<(u32, bool)> {
+    match &unit.expr(id).kind {
+        Kind::Flow(flow) => Some((flow.0, holds)),
+        Kind::Prim(call) if call.prim.desc().name == "Core::BooleanNot" => {
+            literal(unit, call.inputs.first().copied()??, !holds)
+        }
+        _ => None,
+    }
+}
+
+fn all_states(unit: &Unit, blocks: &[BlockId]) -> bool {
+    let automata = unit.blocks.first().map(|root| &root.automata);
+    let mut automata = automata.into_iter().flatten();
+    automata.any(|automaton| automaton.states.iter().all(|state| blocks.contains(&state.block)))
+}

@@ -1,0 +1,12 @@
+//! What is found out about typed units beside their types, in tables of its own: which flows can be absent.
+//!
+//! A pass is a function from units to facts and findings; it must not change the units.
+
+mod absence;
+mod demand;
+mod exclusive;
+mod presence;
+mod reads;
+
+pub use absence::Absence;
+pub use presence::{Facts, find};

@@ -1,0 +1,149 @@
+//! Who reads what: operands to expressions, flows to the expressions that read them, values to what they define.
+//! A change is followed only to where it matters.
+
+use crate::typed::{BlockId, Equation, ExprId, FlowId, Kind, Shared, Unit};
+
+/// What gives flows their values.
+#[derive(Clone, Copy)]
+pub(super) enum Definition<'u> {
+    /// An equation.
+    Equation(BlockId, &'u Equation),
+    /// States that define a flow together.
+    Shared(&'u Shared),
+}
+
+/// The readers of a unit's expressions and flows.
+pub(super) struct Reads<'u> {
+    pub(super) definitions: Vec<Definition<'u>>,
+    /// The block in which each expression stands.
+    pub(super) blocks: Vec<BlockId>,
+    parents: Lists,
+    of_flows: Lists,
+    /// Definitions that an expression or (beyond all expressions) a flow is the value of.
+    defines: Lists,
+    exprs: usize,
+}
+
+impl<'u> Reads<'u> {
+    pub(super) fn new(unit: &'u Unit) -> Self {
+        let definitions = definitions(unit);
+        let exprs = unit.exprs.len();
+        let mut parents = Vec::new();
+        let mut of_flows = Vec::new();
+        for (id, expr) in (0u32..).zip(&unit.exprs) {
+            expr.kind.operands(&mut |operand| parents.push((operand.0, id)));
+            if let Kind::Flow(flow) = expr.kind {
+                of_flows.push((flow.0, id));
+            }
+        }
+        Reads {
+            blocks: blocks(unit),
+            parents: Lists::new(exprs, parents),
+            of_flows: Lists::new(unit.flows.len(), of_flows),
+            defines: Lists::new(exprs + unit.flows.len(), defined(&definitions, exprs)),
+            definitions,
+            exprs,
+        }
+    }
+
+    /// The expressions of which an expression is an operand.
+    pub(super) fn parents(&self, id: ExprId) -> &[u32] {
+        self.parents.of(id.0 as usize)
+    }
+
+    /// The expressions that read a flow.
+    pub(super) fn of_flow(&self, flow: FlowId) -> &[u32] {
+        self.of_flows.of(flow.0 as usize)
+    }
+
+    /// The definitions whose value an expression is.
+    pub(super) fn defined_by(&self, id: ExprId) -> &[u32] {
+        self.defines.of(id.0 as usize)
+    }
+
+    /// The definitions of shared flows to which a state's flow contributes.
+    pub(super) fn shared_by(&self, flow: FlowId) -> &[u32] {
+        self.defines.of(self.exprs + flow.0 as usize)
+    }
+}
+
+fn definitions(unit: &Unit) -> Vec<Definition<'_>> {
+    let mut all = Vec::new();
+    for (block, content) in (0..).map(BlockId).zip(&unit.blocks) {
+        all.extend(content.equations.iter().map(|e| Definition::Equation(block, e)));
+        let shared = content.automata.iter().flat_map(|automaton| &automaton.shared);
+        all.extend(shared.map(Definition::Shared));
+    }
+    all
+}
+
+fn defined(definitions: &[Definition<'_>], exprs: usize) -> Vec<(u32, u32)> {
+    let mut pairs = Vec::new();
+    for (k, definition) in (0u32..).zip(definitions) {
+        match definition {
+            Definition::Equation(_, equation) => pairs.push((equation.value.0, k)),
+            Definition::Shared(shared) => {
+                let inner = shared.states.iter().flatten();
+                let at = |flow: &FlowId| u32::try_from(exprs).unwrap_or(u32::MAX) + flow.0;
+                pairs.extend(inner.map(|flow| (at(flow), k)));
+            }
+        }
+    }
+    pairs
+}
+
+/// The block in which each expression stands.
+fn blocks(unit: &Unit) -> Vec<BlockId> {
+    let mut blocks = vec![BlockId::ROOT; unit.exprs.len()];
+    for (id, block) in (0..).map(BlockId).zip(&unit.blocks) {
+        if id == BlockId::ROOT && unit.blocks.len() == 1 {
+            break;
+        }
+        let roots = block.equations.iter().map(|e| e.value);
+        let claims = block.claims.iter().map(|claim| claim.condition);
+        let states = block.automata.iter().flat_map(|automaton| &automaton.states);
+        let until = states.flat_map(|s| s.until.iter().filter_map(move |t| Some((s.block, t.condition?))));
+        roots.chain(claims).for_each(|root| mark(unit, root, id, &mut blocks));
+        until.for_each(|(state, root)| mark(unit, root, state, &mut blocks));
+        if let (Some(when), Some(parent)) = (block.when, block.parent) {
+            mark(unit, when, parent, &mut blocks);
+        }
+    }
+    blocks
+}
+
+fn mark(unit: &Unit, root: ExprId, block: BlockId, blocks: &mut [BlockId]) {
+    let mut open = vec![root];
+    while let Some(id) = open.pop() {
+        blocks[id.0 as usize] = block;
+        unit.expr(id).kind.operands(&mut |operand| open.push(operand));
+    }
+}
+
+/// Short lists, one after the other.
+struct Lists {
+    first: Vec<u32>,
+    items: Vec<u32>,
+}
+
+impl Lists {
+    /// Of pairs of list and item.
+    fn new(lists: usize, mut pairs: Vec<(u32, u32)>) -> Self {
+        pairs.sort_unstable();
+        let mut first = vec![0; lists + 1];
+        for (list, _) in &pairs {
+            first[*list as usize + 1] += 1;
+        }
+        for k in 1..first.len() {
+            first[k] += first[k - 1];
+        }
+        Lists {
+            first,
+            items: pairs.into_iter().map(|(_, item)| item).collect(),
+        }
+    }
+
+    fn of(&self, list: usize) -> &[u32] {
+        &self.items[self.first[list] as usize..self.first[list + 1] as usize]
+    }
+}

@@ -1,0 +1,161 @@
+//! From parsed files to the table of declarations.
+
+use super::{Decl, DeclId, DeclKind, Module, ModuleId, PRELUDE, Program, Source};
+use crate::hash::Map;
+use rpi_diag::{Code, Finding, Span, suggest};
+use rpi_syntax::Name;
+use rpi_syntax::ast::{Doc, File, Ident, Item, ItemKind, TypeDef, TypeKind};
+
+impl<'a> Program<'a> {
+    /// The table of a program's declarations, and what is wrong with their names. The first source is the module that
+    /// was asked for; modules that `use` names and that are not among the sources are reported.
+    #[must_use]
+    pub fn collect(sources: &[Source<'a>]) -> (Program<'a>, Vec<Finding>) {
+        let mut collector = Collector::default();
+        for source in sources {
+            collector.module(source);
+        }
+        for (id, source) in (0..).map(ModuleId).zip(sources) {
+            for file in &source.files {
+                collector.uses(id, file, sources);
+            }
+        }
+        let is_prelude = |source: &Source<'_>| source.name == PRELUDE;
+        let prelude = sources.iter().position(is_prelude);
+        let program = Program {
+            modules: collector.modules,
+            decls: collector.decls,
+            prelude: prelude.and_then(|k| u32::try_from(k).ok()).map(ModuleId),
+        };
+        (program, collector.findings)
+    }
+}
+
+#[derive(Default)]
+struct Collector<'a> {
+    modules: Vec<Module<'a>>,
+    decls: Vec<Decl<'a>>,
+    findings: Vec<Finding>,
+}
+
+impl<'a> Collector<'a> {
+    fn module(&mut self, source: &Source<'a>) {
+        self.modules.push(Module {
+            name: source.name.clone(),
+            mode: source.mode,
+            decls: Vec::new(),
+            tests: Vec::new(),
+            uses: Vec::new(),
+            names: Map::default(),
+        });
+        for file in &source.files {
+            for item in &file.items {
+                self.item(item);
+            }
+        }
+    }
+
+    fn item(&mut self, item: &'a Item) {
+        let doc = item.doc.as_ref();
+        match &item.kind {
+            ItemKind::Use(_) | ItemKind::Include(_) => {}
+            ItemKind::Const(defs) => {
+                for def in defs {
+                    self.all(&def.names, def.doc.as_ref().or(doc), DeclKind::Const(def));
+                }
+            }
+            ItemKind::Type(defs) => defs.iter().for_each(|def| self.type_def(def, doc)),
+            ItemKind::Node(d) => self.one(&d.signature.name, doc, DeclKind::Node(d)),
+            ItemKind::Fragment(d) => self.one(&d.signature.name, doc, DeclKind::Fragment(d)),
+            ItemKind::Primitive(d) => self.one(&d.signature.name, doc, DeclKind::Primitive(d)),
+            ItemKind::Device(d) => self.one(&d.name, doc, DeclKind::Device(d)),
+            ItemKind::Frame(d) => self.all(&d.names, doc, DeclKind::Frame(d)),
+            ItemKind::Command(d) => self.one(&d.name, doc, DeclKind::Command(d)),
+            ItemKind::Task(d) => self.one(&d.name, doc, DeclKind::Task(d)),
+            ItemKind::Test(d) => self.current().tests.push(d),
+            ItemKind::Broken(names) => {
+                for declared in names {
+                    self.one(&declared.name, None, DeclKind::Broken(declared.kind));
+                }
+            }
+        }
+    }
+
+    fn type_def(&mut self, def: &'a TypeDef, doc: Option<&'a Doc>) {
+        let doc = def.doc.as_ref().or(doc);
+        self.one(&def.name, doc, DeclKind::Type(def));
+        let Some(TypeKind::Enum(values)) = def.ty.as_ref().map(|ty| &ty.kind) else {
+            return;
+        };
+        let ty = last_id(&self.decls);
+        for (index, value) in (0..).zip(values) {
+            let kind = DeclKind::EnumValue { ty, index };
+            self.one(&value.name, value.doc.as_ref(), kind);
+        }
+    }
+
+    fn all(&mut self, names: &'a [Ident], doc: Option<&'a Doc>, kind: DeclKind<'a>) {
+        for name in names {
+            self.one(name, doc, kind);
+        }
+    }
+
+    fn one(&mut self, name: &Ident, doc: Option<&'a Doc>, kind: DeclKind<'a>) {
+        let module = ModuleId(u32::try_from(self.modules.len() - 1).unwrap_or(u32::MAX));
+        self.decls.push(Decl {
+            name: name.name.clone(),
+            span: name.span,
+            doc,
+            module,
+            kind,
+        });
+        let id = last_id(&self.decls);
+        let current = self.current();
+        current.decls.push(id);
+        if let Some(first) = current.names.insert(name.name.clone(), id) {
+            current.names.insert(name.name.clone(), first);
+            let first = self.decls[first.0 as usize].span;
+            self.findings.push(twice(&name.name, name.span, first));
+        }
+    }
+
+    fn uses(&mut self, id: ModuleId, file: &File, sources: &[Source<'_>]) {
+        let uses = file.items.iter().filter_map(|item| match &item.kind {
+            ItemKind::Use(names) => Some(names),
+            _ => None,
+        });
+        for name in uses.flatten() {
+            let found = sources.iter().position(|source| source.name == name.name);
+            match found.and_then(|k| u32::try_from(k).ok()).map(ModuleId) {
+                Some(used) => self.modules[id.0 as usize].uses.push(used),
+                None => self.findings.push(no_module(name, sources)),
+            }
+        }
+    }
+
+    fn current(&mut self) -> &mut Module<'a> {
+        let last = self.modules.len() - 1;
+        &mut self.modules[last]
+    }
+}
+
+fn last_id(decls: &[Decl<'_>]) -> DeclId {
+    DeclId(u32::try_from(decls.len() - 1).unwrap_or(u32::MAX))
+}
+
+/// A name declared a second time.
+pub(crate) fn twice(name: &Name, again: Span, first: Span) -> Finding {
+    Finding::new(Code::RPI1002, format!("`{name}` is declared twice"))
+        .at(again, "declared again here")
+        .also(first, "first declared here")
+        .help("give one of them another name")
+}
+
+fn no_module(name: &Ident, sources: &[Source<'_>]) -> Finding {
+    let finding = Finding::new(Code::RPI1005, format!("there is no module `{}`", name.name))
+        .at(name.span, "neither in the standard library nor beside this file");
+    match suggest(&name.name, sources.iter().map(|s| s.name.as_str())) {
+        Some(near) => finding.help(format!("did you mean `{near}`?")),
+        None => finding,
+    }
+}

@@ -1,0 +1,153 @@
+//! The declarations of all modules of a program, and how names find them.
+//!
+//! A module is one file, with the files that it includes. Its own names come before those of the modules that it uses,
+//! and these before the prelude. This part knows which declarations there are; it must not know what they mean.
+
+mod collect;
+mod lookup;
+
+pub(crate) use collect::twice;
+
+pub use lookup::Lookup;
+
+use crate::hash::Map;
+use rpi_diag::Span;
+use rpi_syntax::ast::{
+    CommandDecl, ConstDef, DeclaredKind, DeviceDecl, Doc, File, FragmentDecl, FrameDecl, NodeDecl,
+    PrimitiveDecl, TaskDecl, TestDecl, TypeDef,
+};
+use rpi_syntax::{Mode, Name};
+
+/// The texts of one module, parsed.
+#[derive(Clone, Debug)]
+pub struct Source<'a> {
+    /// The name by which `use` finds it.
+    pub name: Name,
+    /// Which words its files know.
+    pub mode: Mode,
+    /// The file, then those that it includes.
+    pub files: Vec<&'a File>,
+}
+
+/// Index of a module in [`Program::modules`].
+#[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Debug)]
+pub struct ModuleId(pub u32);
+
+/// Index of a declaration in [`Program::decls`].
+#[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Debug)]
+pub struct DeclId(pub u32);
+
+/// A declaration with a name.
+#[derive(Clone, Debug)]
+pub struct Decl<'a> {
+    /// Its name.
+    pub name: Name,
+    /// Where the name stands.
+    pub span: Span,
+    /// What was written above it.
+    pub doc: Option<&'a Doc>,
+    /// The module it stands in.
+    pub module: ModuleId,
+    /// What it is.
+    pub kind: DeclKind<'a>,
+}
+
+/// The kinds of declarations.
+#[derive(Clone, Copy, Debug)]
+pub enum DeclKind<'a> {
+    /// A constant.
+    Const(&'a ConstDef),
+    /// A type.
+    Type(&'a TypeDef),
+    /// A value of an enum.
+    EnumValue {
+        /// The enum.
+        ty: DeclId,
+        /// Its place among the values.
+        index: u32,
+    },
+    /// A node or function.
+    Node(&'a NodeDecl),
+    /// A fragment.
+    Fragment(&'a FragmentDecl),
+    /// The signature of a registered primitive, with units and frames.
+    Primitive(&'a PrimitiveDecl),
+    /// A device type.
+    Device(&'a DeviceDecl),
+    /// A coordinate frame.
+    Frame(&'a FrameDecl),
+    /// A command.
+    Command(&'a CommandDecl),
+    /// A task.
+    Task(&'a TaskDecl),
+    /// Something that did not parse: its name is known, so that nobody complains about it.
+    Broken(DeclaredKind),
+}
+
+impl DeclKind<'_> {
+    /// What it is, in words, with its article.
+    #[must_use]
+    pub fn what(&self) -> &'static str {
+        match self {
+            DeclKind::Const(_) | DeclKind::Broken(DeclaredKind::Const) => "a constant",
+            DeclKind::Type(_) | DeclKind::Broken(DeclaredKind::Type) => "a type",
+            DeclKind::EnumValue { .. } => "a value of an enum",
+            DeclKind::Node(_) | DeclKind::Broken(DeclaredKind::Callable) => "a node",
+            DeclKind::Fragment(_) => "a fragment",
+            DeclKind::Primitive(_) => "a primitive",
+            DeclKind::Device(_) | DeclKind::Broken(DeclaredKind::Device) => "a device type",
+            DeclKind::Frame(_) | DeclKind::Broken(DeclaredKind::Frame) => "a frame",
+            DeclKind::Command(_) | DeclKind::Broken(DeclaredKind::Command) => "a command",
+            DeclKind::Task(_) | DeclKind::Broken(DeclaredKind::Task) => "a task",
+        }
+    }
+}
+
+/// A module.
+#[derive(Debug)]
+pub struct Module<'a> {
+    /// Its name.
+    pub name: Name,
+    /// Which words its files know.
+    pub mode: Mode,
+    /// Its declarations in text order.
+    pub decls: Vec<DeclId>,
+    /// Its tests in text order.
+    pub tests: Vec<&'a TestDecl>,
+    /// The modules that it uses, in text order.
+    uses: Vec<ModuleId>,
+    names: Map<Name, DeclId>,
+}
+
+/// All declarations of a program.
+#[derive(Debug)]
+pub struct Program<'a> {
+    /// The modules; the first is the one that was asked for.
+    pub modules: Vec<Module<'a>>,
+    /// The declarations of all modules.
+    pub decls: Vec<Decl<'a>>,
+    prelude: Option<ModuleId>,
+}
+
+/// The name of the module that every module uses without saying so.
+pub const PRELUDE: &str = "prelude";
+
+impl<'a> Program<'a> {
+    /// The declaration of this index.
+    #[must_use]
+    pub fn decl(&self, id: DeclId) -> &Decl<'a> {
+        &self.decls[id.0 as usize]
+    }
+
+    /// The module of this index.
+    #[must_use]
+    pub fn module(&self, id: ModuleId) -> &Module<'a> {
+        &self.modules[id.0 as usize]
+    }
+
+    /// The module that was asked for.
+    #[must_use]
+    pub fn root(&self) -> &Module<'a> {
+        &self.modules[0]
+    }
+}

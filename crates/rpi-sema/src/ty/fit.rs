@@ -1,0 +1,274 @@
+//! Whether a value of one type can stand where another is wanted, and what two have in common.
+
+use super::{Geometry, Member, Ty};
+use crate::units::Dim;
+use rpi_syntax::Name;
+use std::collections::BTreeMap;
+use std::rc::Rc;
+
+/// What the free names of a signature stand for in one call: types and frames.
+#[derive(Clone, Default, Debug)]
+pub struct Subst {
+    /// Static parameters that are types.
+    pub types: BTreeMap<Name, Ty>,
+    /// Frames that the signature names and no declaration does.
+    pub frames: BTreeMap<Name, Option<Name>>,
+}
+
+/// Why a type does not fit.
+#[derive(Clone, PartialEq, Debug)]
+pub enum Misfit {
+    /// Different kinds of values.
+    Kind,
+    /// Reals of different dimensions.
+    Dimension {
+        /// What is wanted.
+        expected: Dim,
+        /// What is there.
+        found: Dim,
+    },
+    /// Spatial values in frames that are not the same.
+    Frame {
+        /// The frame wanted.
+        expected: Name,
+        /// The frame there.
+        found: Name,
+    },
+    /// Arrays of different sizes.
+    Size {
+        /// Elements wanted.
+        expected: u32,
+        /// Elements there.
+        found: u32,
+    },
+}
+
+/// Checks that `found` can stand where `expected` is wanted; free names of `expected` are bound in `subst`.
+///
+/// # Errors
+/// Says in which way it does not fit.
+pub fn fit(expected: &Ty, found: &Ty, subst: &mut Subst) -> Result<(), Misfit> {
+    match (expected, found) {
+        (Ty::Unknown, _) | (_, Ty::Unknown) => Ok(()),
+        (Ty::Generic(name), found) => fit_generic(name, found, subst),
+        (Ty::Real(expected), Ty::Real(found)) => fit_dim(*expected, *found),
+        (Ty::Spatial(a, expected), Ty::Spatial(b, found)) if a == b => {
+            fit_geometry(expected, found, subst)
+        }
+        (Ty::Array(a, expected), Ty::Array(b, found)) => match expected == found {
+            true => fit(a, b, subst),
+            false => Err(Misfit::Size {
+                expected: *expected,
+                found: *found,
+            }),
+        },
+        (Ty::Tuple(expected), Ty::Tuple(found)) => fit_members(expected, found, subst),
+        (Ty::Struct(a), Ty::Struct(b)) if a.name == b.name => {
+            fit_members(&a.fields, &b.fields, subst)
+        }
+        (Ty::Device(a), Ty::Device(b)) if a.name == b.name => Ok(()),
+        _ if expected == found => Ok(()),
+        _ => Err(Misfit::Kind),
+    }
+}
+
+fn fit_generic(name: &Name, found: &Ty, subst: &mut Subst) -> Result<(), Misfit> {
+    match subst.types.get(name).cloned() {
+        Some(bound) => fit(&bound, found, subst),
+        None => {
+            subst.types.insert(name.clone(), found.clone());
+            Ok(())
+        }
+    }
+}
+
+fn fit_dim(expected: Dim, found: Dim) -> Result<(), Misfit> {
+    match expected.meets(found) {
+        true => Ok(()),
+        false => Err(Misfit::Dimension { expected, found }),
+    }
+}
+
+fn fit_geometry(expected: &Geometry, found: &Geometry, subst: &mut Subst) -> Result<(), Misfit> {
+    if let (Some(a), Some(b)) = (expected.dim, found.dim) {
+        fit_dim(a, b)?;
+    }
+    fit_frame(&expected.of, &found.of, subst)?;
+    fit_frame(&expected.in_frame, &found.in_frame, subst)
+}
+
+fn fit_frame(
+    expected: &Option<Name>,
+    found: &Option<Name>,
+    subst: &mut Subst,
+) -> Result<(), Misfit> {
+    let Some(name) = expected else {
+        return Ok(());
+    };
+    let wanted = match subst.frames.get_mut(name) {
+        Some(bound @ None) => {
+            bound.clone_from(found);
+            return Ok(());
+        }
+        Some(Some(bound)) => bound.clone(),
+        None => name.clone(),
+    };
+    match found {
+        Some(found) if *found != wanted => Err(Misfit::Frame {
+            expected: wanted,
+            found: found.clone(),
+        }),
+        _ => Ok(()),
+    }
+}
+
+fn fit_members(expected: &[Member], found: &[Member], subst: &mut Subst) -> Result<(), Misfit> {
+    if expected.len() != found.len() {
+        return Err(Misfit::Kind);
+    }
+    let mut pairs = expected.iter().zip(found);
+    pairs.try_for_each(|(a, b)| fit(&a.ty, &b.ty, subst))
+}
+
+/// What is known if a value has both types: the parts that one leaves open are taken from the other.
+///
+/// # Errors
+/// If they do not fit together.
+pub fn join(a: &Ty, b: &Ty) -> Result<Ty, Misfit> {
+    fit(a, b, &mut Subst::default())?;
+    Ok(match (a, b) {
+        (Ty::Unknown, known) => known.clone(),
+        (Ty::Real(a), Ty::Real(b)) => Ty::Real(join_dim(*a, *b)),
+        (Ty::Spatial(scalar, a), Ty::Spatial(_, b)) => {
+            Ty::Spatial(*scalar, Rc::new(join_geometry(a, b)))
+        }
+        (Ty::Array(a, n), Ty::Array(b, _)) => Ty::Array(Rc::new(join(a, b)?), *n),
+        (Ty::Tuple(a), Ty::Tuple(b)) => {
+            let member = |(a, b): (&Member, &Member)| {
+                Ok(Member {
+                    name: a.name.clone(),
+                    ty: join(&a.ty, &b.ty)?,
+                })
+            };
+            let members: Result<Vec<Member>, Misfit> = a.iter().zip(b.iter()).map(member).collect();
+            Ty::Tuple(members?.into())
+        }
+        _ => a.clone(),
+    })
+}
+
+/// Of two dimensions that meet the one that says more: angles win over plain numbers.
+fn join_dim(a: Dim, b: Dim) -> Dim {
+    match a == Dim::ONE {
+        true => b,
+        false => a,
+    }
+}
+
+fn join_geometry(a: &Geometry, b: &Geometry) -> Geometry {
+    Geometry {
+        dim: a.dim.or(b.dim),
+        of: a.of.clone().or_else(|| b.of.clone()),
+        in_frame: a.in_frame.clone().or_else(|| b.in_frame.clone()),
+    }
+}
+
+impl Ty {
+    /// The type with the free names of a signature replaced by what they stand for.
+    #[must_use]
+    pub fn substituted(&self, subst: &Subst) -> Ty {
+        let members = |members: &[Member]| -> Vec<Member> {
+            let member = |m: &Member| Member {
+                name: m.name.clone(),
+                ty: m.ty.substituted(subst),
+            };
+            members.iter().map(member).collect()
+        };
+        match self {
+            Ty::Generic(name) => subst.types.get(name).cloned().unwrap_or(Ty::Unknown),
+            Ty::Spatial(scalar, geometry) => {
+                Ty::Spatial(*scalar, Rc::new(geometry.substituted(subst)))
+            }
+            Ty::Array(element, n) => Ty::Array(Rc::new(element.substituted(subst)), *n),
+            Ty::Tuple(parts) => Ty::Tuple(members(parts).into()),
+            Ty::Struct(s) => Ty::Struct(Rc::new(super::StructTy {
+                name: s.name.clone(),
+                fields: members(&s.fields),
+                defaults: s.defaults.clone(),
+            })),
+            other => other.clone(),
+        }
+    }
+}
+
+impl Geometry {
+    fn substituted(&self, subst: &Subst) -> Geometry {
+        let frame = |name: &Option<Name>| match name.as_ref().map(|n| (n, subst.frames.get(n))) {
+            Some((_, Some(bound))) => bound.clone(),
+            Some((name, None)) => Some(name.clone()),
+            None => None,
+        };
+        Geometry {
+            dim: self.dim,
+            of: frame(&self.of),
+            in_frame: frame(&self.in_frame),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use rpi_image::Scalar;
+
+    fn pose(of: &str, in_frame: &str) -> Ty {
+        let name = |text: &str| (!text.is_empty()).then(|| Name::from(text));
+        Ty::Spatial(
+            Scalar::Pose,
+            Rc::new(Geometry {
+                dim: None,
+                of: name(of),
+                in_frame: name(in_frame),
+            }),
+        )
+    }
+
+    #[test]
+    fn frames_that_are_left_out_meet_all_others_must_agree() {
+        let mut none = Subst::default();
+        assert_eq!(fit(&pose("", ""), &pose("a", "b"), &mut none), Ok(()));
+        assert_eq!(fit(&pose("a", "b"), &pose("", ""), &mut none), Ok(()));
+        assert!(matches!(
+            fit(&pose("a", "b"), &pose("a", "c"), &mut none),
+            Err(Misfit::Frame { .. })
+        ));
+        assert_eq!(join(&pose("a", ""), &pose("", "b")), Ok(pose("a", "b")));
+    }
+
+    #[test]
+    fn free_frames_are_bound_by_the_first_argument() {
+        let mut subst = Subst::default();
+        subst.frames.insert("tool".into(), None);
+        let wanted = pose("tool", "");
+        assert_eq!(fit(&wanted, &pose("arm.tool", "arm.base"), &mut subst), Ok(()));
+        assert!(fit(&wanted, &pose("other.tool", ""), &mut subst).is_err());
+        assert_eq!(wanted.substituted(&subst), pose("arm.tool", ""));
+    }
+
+    #[test]
+    fn type_parameters_are_bound_by_the_first_argument() {
+        let mut subst = Subst::default();
+        let t = Ty::Generic("t".into());
+        assert_eq!(fit(&t, &Ty::Real(Dim::LENGTH), &mut subst), Ok(()));
+        assert!(fit(&t, &Ty::REAL, &mut subst).is_err());
+        assert_eq!(t.substituted(&subst), Ty::Real(Dim::LENGTH));
+    }
+
+    #[test]
+    fn a_plain_number_takes_on_an_angle() {
+        assert_eq!(
+            join(&Ty::REAL, &Ty::Real(Dim::ANGLE)),
+            Ok(Ty::Real(Dim::ANGLE))
+        );
+    }
+}

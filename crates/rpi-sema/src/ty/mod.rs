@@ -1,0 +1,252 @@
+//! Types of flows: what a value is, without whether it is present.
+//!
+//! Composite types are exploded into their [leaves](Ty::leaves) when a program becomes a net; nothing after the
+//! elaboration knows of them. This module must not know syntax.
+
+mod fit;
+mod print;
+
+pub use fit::{Misfit, Subst, fit, join};
+
+use crate::units::Dim;
+use rpi_image::{Scalar, Value};
+use rpi_syntax::Name;
+use std::rc::Rc;
+
+/// The type of a flow, a constant or a port.
+#[derive(Clone, PartialEq, Debug)]
+pub enum Ty {
+    /// Not known, after a fault or for `none`: fits everything, so that one fault gives one message.
+    Unknown,
+    /// Truth value.
+    Bool,
+    /// 64-bit integer.
+    Int,
+    /// IEEE double of a dimension, in coherent SI units.
+    Real(Dim),
+    /// Point in time.
+    Time,
+    /// Text: parameters only.
+    Text,
+    /// `Vector`, `Rotation`, `Pose`, `Twist`, `Wrench` with what is known of its geometry.
+    Spatial(Scalar, Rc<Geometry>),
+    /// One of several named values.
+    Enum(Rc<EnumTy>),
+    /// Named fields.
+    Struct(Rc<StructTy>),
+    /// So many elements.
+    Array(Rc<Ty>, u32),
+    /// What a call with several out-ports gives; out-ports have names, elements of `(x, y)` have none.
+    Tuple(Rc<[Member]>),
+    /// A device that a command names.
+    Device(Rc<DeviceTy>),
+    /// How a command ended: the value of `predecessor`.
+    Result,
+    /// A static parameter that is a type, before it is known.
+    Generic(Name),
+}
+
+/// What is known of a spatial value. Unknown parts meet everything.
+#[derive(Clone, PartialEq, Eq, Debug, Default)]
+pub struct Geometry {
+    /// Dimension of a vector's components.
+    pub dim: Option<Dim>,
+    /// The frame that is located or that moves.
+    pub of: Option<Name>,
+    /// The frame in which it is given.
+    pub in_frame: Option<Name>,
+}
+
+/// An enum.
+#[derive(PartialEq, Eq, Debug)]
+pub struct EnumTy {
+    /// Its name.
+    pub name: Name,
+    /// Its values in text order.
+    pub values: Vec<Name>,
+}
+
+/// A struct with its static parameters resolved.
+#[derive(PartialEq, Debug)]
+pub struct StructTy {
+    /// Its name.
+    pub name: Name,
+    /// Its fields in text order.
+    pub fields: Vec<Member>,
+    /// What a field is where a value leaves it out, leaf by leaf.
+    pub defaults: Vec<Option<Rc<[Value]>>>,
+}
+
+/// A field of a struct, or an element of a tuple.
+#[derive(Clone, PartialEq, Debug)]
+pub struct Member {
+    /// The name; none for an element of `(x, y)`.
+    pub name: Option<Name>,
+    /// The type.
+    pub ty: Ty,
+}
+
+/// A device type with its static parameters resolved.
+#[derive(PartialEq, Debug)]
+pub struct DeviceTy {
+    /// Its name.
+    pub name: Name,
+    /// Its ports in text order.
+    pub ports: Vec<DevicePortTy>,
+    /// Frames that its ports name and no declaration does: each device has its own.
+    pub frames: Vec<Name>,
+}
+
+/// A port of a device type.
+#[derive(PartialEq, Debug)]
+pub struct DevicePortTy {
+    /// The name.
+    pub name: Name,
+    /// What it carries; none if its size is known only with the cell.
+    pub ty: Option<Ty>,
+    /// Whether it may have no sample in a cycle.
+    pub optional: bool,
+    /// Whether it is written.
+    pub is_actuator: bool,
+    /// Which actuator of the device it belongs to: ports with the same number exclude one another.
+    pub actuator: u32,
+}
+
+impl DeviceTy {
+    /// The port of this name.
+    #[must_use]
+    pub fn port(&self, name: &str) -> Option<&DevicePortTy> {
+        self.ports.iter().find(|port| port.name == name)
+    }
+}
+
+impl Ty {
+    /// A plain number.
+    pub const REAL: Ty = Ty::Real(Dim::ONE);
+
+    /// A spatial type of which nothing more is known.
+    #[must_use]
+    pub fn spatial(scalar: Scalar) -> Ty {
+        Ty::Spatial(scalar, Rc::default())
+    }
+
+    /// A tuple of unnamed elements.
+    #[must_use]
+    pub fn tuple(elements: impl IntoIterator<Item = Ty>) -> Ty {
+        let member = |ty| Member { name: None, ty };
+        Ty::Tuple(elements.into_iter().map(member).collect())
+    }
+
+    /// Whether nothing is known of it.
+    #[must_use]
+    pub fn is_unknown(&self) -> bool {
+        matches!(self, Ty::Unknown)
+    }
+
+    /// Whether some part of it is not known.
+    #[must_use]
+    pub fn has_unknown(&self) -> bool {
+        match self {
+            Ty::Unknown => true,
+            Ty::Array(element, _) => element.has_unknown(),
+            _ => self.members().iter().any(|member| member.ty.has_unknown()),
+        }
+    }
+
+    /// Fields of a struct, elements of a tuple.
+    #[must_use]
+    pub fn members(&self) -> &[Member] {
+        match self {
+            Ty::Struct(s) => &s.fields,
+            Ty::Tuple(members) => members,
+            _ => &[],
+        }
+    }
+
+    /// The machine type of a value that is carried by one link.
+    #[must_use]
+    pub fn scalar(&self) -> Option<Scalar> {
+        Some(match self {
+            Ty::Bool => Scalar::Bool,
+            Ty::Int | Ty::Enum(_) | Ty::Result => Scalar::Int,
+            Ty::Real(_) => Scalar::Real,
+            Ty::Time => Scalar::Time,
+            Ty::Spatial(scalar, _) => *scalar,
+            _ => return None,
+        })
+    }
+
+    /// Number of links that carry a value of this type.
+    #[must_use]
+    pub fn leaf_count(&self) -> usize {
+        match self {
+            Ty::Unknown | Ty::Generic(_) => 0,
+            Ty::Array(element, n) => element.leaf_count().saturating_mul(*n as usize),
+            Ty::Struct(_) | Ty::Tuple(_) => {
+                let counts = self.members().iter().map(|member| member.ty.leaf_count());
+                counts.fold(0, usize::saturating_add)
+            }
+            _ => 1,
+        }
+    }
+
+    /// Calls `visit` with each leaf's path (`.x[2]`) and type, in order.
+    pub fn leaves(&self, visit: &mut impl FnMut(&str, &Ty)) {
+        self.leaves_below(&mut String::new(), visit);
+    }
+
+    fn leaves_below(&self, path: &mut String, visit: &mut impl FnMut(&str, &Ty)) {
+        let length = path.len();
+        match self {
+            Ty::Unknown | Ty::Generic(_) => {}
+            Ty::Array(element, n) => {
+                for k in 0..*n {
+                    path.push_str(&format!("[{k}]"));
+                    element.leaves_below(path, visit);
+                    path.truncate(length);
+                }
+            }
+            Ty::Struct(_) | Ty::Tuple(_) => {
+                for (k, member) in self.members().iter().enumerate() {
+                    match &member.name {
+                        Some(name) => path.push_str(&format!(".{name}")),
+                        None => path.push_str(&format!(".{k}")),
+                    }
+                    member.ty.leaves_below(path, visit);
+                    path.truncate(length);
+                }
+            }
+            leaf => visit(path, leaf),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn leaves_have_paths() {
+        let inner = Ty::Tuple(
+            [
+                Member {
+                    name: Some("x".into()),
+                    ty: Ty::Int,
+                },
+                Member {
+                    name: Some("on".into()),
+                    ty: Ty::Bool,
+                },
+            ]
+            .into(),
+        );
+        let ty = Ty::Array(Rc::new(inner), 2);
+        let mut seen = Vec::new();
+        ty.leaves(&mut |path, leaf| seen.push(format!("{path}: {leaf}")));
+        assert_eq!(
+            seen,
+            ["[0].x: int", "[0].on: bool", "[1].x: int", "[1].on: bool"]
+        );
+        assert_eq!(ty.leaf_count(), 4);
+    }
+}
