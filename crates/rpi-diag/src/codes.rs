@@ -80,6 +80,18 @@ codes! {
     RPI0101 Error "unexpected sign in a net";
     RPI0102 Error "text without end in a net";
     RPI0103 Error "net nested too deeply";
+    RPI1001 Error "name that nothing declares";
+    RPI1002 Error "name declared twice";
+    RPI1003 Error "name of another kind of thing";
+    RPI1004 Error "part that is not there";
+    RPI1005 Error "module that is not there";
+    RPI1006 Error "name of several modules";
+    RPI1007 Error "declaration that needs itself";
+    RPI1008 Error "flow defined twice";
+    RPI1009 Error "flow that is never defined";
+    RPI1010 Error "arguments that do not match";
+    RPI1011 Error "recursion without end";
+    RPI1012 Error "node that is defined outside";
     RPI1101 Error "unknown primitive";
     RPI1102 Warning "unknown in-port";
     RPI1103 Error "unknown parameter";
@@ -87,12 +99,31 @@ codes! {
     RPI1105 Error "unknown port";
     RPI1106 Error "two meanings of one name in a net";
     RPI1107 Error "in-port or parameter given twice";
+    RPI2001 Error "types that do not fit";
+    RPI2002 Error "dimensions that do not fit";
+    RPI2003 Error "unit that is not there";
+    RPI2004 Error "plain number for an angle";
+    RPI2005 Error "frames that do not meet";
+    RPI2006 Error "operator that does not take these operands";
+    RPI2007 Error "type that nothing tells";
+    RPI2008 Error "constant needed";
+    RPI2009 Error "sizes that do not fit";
+    RPI2010 Error "constant that can not be worked out";
+    RPI2011 Error "merge with a missing case";
     RPI2101 Error "link between ports of different types";
     RPI2102 Error "text is no value of the parameter's type";
     RPI2103 Error "in-port not connected";
     RPI2104 Error "sizes that do not fit";
+    RPI3001 Error "absent value where one is needed";
+    RPI3002 Warning "`??` whose right side is never used";
+    RPI3004 Error "optional part of a value";
+    RPI3005 Error "function with state";
+    RPI3006 Error "automaton without one initial state";
     RPI4001 Error "dependency cycle";
     RPI4002 Error "port that stands for itself";
+    RPI6001 Error "device port used the wrong way";
+    RPI6002 Error "actuator defined twice";
+    RPI8001 Error "end of a command in the wrong place";
 }
 
 impl Code {

@@ -8,6 +8,7 @@ use rpi_lower::{LowerOptions, Plan};
 use rpi_net::Net;
 
 use crate::input::{Input, InputError, Kind};
+use crate::source;
 
 /// What became of a file.
 #[derive(Debug)]
@@ -37,10 +38,23 @@ pub fn compile(input: &Input) -> Result<Compiled, InputError> {
     match input.kind {
         Kind::Rpib => image(input),
         Kind::Rpinet => Ok(net(input, input.text()?)),
-        Kind::Rpi | Kind::Lustre => Err(InputError::new(
-            &input.path,
-            "programs cannot be compiled yet",
-        )),
+        Kind::Rpi | Kind::Lustre => Ok(program(input, input.text()?)),
+    }
+}
+
+fn program(input: &Input, text: &str) -> Compiled {
+    let mut sources = SourceMap::new();
+    let built = source::build(
+        &input.stem(),
+        &display(&input.path),
+        text,
+        input.path.parent(),
+        &mut sources,
+    );
+    Compiled {
+        sources,
+        findings: built.findings,
+        program: Program::Nets(built.nets),
     }
 }
 

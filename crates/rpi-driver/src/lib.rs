@@ -6,8 +6,11 @@
 
 mod compile;
 mod input;
+mod modules;
 mod period;
+mod source;
 
 pub use compile::{Compiled, Program, compile, lower};
 pub use input::{Input, InputError, Kind, read};
+pub use modules::library_modules;
 pub use period::{parse_period, period_text};

@@ -43,7 +43,7 @@ fn run(
     }
     let first = memory.cells.len();
     for ty in outputs {
-        memory.operand(Some(*ty), &Value::neutral(*ty).cells().to_vec());
+        memory.operand(Some(*ty), Value::neutral(*ty).cells());
     }
     let mut cx = Cx {
         cells: &mut memory.cells,
@@ -87,7 +87,8 @@ impl Memory {
         let Some(ty) = ty else {
             return;
         };
-        self.words.push(u32::try_from(self.cells.len()).unwrap_or(u32::MAX));
+        self.words
+            .push(u32::try_from(self.cells.len()).unwrap_or(u32::MAX));
         match ty {
             Type::One(_) => {}
             Type::Array(_, n) => self.words.push(n),
@@ -152,15 +153,26 @@ mod tests {
 
     #[test]
     fn pure_primitives_fold() {
-        let sum = folded("Core::DoubleAdd", &[Value::real(1.0), Value::real(2.0)], Scalar::Real);
+        let sum = folded(
+            "Core::DoubleAdd",
+            &[Value::real(1.0), Value::real(2.0)],
+            Scalar::Real,
+        );
         assert_eq!(sum, Some(Ok(Value::real(3.0))));
         let ones = [Value::bool(true), Value::bool(false)];
-        assert_eq!(folded("Core::BooleanAnd", &ones, Scalar::Bool), Some(Ok(Value::bool(false))));
+        assert_eq!(
+            folded("Core::BooleanAnd", &ones, Scalar::Bool),
+            Some(Ok(Value::bool(false)))
+        );
     }
 
     #[test]
     fn faults_are_told() {
-        let by_zero = folded("Core::IntDivide", &[Value::int(1), Value::int(0)], Scalar::Int);
+        let by_zero = folded(
+            "Core::IntDivide",
+            &[Value::int(1), Value::int(0)],
+            Scalar::Int,
+        );
         assert_eq!(by_zero, Some(Err(FaultCode::DivisionByZero)));
     }
 
@@ -174,6 +186,9 @@ mod tests {
         if let Value::Cells { cells, .. } = &mut moved {
             cells[0] = 1.0f64.to_bits();
         }
-        assert_eq!(folded("World::TwistFromFrames", &[pose, moved], Scalar::Twist), None);
+        assert_eq!(
+            folded("World::TwistFromFrames", &[pose, moved], Scalar::Twist),
+            None
+        );
     }
 }

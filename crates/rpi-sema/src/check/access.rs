@@ -3,7 +3,7 @@
 use super::body::Body;
 use super::locals::Local;
 use super::names::plain_name;
-use super::report::{Wanted, no_member, unknown};
+use super::report::{Wanted, no_member};
 use crate::ty::{DevicePortTy, DeviceTy, Geometry, Subst, Ty};
 use crate::typed::{BlockId, ExprId, FlowId, Kind, Leaf, Place};
 use crate::units::Dim;
@@ -65,7 +65,9 @@ impl<'a> Body<'_, 'a> {
         match self.ty_of(base).clone() {
             Ty::Unknown => self.fault(span),
             Ty::Device(device) => self.sensor(base, &device, field, span),
-            Ty::Spatial(scalar, geometry) => self.spatial_part(base, scalar, &geometry, field, span),
+            Ty::Spatial(scalar, geometry) => {
+                self.spatial_part(base, scalar, &geometry, field, span)
+            }
             ty => match member_of(&ty, &field.name) {
                 Some((at, ty)) => self.add(Kind::Part { base, at }, ty, span),
                 None => {
@@ -86,7 +88,9 @@ impl<'a> Body<'_, 'a> {
         field: &Ident,
         span: Span,
     ) -> ExprId {
-        let row = SPATIAL_PARTS.iter().find(|row| row.0 == scalar && field.name == row.1);
+        let row = SPATIAL_PARTS
+            .iter()
+            .find(|row| row.0 == scalar && field.name == row.1);
         let Some((_, _, prim, port)) = row else {
             let names = SPATIAL_PARTS.iter().filter(|row| row.0 == scalar);
             let near = rpi_diag::suggest(&field.name, names.map(|row| row.1));
@@ -95,21 +99,36 @@ impl<'a> Body<'_, 'a> {
         };
         let parts = self.prim_of(prim, &[base], span);
         let ty = part_type(scalar, geometry, &field.name);
-        self.add(Kind::Part { base: parts, at: *port }, ty, span)
+        self.add(
+            Kind::Part {
+                base: parts,
+                at: *port,
+            },
+            ty,
+            span,
+        )
     }
 
     fn sensor(&mut self, base: ExprId, device: &Rc<DeviceTy>, field: &Ident, span: Span) -> ExprId {
         let found = device.ports.iter().position(|port| port.name == field.name);
         let Some(index) = found else {
             let near = rpi_diag::suggest(&field.name, device.ports.iter().map(|p| p.name.as_str()));
-            let finding = no_member(&format!("the device type `{}`", device.name), &field.name, field.span, near);
+            let finding = no_member(
+                &format!("the device type `{}`", device.name),
+                &field.name,
+                field.span,
+                near,
+            );
             return self.fault_with(finding, span);
         };
         let port = &device.ports[index];
         if port.is_actuator {
-            let finding = Finding::new(Code::RPI6001, format!("`{}` is an actuator port", field.name))
-                .at(field.span, "it is written, not read")
-                .help("read what was last commanded from a sensor port of the device");
+            let finding = Finding::new(
+                Code::RPI6001,
+                format!("`{}` is an actuator port", field.name),
+            )
+            .at(field.span, "it is written, not read")
+            .help("read what was last commanded from a sensor port of the device");
             return self.fault_with(finding, span);
         }
         let Some(ty) = self.port_type(base, device, port, field.span) else {
@@ -120,13 +139,22 @@ impl<'a> Body<'_, 'a> {
     }
 
     /// The type of a device's port, its frames being those of this very device.
-    fn port_type(&mut self, base: ExprId, device: &DeviceTy, port: &DevicePortTy, span: Span) -> Option<Ty> {
+    fn port_type(
+        &mut self,
+        base: ExprId,
+        device: &DeviceTy,
+        port: &DevicePortTy,
+        span: Span,
+    ) -> Option<Ty> {
         let Some(ty) = &port.ty else {
             let finding = Finding::new(
                 Code::RPI2008,
                 format!("the size of `{}` is not known here", port.name),
             )
-            .at(span, format!("it depends on a parameter of `{}`", device.name))
+            .at(
+                span,
+                format!("it depends on a parameter of `{}`", device.name),
+            )
             .help(format!("name it in the type: `{}<<7>>`", device.name));
             self.report(finding);
             return None;
@@ -140,7 +168,8 @@ impl<'a> Body<'_, 'a> {
     /// The frames of a device under the name that it has here.
     pub(super) fn frames_of(&self, device: &DeviceTy, flow: FlowId) -> Subst {
         let name = &self.unit.flow(flow).name;
-        let frame = |local: &rpi_syntax::Name| (local.clone(), Some(format!("{name}.{local}").into()));
+        let frame =
+            |local: &rpi_syntax::Name| (local.clone(), Some(format!("{name}.{local}").into()));
         Subst {
             frames: device.frames.iter().map(frame).collect(),
             ..Subst::default()
@@ -156,35 +185,53 @@ impl<'a> Body<'_, 'a> {
     ) -> (Place, Ty) {
         let nowhere = (Place::Nowhere, Ty::Unknown);
         let [Access::Field(field)] = &target.path[..] else {
-            let finding = Finding::new(Code::RPI1003, format!("`{}` is a device", target.name.name))
-                .at(target.span, "what is defined is one of its actuator ports")
-                .help(format!("write `{}.port = ...;`", target.name.name));
+            let finding =
+                Finding::new(Code::RPI1003, format!("`{}` is a device", target.name.name))
+                    .at(target.span, "what is defined is one of its actuator ports")
+                    .help(format!("write `{}.port = ...;`", target.name.name));
             self.report(finding);
             return nowhere;
         };
         let actuators = device.ports.iter().filter(|port| port.is_actuator);
-        let Some(index) = device.ports.iter().position(|p| p.is_actuator && p.name == field.name) else {
+        let Some(index) = device
+            .ports
+            .iter()
+            .position(|p| p.is_actuator && p.name == field.name)
+        else {
             let near = rpi_diag::suggest(&field.name, actuators.map(|p| p.name.as_str()));
             let of = format!("the device type `{}`", device.name);
             let finding = match device.port(&field.name) {
-                Some(_) => Finding::new(Code::RPI6001, format!("`{}` is a sensor port", field.name))
-                    .at(field.span, "it is read, not written"),
+                Some(_) => {
+                    Finding::new(Code::RPI6001, format!("`{}` is a sensor port", field.name))
+                        .at(field.span, "it is read, not written")
+                }
                 None => no_member(&of, &field.name, field.span, near),
             };
             self.report(finding);
             return nowhere;
         };
-        let base = self.add(Kind::Flow(flow), Ty::Device(device.clone()), target.name.span);
+        let base = self.add(
+            Kind::Flow(flow),
+            Ty::Device(device.clone()),
+            target.name.span,
+        );
         let ty = self.port_type(base, device, &device.ports[index], field.span);
         let port = u32::try_from(index).unwrap_or(u32::MAX);
-        (Place::Port { device: flow, port }, ty.unwrap_or(Ty::Unknown))
+        (
+            Place::Port { device: flow, port },
+            ty.unwrap_or(Ty::Unknown),
+        )
     }
 
     /// `base[index]`
     pub(super) fn index(&mut self, index: &'a Index, span: Span) -> ExprId {
         let base = self.expr(&index.base);
         let at = self.expr(&index.index);
-        self.expect(at, &Ty::Int, &Wanted::By(Span::NONE, "an index is an integer".into()));
+        self.expect(
+            at,
+            &Ty::Int,
+            &Wanted::By(Span::NONE, "an index is an integer".into()),
+        );
         let Ty::Array(element, n) = self.ty_of(base).clone() else {
             return self.not_an_array(base, span);
         };
@@ -248,7 +295,10 @@ impl<'a> Body<'_, 'a> {
             Some(step) => self.integer(step)?,
             None => 1,
         };
-        let (first, last) = (self.in_bounds(from, n, slice.from.span)?, self.in_bounds(to, n, slice.to.span)?);
+        let (first, last) = (
+            self.in_bounds(from, n, slice.from.span)?,
+            self.in_bounds(to, n, slice.to.span)?,
+        );
         let distance = i64::from(last) - i64::from(first);
         if step == 0 || (distance != 0 && distance.signum() != step.signum()) {
             let finding = Finding::new(Code::RPI2009, "the slice never reaches its end")
@@ -300,12 +350,18 @@ impl<'a> Body<'_, 'a> {
         let span = slice.from.span.merge(slice.to.span);
         let range = self.range(slice, n, span)?;
         if range.step != 1 {
-            let finding = Finding::new(Code::RPI2009, "only neighbouring elements can be defined together")
-                .at(span, format!("a step of {}", range.step));
+            let finding = Finding::new(
+                Code::RPI2009,
+                "only neighbouring elements can be defined together",
+            )
+            .at(span, format!("a step of {}", range.step));
             self.report(finding);
             return None;
         }
-        Some((range.from * leaves(element), Ty::Array(element.clone(), range.len)))
+        Some((
+            range.from * leaves(element),
+            Ty::Array(element.clone(), range.len),
+        ))
     }
 
     fn no_elements(&mut self, ty: &Ty, span: Span) -> Option<(u32, Ty)> {
@@ -313,13 +369,6 @@ impl<'a> Body<'_, 'a> {
             .at(span, format!("this is an element of `{ty}`"));
         self.report(finding);
         None
-    }
-
-    /// Reports a device port or flow that is not there.
-    pub(super) fn no_flow(&mut self, what: &str, name: &Ident) {
-        let near = rpi_diag::suggest(&name.name, self.local_names());
-        let finding = unknown(what, &name.name, name.span, near);
-        self.report(finding);
     }
 }
 
@@ -331,7 +380,9 @@ pub(super) fn leaves(ty: &Ty) -> u32 {
 /// First leaf and type of a member.
 pub(super) fn member_of(ty: &Ty, name: &str) -> Option<(u32, Ty)> {
     let members = ty.members();
-    let index = members.iter().position(|m| m.name.as_deref() == Some(name))?;
+    let index = members
+        .iter()
+        .position(|m| m.name.as_deref() == Some(name))?;
     let before = members[..index].iter().map(|m| leaves(&m.ty));
     Some((before.sum(), members[index].ty.clone()))
 }
@@ -341,7 +392,14 @@ fn part_type(scalar: Scalar, geometry: &Rc<Geometry>, field: &str) -> Ty {
     let in_frame = geometry.in_frame.clone();
     let vector = |dim| {
         let in_frame = in_frame.clone();
-        Ty::Spatial(Scalar::Vector, Rc::new(Geometry { dim, of: None, in_frame }))
+        Ty::Spatial(
+            Scalar::Vector,
+            Rc::new(Geometry {
+                dim,
+                of: None,
+                in_frame,
+            }),
+        )
     };
     let speed = |dim: Dim| dim.over(Dim::TIME);
     match (scalar, field) {

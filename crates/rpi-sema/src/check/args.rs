@@ -101,7 +101,13 @@ impl<'a> Body<'_, 'a> {
         (sound & self.all_given(header, &args, span)).then_some(args)
     }
 
-    fn give(&mut self, header: &Header, args: &mut [Option<ExprId>], k: usize, arg: &Given<'a>) -> bool {
+    fn give(
+        &mut self,
+        header: &Header,
+        args: &mut [Option<ExprId>],
+        k: usize,
+        arg: &Given<'a>,
+    ) -> bool {
         let port = &header.inputs[k];
         if let Some(first) = args[k].replace(arg.value) {
             let finding = Finding::new(Code::RPI1010, format!("`{}` is given twice", port.name))
@@ -111,16 +117,34 @@ impl<'a> Body<'_, 'a> {
             return false;
         }
         if arg.is_static && !self.is_fixed(arg.value) {
-            let finding = Finding::new(Code::RPI2008, format!("`{}` is given as a parameter", port.name))
-                .at(self.span_of(arg.value), "this changes while the command runs")
-                .help("what stands in `<<...>>` is fixed when the command is loaded; give it in `(...)`");
+            let finding = Finding::new(
+                Code::RPI2008,
+                format!("`{}` is given as a parameter", port.name),
+            )
+            .at(
+                self.span_of(arg.value),
+                "this changes while the command runs",
+            )
+            .help(
+                "what stands in `<<...>>` is fixed when the command is loaded; give it in `(...)`",
+            );
             self.report(finding);
             return false;
         }
-        if !arg.is_static && port.role == FlowRole::Param && header.kind != UnitKind::Command && !self.is_fixed(arg.value) {
-            let finding = Finding::new(Code::RPI2008, format!("`{}` is a parameter of `{}`", port.name, header.name))
-                .at(self.span_of(arg.value), "this changes while the command runs")
-                .also(port.span, "declared as a parameter here");
+        if !arg.is_static
+            && port.role == FlowRole::Param
+            && header.kind != UnitKind::Command
+            && !self.is_fixed(arg.value)
+        {
+            let finding = Finding::new(
+                Code::RPI2008,
+                format!("`{}` is a parameter of `{}`", port.name, header.name),
+            )
+            .at(
+                self.span_of(arg.value),
+                "this changes while the command runs",
+            )
+            .also(port.span, "declared as a parameter here");
             self.report(finding);
             return false;
         }
@@ -138,7 +162,11 @@ impl<'a> Body<'_, 'a> {
             }
             None => Finding::new(
                 Code::RPI1010,
-                format!("`{}` takes {}, {count} given", header.name, super::statement::counted(ports, "argument")),
+                format!(
+                    "`{}` takes {}, {count} given",
+                    header.name,
+                    super::statement::counted(ports, "argument")
+                ),
             )
             .at(self.span_of(arg.value), "one too many")
             .also(header.span, "declared here"),
@@ -156,15 +184,23 @@ impl<'a> Body<'_, 'a> {
             return true;
         }
         let names = listed(open.iter().map(Name::as_str));
-        let finding = Finding::new(Code::RPI1010, format!("{names} of `{}` not given", header.name))
-            .at(span, "arguments are missing")
-            .also(header.span, "declared here");
+        let finding = Finding::new(
+            Code::RPI1010,
+            format!("{names} of `{}` not given", header.name),
+        )
+        .at(span, "arguments are missing")
+        .also(header.span, "declared here");
         self.report(finding);
         false
     }
 
     /// Checks the types of arguments; what free names of the signature stand for is found on the way.
-    pub(super) fn fit_args(&mut self, header: &Header, args: &[Option<ExprId>], subst: &mut Subst) -> bool {
+    pub(super) fn fit_args(
+        &mut self,
+        header: &Header,
+        args: &[Option<ExprId>],
+        subst: &mut Subst,
+    ) -> bool {
         let mut sound = true;
         for (port, arg) in header.inputs.iter().zip(args) {
             let Some(arg) = *arg else {
@@ -204,11 +240,16 @@ impl<'a> Body<'_, 'a> {
         while let Some(id) = open.pop() {
             let fixed = match &self.unit.expr(id).kind {
                 Kind::Flow(flow) => self.unit.flow(*flow).role == FlowRole::Param,
-                Kind::Sensor { .. } | Kind::When { .. } | Kind::Merge { .. } | Kind::Current(_) => false,
-                Kind::Each(each, _) => matches!(each, crate::typed::Each::If | crate::typed::Each::Coalesce),
+                Kind::Sensor { .. } | Kind::When { .. } | Kind::Merge { .. } | Kind::Current(_) => {
+                    false
+                }
+                Kind::Each(each, _) => {
+                    matches!(each, crate::typed::Each::If | crate::typed::Each::Coalesce)
+                }
                 Kind::Prim(call) => {
                     let desc = call.prim.desc();
-                    desc.role == rpi_image::Role::Compute && matches!(desc.state, rpi_image::State::None)
+                    desc.role == rpi_image::Role::Compute
+                        && matches!(desc.state, rpi_image::State::None)
                 }
                 Kind::Call(call) => self.c.units[call.unit.0 as usize].kind == UnitKind::Function,
                 _ => true,
@@ -216,7 +257,10 @@ impl<'a> Body<'_, 'a> {
             if !fixed {
                 return false;
             }
-            self.unit.expr(id).kind.operands(&mut |operand| open.push(operand));
+            self.unit
+                .expr(id)
+                .kind
+                .operands(&mut |operand| open.push(operand));
         }
         true
     }
@@ -229,5 +273,8 @@ fn by_place(header: &Header) -> Vec<usize> {
         _ => FlowRole::Input,
     };
     let ports = header.inputs.iter().enumerate();
-    ports.filter(|(_, port)| port.role == wanted).map(|(k, _)| k).collect()
+    ports
+        .filter(|(_, port)| port.role == wanted)
+        .map(|(k, _)| k)
+        .collect()
 }

@@ -7,9 +7,7 @@ use super::body::Body;
 use super::locals::Local;
 use super::statement::Later;
 use crate::hash::Map;
-use crate::typed::{
-    Automaton, BlockId, FlowId, FlowRole, Optional, Shared, State, Transition,
-};
+use crate::typed::{Automaton, BlockId, FlowId, FlowRole, Optional, Shared, State, Transition};
 use rpi_diag::{Code, Finding, Span};
 use rpi_syntax::Name;
 use rpi_syntax::ast::{self, Ident, StatementKind};
@@ -86,26 +84,44 @@ impl<'a> Body<'_, 'a> {
     }
 
     /// Declares, in one state, its own version of each flow that it shares.
-    fn declare_state(&mut self, index: usize, k: usize, block: BlockId, shared: &[(&'a Ident, Vec<bool>)]) {
+    fn declare_state(
+        &mut self,
+        index: usize,
+        k: usize,
+        block: BlockId,
+        shared: &[(&'a Ident, Vec<bool>)],
+    ) {
         let outer = self.block;
-        let flows: Vec<FlowId> = self.current().automata[index].shared.iter().map(|s| s.flow).collect();
+        let flows: Vec<FlowId> = self.current().automata[index]
+            .shared
+            .iter()
+            .map(|s| s.flow)
+            .collect();
         for (place, flow) in flows.into_iter().enumerate() {
             let (name, declared) = {
                 let flow = self.unit.flow(flow);
                 (flow.name.clone(), (flow.ty.clone(), flow.optional))
             };
-            let Some((ident, _)) = shared.iter().find(|(n, states)| n.name == name && states[k]) else {
+            let Some((ident, _)) = shared
+                .iter()
+                .find(|(n, states)| n.name == name && states[k])
+            else {
                 continue;
             };
             let (ty, optional) = declared;
-            let optional = if ty.is_unknown() { Optional::Inferred } else { optional };
+            let optional = if ty.is_unknown() {
+                Optional::Inferred
+            } else {
+                optional
+            };
             let inner = self.within(block, |body| {
                 let inner = body.add_flow(ident, ty, optional, FlowRole::Local);
                 body.declare(ident, Local::Flow(inner));
                 inner
             });
             self.shares.insert(inner, flow);
-            self.unit.blocks[outer.0 as usize].automata[index].shared[place].states[k] = Some(inner);
+            self.unit.blocks[outer.0 as usize].automata[index].shared[place].states[k] =
+                Some(inner);
         }
     }
 
@@ -139,7 +155,8 @@ impl<'a> Body<'_, 'a> {
             // A strong condition is decided before the state runs, so it is not one of the state's own flows.
             let place = if strong { self.block } else { block };
             let condition = transition.condition.as_ref();
-            let condition = condition.map(|c| self.within(place, |body| body.condition(c, "a transition")));
+            let condition =
+                condition.map(|c| self.within(place, |body| body.condition(c, "a transition")));
             if let Some(target) = self.target_state(automaton, &transition.target) {
                 checked.push(Transition {
                     condition,
@@ -166,9 +183,11 @@ impl<'a> Body<'_, 'a> {
         let mut initial = automaton.states.iter().filter(|state| state.initial);
         let finding = match (initial.next(), initial.next()) {
             (Some(_), None) => return,
-            (Some(first), Some(second)) => Finding::new(Code::RPI3006, "an automaton starts in one state")
-                .at(second.name.span, "a second initial state")
-                .also(first.name.span, "the first one"),
+            (Some(first), Some(second)) => {
+                Finding::new(Code::RPI3006, "an automaton starts in one state")
+                    .at(second.name.span, "a second initial state")
+                    .also(first.name.span, "the first one")
+            }
             (None, _) => Finding::new(Code::RPI3006, "no state is `initial`")
                 .at(automaton.states[0].name.span, "does it start here?")
                 .help("write `initial state` where it starts"),
@@ -186,8 +205,12 @@ fn initial(automaton: &ast::Automaton) -> u32 {
 fn defined_names(state: &ast::State) -> Vec<&Ident> {
     let declared = |name: &Name| {
         state.body.locals.iter().any(|section| match section {
-            ast::Locals::Var(vars) => vars.iter().any(|var| var.names.iter().any(|n| n.name == *name)),
-            ast::Locals::Const(defs) => defs.iter().any(|def| def.names.iter().any(|n| n.name == *name)),
+            ast::Locals::Var(vars) => vars
+                .iter()
+                .any(|var| var.names.iter().any(|n| n.name == *name)),
+            ast::Locals::Const(defs) => defs
+                .iter()
+                .any(|def| def.names.iter().any(|n| n.name == *name)),
         })
     };
     let mut names = Vec::new();
@@ -195,8 +218,15 @@ fn defined_names(state: &ast::State) -> Vec<&Ident> {
         let StatementKind::Equation(equation) = &statement.kind else {
             continue;
         };
-        let plain = equation.targets.iter().filter(|target| target.path.is_empty());
-        names.extend(plain.map(|target| &target.name).filter(|name| !declared(&name.name)));
+        let plain = equation
+            .targets
+            .iter()
+            .filter(|target| target.path.is_empty());
+        names.extend(
+            plain
+                .map(|target| &target.name)
+                .filter(|name| !declared(&name.name)),
+        );
     }
     names
 }

@@ -1,5 +1,6 @@
 //! Calls: what is called, with which static arguments, when.
 
+use super::Constant;
 use super::args::Given;
 use super::body::Body;
 use super::header::Header;
@@ -8,7 +9,6 @@ use super::report::{not_a, unknown};
 use super::special::{SPECIALS, Special};
 use super::statics::{Static, Statics, missing};
 use super::unit::is_callable;
-use super::Constant;
 use crate::program::{DeclId, DeclKind, Lookup};
 use crate::ty::{Subst, Ty};
 use crate::typed::{self, Activation, ExprId, Kind, UnitKind};
@@ -74,6 +74,16 @@ impl<'a> Body<'_, 'a> {
     /// A call.
     pub(super) fn call(&mut self, call: &'a ast::Call, span: Span) -> ExprId {
         let activation = self.activation(&call.activation);
+        self.call_activated(call, activation, span)
+    }
+
+    /// A call that runs when it is said.
+    pub(super) fn call_activated(
+        &mut self,
+        call: &'a ast::Call,
+        activation: Activation,
+        span: Span,
+    ) -> ExprId {
         let name = &call.callee.name;
         match self.callee(&name.name, name.span) {
             Callee::Nothing(_) => {
@@ -81,16 +91,23 @@ impl<'a> Body<'_, 'a> {
                 self.fault(span)
             }
             Callee::Special(special) => self.special(special, call, span),
-            Callee::Iterator(name) => match self.iteration(name, &call.callee.statics, call.callee.span) {
-                Some(iteration) => {
-                    let given = self.given(&call.args);
-                    self.apply(&Callable::Iteration(Rc::new(iteration)), given, activation, span)
+            Callee::Iterator(name) => {
+                match self.iteration(name, &call.callee.statics, call.callee.span) {
+                    Some(iteration) => {
+                        let given = self.given(&call.args);
+                        self.apply(
+                            &Callable::Iteration(Rc::new(iteration)),
+                            given,
+                            activation,
+                            span,
+                        )
+                    }
+                    None => {
+                        self.given(&call.args);
+                        self.fault(span)
+                    }
                 }
-                None => {
-                    self.given(&call.args);
-                    self.fault(span)
-                }
-            },
+            }
             Callee::Known(callable) => {
                 let given = self.given(&call.args);
                 self.apply(&callable, given, activation, span)
@@ -101,7 +118,13 @@ impl<'a> Body<'_, 'a> {
     }
 
     /// The declaration behind an alias (`node f = g<<3>>;`) and a call of it.
-    fn call_decl(&mut self, id: DeclId, call: &'a ast::Call, activation: Activation, span: Span) -> ExprId {
+    fn call_decl(
+        &mut self,
+        id: DeclId,
+        call: &'a ast::Call,
+        activation: Activation,
+        span: Span,
+    ) -> ExprId {
         if let DeclKind::Node(node) = self.c.program.decl(id).kind
             && let NodeDef::Alias(callee) = &node.definition
         {
@@ -141,7 +164,9 @@ impl<'a> Body<'_, 'a> {
             } => Activation::Condact {
                 every: self.condition(every, "an activation"),
                 default: default.as_ref().map(|default| self.expr(default)),
-                restart: restart.as_ref().map(|restart| self.condition(restart, "a restart")),
+                restart: restart
+                    .as_ref()
+                    .map(|restart| self.condition(restart, "a restart")),
             },
         }
     }
@@ -178,7 +203,10 @@ impl<'a> Body<'_, 'a> {
 
     fn callee_predeclared(&mut self, name: &Name, span: Span) -> Callee<'a> {
         let plain = name.strip_prefix("Lustre::").unwrap_or(name);
-        if let Some(iterator) = super::iterate::NAMES.iter().find(|iterator| **iterator == plain) {
+        if let Some(iterator) = super::iterate::NAMES
+            .iter()
+            .find(|iterator| **iterator == plain)
+        {
             return Callee::Iterator(iterator);
         }
         if let Some(special) = SPECIALS.iter().find(|special| special.name() == plain) {
@@ -203,13 +231,22 @@ impl<'a> Body<'_, 'a> {
             true => rpi_diag::suggest(name, registry().iter().map(|prim| prim.desc.name)),
             false => None,
         });
-        let what = if name.is_qualified() { "primitive" } else { "node, function or fragment" };
+        let what = if name.is_qualified() {
+            "primitive"
+        } else {
+            "node, function or fragment"
+        };
         let finding = unknown(what, name, span, near);
         self.report(finding);
     }
 
     /// Something to call by name with its static arguments, for an iterator or as a static argument.
-    pub(super) fn callable(&mut self, name: &Name, statics: &'a [StaticArg], span: Span) -> Option<Callable> {
+    pub(super) fn callable(
+        &mut self,
+        name: &Name,
+        statics: &'a [StaticArg],
+        span: Span,
+    ) -> Option<Callable> {
         match self.callee(name, span) {
             Callee::Nothing(_) => None,
             Callee::Known(callable) => Some(callable),
@@ -299,8 +336,11 @@ impl<'a> Body<'_, 'a> {
         let Some(args) = self.match_ports(&header, &given, span) else {
             return self.fault(span);
         };
-        let mut subst = Subst::default();
-        subst.frames = header.free_frames.iter().map(|frame| (frame.clone(), None)).collect();
+        let free = header.free_frames.iter();
+        let mut subst = Subst {
+            frames: free.map(|frame| (frame.clone(), None)).collect(),
+            ..Subst::default()
+        };
         let sound = self.fit_args(&header, &args, &mut subst);
         match self.instance(&header, statics, &open, &subst, span) {
             Some(header) if sound => self.call_unit(&header, args, activation, &subst, span),
@@ -356,11 +396,19 @@ impl<'a> Body<'_, 'a> {
             return self.fault(span);
         };
         let ty = result_type(header).substituted(subst);
-        if let Activation::Condact { default: Some(default), .. } = activation {
+        if let Activation::Condact {
+            default: Some(default),
+            ..
+        } = activation
+        {
             self.expect(default, &ty, &super::report::Wanted::Here);
         }
         let args = args.into();
-        let call = typed::Call { unit, args, activation };
+        let call = typed::Call {
+            unit,
+            args,
+            activation,
+        };
         self.add(Kind::Call(Box::new(call)), ty, span)
     }
 
@@ -368,9 +416,12 @@ impl<'a> Body<'_, 'a> {
         if let DeclKind::Node(node) = self.c.program.decl(header.decl).kind
             && matches!(node.definition, NodeDef::Extern)
         {
-            let finding = Finding::new(Code::RPI1012, format!("`{}` is defined outside", header.name))
-                .at(span, "nothing here can run it")
-                .also(header.span, "declared without a body");
+            let finding = Finding::new(
+                Code::RPI1012,
+                format!("`{}` is defined outside", header.name),
+            )
+            .at(span, "nothing here can run it")
+            .also(header.span, "declared without a body");
             self.report(finding);
         }
     }
@@ -393,8 +444,11 @@ impl<'a> Body<'_, 'a> {
             }
             _ => {
                 let name = Callable::Op(op).name();
-                let finding = Finding::new(Code::RPI1010, format!("`{name}` does not take {} operands", values.len()))
-                    .at(span, "wrong number of operands");
+                let finding = Finding::new(
+                    Code::RPI1010,
+                    format!("`{name}` does not take {} operands", values.len()),
+                )
+                .at(span, "wrong number of operands");
                 self.fault_with(finding, span)
             }
         }

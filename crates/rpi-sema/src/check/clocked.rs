@@ -3,7 +3,6 @@
 use super::body::Body;
 use super::locals::Local;
 use super::report::{Wanted, listed, not_a, unknown};
-use crate::program::{DeclKind, Lookup};
 use crate::ty::{EnumTy, Ty, join};
 use crate::typed::{ClockOn, Each, ExprId, FlowId, Kind};
 use rpi_diag::{Code, Finding, Span};
@@ -33,7 +32,10 @@ impl<'a> Body<'_, 'a> {
         let ty = self.unit.flow(flow).ty.clone();
         if !matches!(ty, Ty::Bool | Ty::Unknown) {
             let finding = Finding::new(Code::RPI2001, format!("expected `bool`, found `{ty}`"))
-                .at(clock.flow.span, "a clock is a condition, or one value of an enum")
+                .at(
+                    clock.flow.span,
+                    "a clock is a condition, or one value of an enum",
+                )
                 .help(format!("name the value: `A({})`", clock.flow.name));
             self.report(finding);
             return None;
@@ -78,8 +80,11 @@ impl<'a> Body<'_, 'a> {
             Ty::Enum(e) => self.enum_value(e, value),
             Ty::Unknown => None,
             _ => {
-                let finding = Finding::new(Code::RPI2006, format!("`{name}` is no value of `{ty}`"))
-                    .at(value.span, "a clock is a condition, or one value of an enum");
+                let finding =
+                    Finding::new(Code::RPI2006, format!("`{name}` is no value of `{ty}`")).at(
+                        value.span,
+                        "a clock is a condition, or one value of an enum",
+                    );
                 self.report(finding);
                 None
             }
@@ -87,7 +92,7 @@ impl<'a> Body<'_, 'a> {
     }
 
     fn enum_value(&mut self, e: &Rc<EnumTy>, value: &Ident) -> Option<u32> {
-        let last = value.name.parts().next_back().unwrap_or_default();
+        let last = value.name.rsplit("::").next().unwrap_or_default();
         let index = e.values.iter().position(|v| v == last);
         if index.is_none() {
             let near = rpi_diag::suggest(last, e.values.iter().map(|v| v.as_str()));
@@ -125,7 +130,13 @@ impl<'a> Body<'_, 'a> {
         join(&so_far, &common).unwrap_or(so_far)
     }
 
-    fn add_case(&mut self, cases: &mut Vec<(u32, ExprId)>, value: u32, then: ExprId, case: &MergeCase) {
+    fn add_case(
+        &mut self,
+        cases: &mut Vec<(u32, ExprId)>,
+        value: u32,
+        then: ExprId,
+        case: &MergeCase,
+    ) {
         match cases.iter().find(|(v, _)| *v == value) {
             Some((_, first)) => {
                 let first = self.span_of(*first);
@@ -143,10 +154,18 @@ impl<'a> Body<'_, 'a> {
             _ => return,
         };
         let is_there = |k: usize| cases.iter().any(|(value, _)| *value as usize == k);
-        let missing: Vec<&str> = names.iter().enumerate().filter(|(k, _)| !is_there(*k)).map(|(_, n)| *n).collect();
+        let missing: Vec<&str> = names
+            .iter()
+            .enumerate()
+            .filter(|(k, _)| !is_there(*k))
+            .map(|(_, n)| *n)
+            .collect();
         if !missing.is_empty() {
-            let finding = Finding::new(Code::RPI2011, format!("the case {} is missing", listed(missing)))
-                .at(span, "a `merge` has one case for every value");
+            let finding = Finding::new(
+                Code::RPI2011,
+                format!("the case {} is missing", listed(missing)),
+            )
+            .at(span, "a `merge` has one case for every value");
             self.report(finding);
         }
     }
@@ -184,13 +203,5 @@ impl<'a> Body<'_, 'a> {
             self.expect(id, &Ty::Unknown, &Wanted::Here);
         }
         id
-    }
-
-    /// Whether a name is an enum's value rather than a flow.
-    pub(super) fn is_enum_value(&self, name: &rpi_syntax::Name) -> bool {
-        match self.c.program.lookup(self.module, name) {
-            Lookup::Found(id) => matches!(self.c.program.decl(id).kind, DeclKind::EnumValue { .. }),
-            _ => false,
-        }
     }
 }

@@ -30,7 +30,11 @@ impl<'a> Body<'_, 'a> {
             }
         }
         let n = u32::try_from(ids.len()).unwrap_or(u32::MAX);
-        self.add(Kind::Build(ids.into()), Ty::Array(Rc::new(element), n), span)
+        self.add(
+            Kind::Build(ids.into()),
+            Ty::Array(Rc::new(element), n),
+            span,
+        )
     }
 
     /// `x ^ n`
@@ -113,7 +117,13 @@ impl<'a> Body<'_, 'a> {
         {
             return Some(ty);
         }
-        let finding = not_a("a struct", &name.name, decl.kind.what(), name.span, decl.span);
+        let finding = not_a(
+            "a struct",
+            &name.name,
+            decl.kind.what(),
+            name.span,
+            decl.span,
+        );
         self.report(finding);
         None
     }
@@ -126,7 +136,12 @@ impl<'a> Body<'_, 'a> {
             let Some(k) = ty.fields.iter().position(|f| f.name.as_ref() == Some(name)) else {
                 let names = ty.fields.iter().filter_map(|f| f.name.as_deref());
                 let near = rpi_diag::suggest(name, names);
-                let finding = no_member(&format!("the struct `{}`", ty.name), name, value.field.span, near);
+                let finding = no_member(
+                    &format!("the struct `{}`", ty.name),
+                    name,
+                    value.field.span,
+                    near,
+                );
                 self.report(finding);
                 continue;
             };
@@ -153,7 +168,9 @@ impl<'a> Body<'_, 'a> {
         for (k, field) in ty.fields.iter().enumerate() {
             let part = match (given[k], base, ty.defaults.get(k)) {
                 (Some(id), ..) => Some(id),
-                (None, Some(base), _) => Some(self.add(Kind::Part { base, at }, field.ty.clone(), span)),
+                (None, Some(base), _) => {
+                    Some(self.add(Kind::Part { base, at }, field.ty.clone(), span))
+                }
                 (None, None, Some(Some(default))) => {
                     Some(self.add(Kind::Const(default.clone()), field.ty.clone(), span))
                 }
@@ -170,7 +187,11 @@ impl<'a> Body<'_, 'a> {
         }
         let finding = Finding::new(
             Code::RPI1010,
-            format!("{} of `{}` left out", super::report::listed(left_out), ty.name),
+            format!(
+                "{} of `{}` left out",
+                super::report::listed(left_out),
+                ty.name
+            ),
         )
         .at(span, "not all fields are given");
         self.report(finding);
@@ -180,7 +201,10 @@ impl<'a> Body<'_, 'a> {
     /// `(base with [2] = x; .f[1] = y)`
     pub(super) fn update(&mut self, update: &'a Update, span: Span) -> ExprId {
         let base = self.expr(&update.base);
-        update.changes.iter().fold(base, |base, change| self.change(base, change, span))
+        update
+            .changes
+            .iter()
+            .fold(base, |base, change| self.change(base, change, span))
     }
 
     fn change(&mut self, base: ExprId, change: &'a Change, span: Span) -> ExprId {

@@ -15,8 +15,7 @@ use std::rc::Rc;
 impl<'a> Checker<'a> {
     /// The value of a constant declaration.
     pub(super) fn constant(&mut self, id: DeclId) -> Option<Constant> {
-        let key = (id, 0);
-        match self.constants.get(&key) {
+        match self.constants.get(&id) {
             Some(Lazy::Done(constant)) => return constant.clone(),
             Some(Lazy::Busy) => {
                 let decl = self.program.decl(id);
@@ -25,7 +24,7 @@ impl<'a> Checker<'a> {
             }
             None => {}
         }
-        self.constants.insert(key, Lazy::Busy);
+        self.constants.insert(id, Lazy::Busy);
         let decl = self.program.decl(id);
         let DeclKind::Const(def) = decl.kind else {
             return None;
@@ -33,7 +32,7 @@ impl<'a> Checker<'a> {
         let mut body = Body::of_module(self, decl.module);
         let constant = body.constant_def(def);
         body.leave();
-        self.constants.insert(key, Lazy::Done(constant.clone()));
+        self.constants.insert(id, Lazy::Done(constant.clone()));
         constant
     }
 }
@@ -44,9 +43,12 @@ impl<'a> Body<'_, 'a> {
         let declared = def.ty.as_ref().map(|ty| self.ty(ty));
         let Some(value) = &def.value else {
             let name = &def.names[0];
-            let finding = Finding::new(Code::RPI1009, format!("the constant `{}` has no value", name.name))
-                .at(name.span, "its value would have to come from outside")
-                .help("give it one: `= ...`");
+            let finding = Finding::new(
+                Code::RPI1009,
+                format!("the constant `{}` has no value", name.name),
+            )
+            .at(name.span, "its value would have to come from outside")
+            .help("give it one: `= ...`");
             self.report(finding);
             return None;
         };
@@ -56,7 +58,9 @@ impl<'a> Body<'_, 'a> {
         }
         let leaves = self.fold(id)?;
         let found = self.ty_of(id).clone();
-        let ty = declared.map_or(found.clone(), |ty| crate::ty::join(&ty, &found).unwrap_or(ty));
+        let ty = declared.map_or(found.clone(), |ty| {
+            crate::ty::join(&ty, &found).unwrap_or(ty)
+        });
         Some(Constant { ty, leaves })
     }
 
@@ -76,7 +80,10 @@ impl<'a> Body<'_, 'a> {
 
     /// A constant duration in nanoseconds.
     pub(super) fn nanoseconds(&mut self, value: &'a ast::Expr) -> Option<u64> {
-        let seconds = self.constant_of(value, &Ty::Real(Dim::TIME))?.first()?.as_real()?;
+        let seconds = self
+            .constant_of(value, &Ty::Real(Dim::TIME))?
+            .first()?
+            .as_real()?;
         let ns = (seconds * 1e9).round();
         (0.0..1e18).contains(&ns).then_some(ns as u64)
     }
@@ -95,7 +102,9 @@ impl<'a> Body<'_, 'a> {
                 None
             }
             Err(NotConstant::Fault(span, what)) => {
-                self.report(Finding::new(Code::RPI2010, what).at(span, "while working out this constant"));
+                self.report(
+                    Finding::new(Code::RPI2010, what).at(span, "while working out this constant"),
+                );
                 None
             }
         }

@@ -27,7 +27,10 @@ impl Body<'_, '_> {
         for block in &self.unit.blocks {
             let targets = block.equations.iter().flat_map(|e| &e.targets);
             parts.extend(targets.filter_map(DefinedPart::of));
-            let shared = block.automata.iter().flat_map(|automaton| &automaton.shared);
+            let shared = block
+                .automata
+                .iter()
+                .flat_map(|automaton| &automaton.shared);
             parts.extend(shared.map(|shared| self.whole(shared.flow)));
         }
         parts
@@ -99,4 +102,3 @@ fn undefined(flow: &typed::Flow, parts: &[DefinedPart]) -> Finding {
         .also(part.span, "only a part of it is defined"),
     }
 }
-

@@ -13,7 +13,12 @@ use std::rc::Rc;
 
 impl<'a> Body<'_, 'a> {
     /// A device type where it is named. What its parameters leave open comes with the cell.
-    pub(super) fn device_ty(&mut self, id: DeclId, decl: &'a DeviceDecl, named: &'a NamedType) -> Ty {
+    pub(super) fn device_ty(
+        &mut self,
+        id: DeclId,
+        decl: &'a DeviceDecl,
+        named: &'a NamedType,
+    ) -> Ty {
         let bound = self.bind(id, &named.statics);
         let mut statics = bound.statics;
         self.c.complete(id, &mut statics);
@@ -59,7 +64,12 @@ impl<'a> Body<'_, 'a> {
         ports
     }
 
-    fn section_ports(&mut self, section: &'a DeviceSection, actuator: &mut u32, ports: &mut Vec<DevicePortTy>) {
+    fn section_ports(
+        &mut self,
+        section: &'a DeviceSection,
+        actuator: &mut u32,
+        ports: &mut Vec<DevicePortTy>,
+    ) {
         let is_actuator = section.kind == PortKind::Actuator;
         for port in &section.ports {
             for alternative in &port.alternatives {
@@ -78,7 +88,13 @@ impl<'a> Body<'_, 'a> {
         }
     }
 
-    fn alternative_ports(&mut self, decl: &'a VarDecl, is_actuator: bool, actuator: u32, ports: &mut Vec<DevicePortTy>) {
+    fn alternative_ports(
+        &mut self,
+        decl: &'a VarDecl,
+        is_actuator: bool,
+        actuator: u32,
+        ports: &mut Vec<DevicePortTy>,
+    ) {
         let known = self.has_known_size(&decl.ty);
         let port = match known {
             true => self.port_ty(&decl.ty),

@@ -42,7 +42,11 @@ impl<'a> Body<'_, 'a> {
     /// A number; `negative` if a minus stands before it, which makes -2^63 an integer.
     pub(super) fn number(&mut self, number: &Number, negative: bool, span: Span) -> ExprId {
         if !number.is_int() {
-            let value = if negative { -number.real() } else { number.real() };
+            let value = if negative {
+                -number.real()
+            } else {
+                number.real()
+            };
             return self.add(Kind::Literal(Leaf::real(value)), Ty::REAL, span);
         }
         let value = number.int().and_then(|value| signed(value, negative));
@@ -60,7 +64,11 @@ impl<'a> Body<'_, 'a> {
         match resolve(&quantity.unit) {
             Ok(measure) => {
                 let value = measure.factor.apply(quantity.number.real());
-                self.add(Kind::Literal(Leaf::real(value)), Ty::Real(measure.dim), span)
+                self.add(
+                    Kind::Literal(Leaf::real(value)),
+                    Ty::Real(measure.dim),
+                    span,
+                )
             }
             Err(fault) => self.fault_with(unit_fault(&fault), span),
         }
@@ -74,7 +82,8 @@ impl<'a> Body<'_, 'a> {
         else {
             return true;
         };
-        let angle = !wanted.exponent(Base::Angle).is_zero() && found.exponent(Base::Angle).is_zero();
+        let angle =
+            !wanted.exponent(Base::Angle).is_zero() && found.exponent(Base::Angle).is_zero();
         if !angle || value.as_real() == Some(0.0) {
             return true;
         }
@@ -142,7 +151,13 @@ impl<'a> Body<'_, 'a> {
     pub(super) fn boolean_operands(&mut self, operand: &'a ast::Expr) -> Vec<ExprId> {
         let id = self.expr(operand);
         if let Ty::Array(element, n) = self.ty_of(id).clone() {
-            let parts = (0..n).map(|k| self.add(Kind::Part { base: id, at: k }, (*element).clone(), operand.span));
+            let parts = (0..n).map(|k| {
+                self.add(
+                    Kind::Part { base: id, at: k },
+                    (*element).clone(),
+                    operand.span,
+                )
+            });
             let parts: Vec<ExprId> = parts.collect();
             for part in &parts {
                 self.expect(*part, &Ty::Bool, &Wanted::Here);

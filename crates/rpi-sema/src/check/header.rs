@@ -1,13 +1,15 @@
 //! The ports of a callable: all that a caller needs to know of it.
 
+use super::Checker;
 use super::body::Body;
 use super::statics::{Static, Statics, display, key};
 use super::types::PortTy;
-use super::Checker;
 use crate::program::{DeclId, DeclKind};
 use crate::ty::Ty;
-use crate::typed::{ClockOn, FlowId, FlowRole, Optional, Unit, UnitKind};
+use crate::typed::{FlowId, FlowRole, Optional, Unit, UnitKind};
 use rpi_diag::Span;
+use rpi_image::{Role, State};
+use rpi_prims::PrimId;
 use rpi_syntax::Name;
 use rpi_syntax::ast::{
     CommandDecl, FragmentDecl, NodeDecl, NodeKind, PrimitiveDecl, Signature, VarDecl,
@@ -90,11 +92,23 @@ pub(super) fn kind_of(kind: DeclKind<'_>) -> Option<UnitKind> {
             NodeKind::Node => UnitKind::Node,
             NodeKind::Function => UnitKind::Function,
         },
-        DeclKind::Primitive(_) => UnitKind::Node,
+        DeclKind::Primitive(primitive) => primitive_kind(&primitive.signature.name.name),
         DeclKind::Fragment(_) => UnitKind::Fragment,
         DeclKind::Command(_) => UnitKind::Command,
         _ => return None,
     })
+}
+
+/// A primitive that depends on its in-ports alone is as good as a function.
+fn primitive_kind(name: &str) -> UnitKind {
+    let is_pure = |prim: PrimId| {
+        let desc = prim.desc();
+        desc.role == Role::Compute && matches!(desc.state, State::None)
+    };
+    match PrimId::of(name).is_some_and(is_pure) {
+        true => UnitKind::Function,
+        false => UnitKind::Node,
+    }
 }
 
 impl<'a> Body<'_, 'a> {
@@ -196,10 +210,5 @@ impl<'a> Body<'_, 'a> {
                 self.unit.outputs.push(flow);
             }
         }
-    }
-
-    /// The clock of a port as a caller sees it: the place of the deciding port among the in-ports.
-    pub(super) fn clock_of(&self, flow: FlowId) -> Option<ClockOn> {
-        self.unit.flow(flow).clock
     }
 }

@@ -80,9 +80,12 @@ impl<'a> Body<'_, 'a> {
                     "boolred" => "boolred<<least; most; size>>(array)".to_owned(),
                     _ => format!("{name}<<node; size>>(...)"),
                 };
-                let finding = Finding::new(Code::RPI1010, format!("`{name}` lacks its static arguments"))
-                    .at(span, "not of the right form")
-                    .help(format!("write `{form}`"));
+                let finding = Finding::new(
+                    Code::RPI1010,
+                    format!("`{name}` lacks its static arguments"),
+                )
+                .at(span, "not of the right form")
+                .help(format!("write `{form}`"));
                 self.report(finding);
                 None
             }
@@ -93,7 +96,8 @@ impl<'a> Body<'_, 'a> {
         match &arg.value {
             StaticValue::Expr(expr) => self.integer(expr),
             _ => {
-                let finding = Finding::new(Code::RPI1010, "an integer is expected here").at(arg.span, "this is none");
+                let finding = Finding::new(Code::RPI1010, "an integer is expected here")
+                    .at(arg.span, "this is none");
                 self.report(finding);
                 None
             }
@@ -108,7 +112,12 @@ impl<'a> Body<'_, 'a> {
     }
 
     /// An iterator, applied.
-    pub(super) fn iterate(&mut self, iteration: &Iteration, given: &[Given<'a>], span: Span) -> ExprId {
+    pub(super) fn iterate(
+        &mut self,
+        iteration: &Iteration,
+        given: &[Given<'a>],
+        span: Span,
+    ) -> ExprId {
         let given = self.spread_tuples(given.to_vec());
         let values: Vec<ExprId> = given.iter().map(|arg| arg.value).collect();
         match (iteration.way, &iteration.callee) {
@@ -127,12 +136,19 @@ impl<'a> Body<'_, 'a> {
             match self.ty_of(*array).clone() {
                 Ty::Array(element, m) if m == n => {
                     let at = k * leaves(&element);
-                    elements.push(self.add(Kind::Part { base: *array, at }, (*element).clone(), span));
+                    elements.push(self.add(
+                        Kind::Part { base: *array, at },
+                        (*element).clone(),
+                        span,
+                    ));
                 }
                 Ty::Unknown => return None,
                 ty => {
-                    let finding = Finding::new(Code::RPI2009, format!("expected an array of {n} elements, found `{ty}`"))
-                        .at(span, format!("this is `{ty}`"));
+                    let finding = Finding::new(
+                        Code::RPI2009,
+                        format!("expected an array of {n} elements, found `{ty}`"),
+                    )
+                    .at(span, format!("this is `{ty}`"));
                     self.report(finding);
                     return None;
                 }
@@ -166,8 +182,11 @@ impl<'a> Body<'_, 'a> {
     /// `fill`, `red` (`fold`) and `fillred` (`mapfold`) differ only in what the node takes and gives.
     fn fill_array(&mut self, callee: &Callable, values: &[ExprId], n: u32, span: Span) -> ExprId {
         let Some((first, arrays)) = values.split_first() else {
-            let finding = Finding::new(Code::RPI1010, "the first value of the accumulator is missing")
-                .at(span, "no argument");
+            let finding = Finding::new(
+                Code::RPI1010,
+                "the first value of the accumulator is missing",
+            )
+            .at(span, "no argument");
             return self.fault_with(finding, span);
         };
         let mut accumulator = *first;
@@ -190,8 +209,14 @@ impl<'a> Body<'_, 'a> {
 
     fn column(&mut self, elements: &[ExprId], span: Span) -> ExprId {
         let n = u32::try_from(elements.len()).unwrap_or(u32::MAX);
-        let element = elements.first().map_or(Ty::Unknown, |id| self.ty_of(*id).clone());
-        self.add(Kind::Build(elements.into()), Ty::Array(Rc::new(element), n), span)
+        let element = elements
+            .first()
+            .map_or(Ty::Unknown, |id| self.ty_of(*id).clone());
+        self.add(
+            Kind::Build(elements.into()),
+            Ty::Array(Rc::new(element), n),
+            span,
+        )
     }
 
     fn one_or_tuple(&mut self, values: Vec<ExprId>, span: Span) -> ExprId {
@@ -199,14 +224,18 @@ impl<'a> Body<'_, 'a> {
             return one;
         }
         let member = |ty| Member { name: None, ty };
-        let members = values.iter().map(|id| member(self.ty_of(*id).clone())).collect();
+        let members = values
+            .iter()
+            .map(|id| member(self.ty_of(*id).clone()))
+            .collect();
         self.add(Kind::Build(values.into()), Ty::Tuple(members), span)
     }
 
     /// `boolred<<least; most; n>>(a)`: whether the number of true elements lies between both.
     fn count(&mut self, least: i64, most: i64, values: &[ExprId], n: u32, span: Span) -> ExprId {
         let [array] = values else {
-            let finding = Finding::new(Code::RPI1010, "`boolred` takes one array").at(span, "wrong number of arguments");
+            let finding = Finding::new(Code::RPI1010, "`boolred` takes one array")
+                .at(span, "wrong number of arguments");
             return self.fault_with(finding, span);
         };
         let mut total = self.add(Kind::Literal(Leaf::int(0)), Ty::Int, span);

@@ -116,7 +116,9 @@ impl Body<'_, '_> {
     /// Adds a block inside the current one.
     pub(super) fn add_block(&mut self, name: &Name, span: Span) -> BlockId {
         let id = BlockId(u32::try_from(self.unit.blocks.len()).unwrap_or(u32::MAX));
-        self.unit.blocks.push(Block::new(name.clone(), Some(self.block), span));
+        self.unit
+            .blocks
+            .push(Block::new(name.clone(), Some(self.block), span));
         self.scopes.push(Scope::default());
         id
     }

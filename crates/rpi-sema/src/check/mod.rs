@@ -40,18 +40,18 @@ mod targets;
 mod types;
 mod unit;
 
+use crate::elab::Argument;
 use crate::hash::Map;
 use crate::program::{DeclId, DeclKind, Program};
-use crate::ty::Ty;
-use crate::typed::{Leaf, Unit, UnitId};
+use crate::ty::{Subst, Ty, fit};
+use crate::typed::{Flow, Leaf, Unit, UnitId};
 use header::Header;
 use rpi_diag::Finding;
-use std::collections::VecDeque;
+use std::collections::{BTreeMap, VecDeque};
 use std::rc::Rc;
 
 pub use names::result_identity;
 pub(crate) use prim::{packed, param_default};
-pub use unit::MAX_UNITS;
 
 /// A checked program.
 #[derive(Debug)]
@@ -62,9 +62,30 @@ pub struct Checked {
     pub runnable: Vec<(DeclId, UnitId)>,
     /// What was found.
     pub findings: Vec<Finding>,
+    constants: BTreeMap<DeclId, Constant>,
 }
 
 impl Checked {
+    /// What a parameter of a command is when the command is run by itself: a device of the same name, or the constant of
+    /// the same name that the first module declares.
+    #[must_use]
+    pub fn argument(&self, program: &Program<'_>, param: &Flow) -> Argument {
+        if let Ty::Device(_) = param.ty {
+            return Argument::Value(vec![Leaf::Str(param.name.to_string())]);
+        }
+        let fits =
+            |constant: &&Constant| fit(&param.ty, &constant.ty, &mut Subst::default()).is_ok();
+        let found = program
+            .root()
+            .decls
+            .iter()
+            .find(|id| program.decl(**id).name == param.name);
+        let constant = found.and_then(|id| self.constants.get(id)).filter(fits);
+        constant.map_or(Argument::Unknown, |constant| {
+            Argument::Value(constant.leaves.to_vec())
+        })
+    }
+
     /// The unit of this index.
     #[must_use]
     pub fn unit(&self, id: UnitId) -> &Unit {
@@ -81,10 +102,19 @@ pub fn check(program: &Program<'_>) -> Checked {
         runnable.extend(checker.declaration(*id).map(|unit| (*id, unit)));
     }
     checker.check_queued();
+    let root = program
+        .root()
+        .decls
+        .iter()
+        .filter_map(|id| match checker.constants.get(id) {
+            Some(Lazy::Done(Some(constant))) => Some((*id, constant.clone())),
+            _ => None,
+        });
     Checked {
         units: checker.units,
         runnable,
         findings: checker.findings,
+        constants: root.collect(),
     }
 }
 
@@ -113,7 +143,7 @@ struct Checker<'a> {
     too_many_units: bool,
     unit_ids: Map<String, UnitId>,
     queue: VecDeque<UnitId>,
-    constants: Map<(DeclId, u32), Lazy<Constant>>,
+    constants: Map<DeclId, Lazy<Constant>>,
     types: Map<String, Lazy<Ty>>,
     headers: Map<String, Option<Rc<Header>>>,
     findings: Vec<Finding>,

@@ -22,12 +22,22 @@ struct Predeclared {
 
 /// The predeclared flows.
 const PREDECLARED: &[Predeclared] = &[
-    flow("cancel", "Rpi::Cancel", Ty::Bool, true),
-    flow("takeover", "Rpi::Takeover", Ty::Bool, true),
+    flow("cancel", "Cancel", Ty::Bool, true),
+    flow("takeover", "Takeover", Ty::Bool, true),
     flow("predecessor", "Rpi::Predecessor", Ty::Result, true),
     flow("first", "Rpi::First", Ty::Bool, false),
-    flow("time", "Rpi::Time", Ty::Real(crate::units::Dim::TIME), false),
-    flow("dt", "Core::CycleTime", Ty::Real(crate::units::Dim::TIME), false),
+    flow(
+        "time",
+        "Rpi::Time",
+        Ty::Real(crate::units::Dim::TIME),
+        false,
+    ),
+    flow(
+        "dt",
+        "Core::CycleTime",
+        Ty::Real(crate::units::Dim::TIME),
+        false,
+    ),
 ];
 
 const fn flow(name: &'static str, prim: &'static str, ty: Ty, of_command: bool) -> Predeclared {
@@ -159,14 +169,25 @@ impl<'a> Body<'_, 'a> {
             .iter()
             .map(|id| format!("{}::{name}", self.c.program.module(module(id)).name))
             .collect();
-        let finding = Finding::new(Code::RPI1006, format!("`{name}` is declared by several modules"))
-            .at(span, "which one?")
-            .help(format!("write {}", listed(names.iter().map(String::as_str))));
+        let finding = Finding::new(
+            Code::RPI1006,
+            format!("`{name}` is declared by several modules"),
+        )
+        .at(span, "which one?")
+        .help(format!(
+            "write {}",
+            listed(names.iter().map(String::as_str))
+        ));
         self.report(finding);
     }
 
     /// `MoveToC.at_b`: how a command ended.
-    pub(super) fn result_of(&mut self, name: &Name, field: &ast::Ident, span: Span) -> Option<ExprId> {
+    pub(super) fn result_of(
+        &mut self,
+        name: &Name,
+        field: &ast::Ident,
+        span: Span,
+    ) -> Option<ExprId> {
         if self.find_local(name).is_some() {
             return None;
         }
@@ -181,8 +202,9 @@ impl<'a> Body<'_, 'a> {
         if !results.contains(&&field.name) {
             let near = rpi_diag::suggest(&field.name, results.iter().map(|name| name.as_str()));
             let of = format!("the command `{name}`");
-            let finding = super::report::no_member(&of, &field.name, field.span, near)
-                .help(format!("it ends by {}", listed(results.iter().map(|n| n.as_str()))));
+            let finding = super::report::no_member(&of, &field.name, field.span, near).help(
+                format!("it ends by {}", listed(results.iter().map(|n| n.as_str()))),
+            );
             return Some(self.fault_with(finding, span));
         }
         let identity = result_identity(&format!("{name}.{}", field.name));
@@ -194,21 +216,30 @@ impl<'a> Body<'_, 'a> {
         let [first, rest @ ..] = &dotted.parts[..] else {
             return self.fault(dotted.span);
         };
-        if let (Some(Local::Block(block)), [field, after @ ..]) = (self.find_local(&first.name), rest) {
+        if let (Some(Local::Block(block)), [field, after @ ..]) =
+            (self.find_local(&first.name), rest)
+        {
             let of_block = self.flow_of_block(block, field);
-            return after.iter().fold(of_block, |base, field| self.member(base, field));
+            return after
+                .iter()
+                .fold(of_block, |base, field| self.member(base, field));
         }
         let base = self.name(&first.name, first.span);
-        rest.iter().fold(base, |base, field| self.member(base, field))
+        rest.iter()
+            .fold(base, |base, field| self.member(base, field))
     }
 }
 
 /// The results of a command in text order.
 pub(crate) fn results_of(command: &CommandDecl) -> Vec<&Name> {
-    let ends = command.body.statements.iter().filter_map(|statement| match &statement.kind {
-        ast::StatementKind::End(end) => Some(&end.result.name),
-        _ => None,
-    });
+    let ends = command
+        .body
+        .statements
+        .iter()
+        .filter_map(|statement| match &statement.kind {
+            ast::StatementKind::End(end) => Some(&end.result.name),
+            _ => None,
+        });
     ends.collect()
 }
 

@@ -3,7 +3,7 @@
 use super::body::Body;
 use super::report::{Wanted, dimensions_apart};
 use crate::ty::{Geometry, Ty, join};
-use crate::typed::{Each, ExprId, Kind, Leaf};
+use crate::typed::{Each, ExprId, Kind};
 use crate::units::{Dim, Ratio};
 use rpi_diag::{Code, Finding, Span};
 use rpi_image::Scalar;
@@ -60,9 +60,7 @@ const fn row(
     }
 }
 
-use BinaryOp::{
-    Add, And, Div, Ge, Gt, Implies, IntDiv, Le, Lt, Mod, Mul, Or, Pow, Sub, Xor,
-};
+use BinaryOp::{Add, And, Div, Ge, Gt, Implies, IntDiv, Le, Lt, Mod, Mul, Or, Pow, Sub, Xor};
 use Scalar::{Bool, Int, Pose, Real, Rotation, Time, Twist, Vector, Wrench};
 
 /// Every operator that is one primitive.
@@ -141,13 +139,22 @@ impl<'a> Body<'_, 'a> {
         if ty.is_unknown() {
             return self.add(Kind::Fault, unary_guess(op), span);
         }
-        if matches!((op, &ty), (UnaryOp::ToInt, Ty::Int) | (UnaryOp::ToReal, Ty::Real(_))) {
+        if matches!(
+            (op, &ty),
+            (UnaryOp::ToInt, Ty::Int) | (UnaryOp::ToReal, Ty::Real(_))
+        ) {
             return operand;
         }
-        let row = UNARY.iter().find(|row| row.0 == op && Some(row.1) == operand_kind(&ty));
+        let row = UNARY
+            .iter()
+            .find(|row| row.0 == op && Some(row.1) == operand_kind(&ty));
         match row {
             Some((_, _, prim)) => {
-                let ty = if op == UnaryOp::Neg { ty } else { unary_guess(op) };
+                let ty = if op == UnaryOp::Neg {
+                    ty
+                } else {
+                    unary_guess(op)
+                };
                 self.prim_typed(prim, &[operand], ty, span)
             }
             None => {
@@ -187,7 +194,13 @@ impl<'a> Body<'_, 'a> {
     }
 
     /// A binary operator on checked operands.
-    pub(super) fn binary_prim(&mut self, op: BinaryOp, left: ExprId, right: ExprId, span: Span) -> ExprId {
+    pub(super) fn binary_prim(
+        &mut self,
+        op: BinaryOp,
+        left: ExprId,
+        right: ExprId,
+        span: Span,
+    ) -> ExprId {
         if matches!(op, BinaryOp::Eq | BinaryOp::Ne) {
             return self.equal(op, left, right, span);
         }
@@ -201,7 +214,11 @@ impl<'a> Body<'_, 'a> {
             return self.no_operator(op, left, right, span);
         };
         let ty = self.result_type(row, left, right);
-        let operands = if row.swapped { [right, left] } else { [left, right] };
+        let operands = if row.swapped {
+            [right, left]
+        } else {
+            [left, right]
+        };
         self.prim_typed(row.prim, &operands, ty, span)
     }
 
@@ -273,8 +290,9 @@ impl<'a> Body<'_, 'a> {
             }
             (None, Some(dim)) => Ty::Real(dim),
             (None, None) => {
-                let finding = Finding::new(Code::RPI2002, "a dimension with an exponent out of range")
-                    .at(self.span_of(at), "too many factors");
+                let finding =
+                    Finding::new(Code::RPI2002, "a dimension with an exponent out of range")
+                        .at(self.span_of(at), "too many factors");
                 self.report(finding);
                 Ty::Unknown
             }
@@ -282,12 +300,18 @@ impl<'a> Body<'_, 'a> {
     }
 
     fn raised(&mut self, base: &Ty, left: ExprId, right: ExprId) -> Ty {
-        self.expect(right, &Ty::REAL, &Wanted::By(Span::NONE, "an exponent has no unit".into()));
+        self.expect(
+            right,
+            &Ty::REAL,
+            &Wanted::By(Span::NONE, "an exponent has no unit".into()),
+        );
         let dim = dim_of(base).unwrap_or(Dim::ONE);
         if dim.is_plain() {
             return Ty::REAL;
         }
-        let exponent = self.fold_quietly(right).and_then(|leaves| leaves.first()?.as_real());
+        let exponent = self
+            .fold_quietly(right)
+            .and_then(|leaves| leaves.first()?.as_real());
         let power = exponent.and_then(Ratio::of_real).and_then(|e| dim.power(e));
         power.map_or_else(
             || {
@@ -331,8 +355,11 @@ impl<'a> Body<'_, 'a> {
     fn equal(&mut self, op: BinaryOp, left: ExprId, right: ExprId, span: Span) -> ExprId {
         let ty = self.joined(op, left, right);
         if matches!(ty, Ty::Device(_) | Ty::Text) {
-            let finding = Finding::new(Code::RPI2006, format!("`{}` can not take `{ty}`", op.spelling()))
-                .at(self.span_of(left), format!("this is `{ty}`"));
+            let finding = Finding::new(
+                Code::RPI2006,
+                format!("`{}` can not take `{ty}`", op.spelling()),
+            )
+            .at(self.span_of(left), format!("this is `{ty}`"));
             return self.fault_with(finding, span);
         }
         let negated = op == BinaryOp::Ne;
@@ -358,20 +385,18 @@ impl<'a> Body<'_, 'a> {
     fn no_operator(&mut self, op: BinaryOp, left: ExprId, right: ExprId, span: Span) -> ExprId {
         let (a, b) = (self.ty_of(left).clone(), self.ty_of(right).clone());
         let text = op.spelling();
-        let finding = Finding::new(Code::RPI2006, format!("`{text}` can not take `{a}` and `{b}`"))
-            .at(self.span_of(right), format!("this is `{b}`"))
-            .also(self.span_of(left), format!("this is `{a}`"));
+        let finding = Finding::new(
+            Code::RPI2006,
+            format!("`{text}` can not take `{a}` and `{b}`"),
+        )
+        .at(self.span_of(right), format!("this is `{b}`"))
+        .also(self.span_of(left), format!("this is `{a}`"));
         let finding = match (&a, &b) {
             (Ty::Int, Ty::Real(_)) => finding.fix(convert("real ", self.span_of(left))),
             (Ty::Real(_), Ty::Int) => finding.fix(convert("real ", self.span_of(right))),
             _ => finding,
         };
         self.fault_with(finding, span)
-    }
-
-    /// The constant `true`, `false`, for what is rewritten.
-    pub(super) fn truth(&mut self, value: bool, span: Span) -> ExprId {
-        self.add(Kind::Literal(Leaf::bool(value)), Ty::Bool, span)
     }
 }
 
@@ -411,7 +436,9 @@ fn unary_guess(op: UnaryOp) -> Ty {
 fn binary_guess(op: BinaryOp, a: &Ty, b: &Ty) -> Ty {
     match op {
         And | Or | Xor | Implies | Lt | Le | Gt | Ge => Ty::Bool,
-        Add | Sub | Mod if !matches!(a, Ty::Time) && !matches!(b, Ty::Time) => join(a, b).unwrap_or(Ty::Unknown),
+        Add | Sub | Mod if !matches!(a, Ty::Time) && !matches!(b, Ty::Time) => {
+            join(a, b).unwrap_or(Ty::Unknown)
+        }
         IntDiv => Ty::Int,
         Mul | Div if [a, b].into_iter().any(|ty| matches!(ty, Ty::Int)) => Ty::Int,
         _ => Ty::Unknown,

@@ -163,7 +163,9 @@ impl<'a> Body<'_, 'a> {
     fn unknown_flows(&self) -> usize {
         let guessed = self.pending.iter().filter(|p| p.state == State::Guessed);
         let flows = guessed.flat_map(|p| p.introduces.iter().flatten());
-        flows.filter(|f| self.unit.flow(**f).ty.has_unknown()).count()
+        flows
+            .filter(|f| self.unit.flow(**f).ty.has_unknown())
+            .count()
     }
 
     fn mark(&self) -> Mark {
@@ -183,7 +185,9 @@ impl<'a> Body<'_, 'a> {
     /// Reports flows whose types nothing tells.
     pub(super) fn report_unknown_types(&mut self) {
         let guessed = self.pending.iter().filter(|p| p.state == State::Guessed);
-        let flows: Vec<FlowId> = guessed.flat_map(|p| p.introduces.iter().flatten().copied()).collect();
+        let flows: Vec<FlowId> = guessed
+            .flat_map(|p| p.introduces.iter().flatten().copied())
+            .collect();
         for id in flows {
             let flow = self.unit.flow(id);
             if flow.ty.is_unknown() && flow.optional == Optional::Inferred {
@@ -192,7 +196,10 @@ impl<'a> Body<'_, 'a> {
                     format!("nothing tells the type of `{}`", flow.name),
                 )
                 .at(flow.span, "its equation only says what it was before")
-                .help(format!("declare it: `var {}: ...;` before `let`", flow.name));
+                .help(format!(
+                    "declare it: `var {}: ...;` before `let`",
+                    flow.name
+                ));
                 self.report(finding);
             }
         }

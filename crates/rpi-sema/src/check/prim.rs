@@ -33,7 +33,8 @@ impl<'a> Body<'_, 'a> {
         let mut given = self.given(&call.args);
         for arg in &call.callee.statics {
             let ast::StaticValue::Expr(expr) = &arg.value else {
-                let finding = Finding::new(Code::RPI1010, "a value is expected here").at(arg.span, "this is none");
+                let finding = Finding::new(Code::RPI1010, "a value is expected here")
+                    .at(arg.span, "this is none");
                 self.report(finding);
                 continue;
             };
@@ -48,7 +49,12 @@ impl<'a> Body<'_, 'a> {
     }
 
     /// A call of a primitive with checked arguments.
-    pub(super) fn registered_plain(&mut self, prim: PrimId, given: &[Given<'a>], span: Span) -> ExprId {
+    pub(super) fn registered_plain(
+        &mut self,
+        prim: PrimId,
+        given: &[Given<'a>],
+        span: Span,
+    ) -> ExprId {
         let desc = prim.desc();
         let given = self.spread_tuples(given.to_vec());
         let Some(slots) = self.slots(desc, &given, span) else {
@@ -67,7 +73,13 @@ impl<'a> Body<'_, 'a> {
     }
 
     /// A primitive whose operands are known to fit, with a result of known type.
-    pub(super) fn prim_typed(&mut self, name: &str, inputs: &[ExprId], ty: Ty, span: Span) -> ExprId {
+    pub(super) fn prim_typed(
+        &mut self,
+        name: &str,
+        inputs: &[ExprId],
+        ty: Ty,
+        span: Span,
+    ) -> ExprId {
         let Some(prim) = PrimId::of(name) else {
             return self.fault(span);
         };
@@ -113,10 +125,22 @@ impl<'a> Body<'_, 'a> {
         (sound & self.needed(desc, &slots, span)).then_some(slots)
     }
 
-    fn fill(&mut self, desc: &'static PrimDesc, slots: &mut Slots, slot: &Slot, arg: &Given<'a>) -> bool {
+    fn fill(
+        &mut self,
+        desc: &'static PrimDesc,
+        slots: &mut Slots,
+        slot: &Slot,
+        arg: &Given<'a>,
+    ) -> bool {
         if arg.is_static && !self.is_fixed(arg.value) {
-            let finding = Finding::new(Code::RPI2008, "a parameter is fixed when the command is loaded")
-                .at(self.span_of(arg.value), "this changes while the command runs");
+            let finding = Finding::new(
+                Code::RPI2008,
+                "a parameter is fixed when the command is loaded",
+            )
+            .at(
+                self.span_of(arg.value),
+                "this changes while the command runs",
+            );
             self.report(finding);
             return false;
         }
@@ -170,7 +194,11 @@ impl<'a> Body<'_, 'a> {
             Some(name) => no_name(desc, name),
             None => Finding::new(
                 Code::RPI1010,
-                format!("`{}` has {}", desc.name, counted(desc.inputs.len(), "in-port")),
+                format!(
+                    "`{}` has {}",
+                    desc.name,
+                    counted(desc.inputs.len(), "in-port")
+                ),
             )
             .at(self.span_of(arg.value), "one too many"),
         };
@@ -179,25 +207,34 @@ impl<'a> Body<'_, 'a> {
 
     fn needed(&mut self, desc: &'static PrimDesc, slots: &Slots, span: Span) -> bool {
         let open = desc.inputs.iter().zip(&slots.inputs);
-        let open = open.filter(|(port, given)| given.is_none() && matches!(port.need, Need::Required));
+        let open =
+            open.filter(|(port, given)| given.is_none() && matches!(port.need, Need::Required));
         let open: Vec<&str> = open.map(|(port, _)| port.name).collect();
         let params = desc.params.iter().zip(&slots.params);
         let params = params.filter(|(p, given)| {
             given.is_none() && matches!(p.default, rpi_image::PortDefault::Required)
         });
-        let open: Vec<&str> = open.into_iter().chain(params.map(|(p, _)| p.name)).collect();
+        let open: Vec<&str> = open
+            .into_iter()
+            .chain(params.map(|(p, _)| p.name))
+            .collect();
         if open.is_empty() {
             return true;
         }
-        let finding = Finding::new(Code::RPI1010, format!("{} of `{}` not given", listed(open), desc.name))
-            .at(span, "it must be connected");
+        let finding = Finding::new(
+            Code::RPI1010,
+            format!("{} of `{}` not given", listed(open), desc.name),
+        )
+        .at(span, "it must be connected");
         self.report(finding);
         false
     }
 
     fn finish_prim(&mut self, prim: PrimId, mut slots: Slots, span: Span) -> ExprId {
         let desc = prim.desc();
-        if !matches!(desc.state, State::None) || !matches!(desc.role, Role::Compute | Role::Constant) {
+        if !matches!(desc.state, State::None)
+            || !matches!(desc.role, Role::Compute | Role::Constant)
+        {
             self.has_state(span);
         }
         if self.put_together(desc, &mut slots, span).is_none() {
@@ -213,14 +250,23 @@ impl<'a> Body<'_, 'a> {
     }
 
     /// Reals that stand in for a composed in-port become one constant.
-    fn put_together(&mut self, desc: &'static PrimDesc, slots: &mut Slots, span: Span) -> Option<()> {
+    fn put_together(
+        &mut self,
+        desc: &'static PrimDesc,
+        slots: &mut Slots,
+        span: Span,
+    ) -> Option<()> {
         for (k, port) in desc.inputs.iter().enumerate() {
             let Need::Params(names, make) = port.need else {
                 continue;
             };
             let mut reals: Vec<f64> = names.iter().map(|(_, default)| *default).collect();
-            let pieces: Vec<(usize, ExprId)> =
-                slots.pieces.iter().filter(|p| p.0 == k).map(|p| (p.1, p.2)).collect();
+            let pieces: Vec<(usize, ExprId)> = slots
+                .pieces
+                .iter()
+                .filter(|p| p.0 == k)
+                .map(|p| (p.1, p.2))
+                .collect();
             if pieces.is_empty() {
                 continue;
             }
@@ -253,7 +299,11 @@ impl<'a> Body<'_, 'a> {
     }
 
     fn sized(&mut self, desc: &'static PrimDesc, slots: &Slots, port: usize, span: Span) -> Ty {
-        let inputs: Vec<Option<Type>> = slots.inputs.iter().map(|id| machine_type(self.ty_of((*id)?))).collect();
+        let inputs: Vec<Option<Type>> = slots
+            .inputs
+            .iter()
+            .map(|id| machine_type(self.ty_of((*id)?)))
+            .collect();
         let mut params = Vec::new();
         for (given, param) in slots.params.iter().zip(desc.params) {
             let value = match given {
@@ -272,8 +322,11 @@ impl<'a> Body<'_, 'a> {
         match desc.out_type(port, &args) {
             Some(ty) => flow_type(ty),
             None => {
-                let finding = Finding::new(Code::RPI2009, format!("the sizes of `{}` do not fit", desc.name))
-                    .at(span, "no size of its result follows from these arguments");
+                let finding = Finding::new(
+                    Code::RPI2009,
+                    format!("the sizes of `{}` do not fit", desc.name),
+                )
+                .at(span, "no size of its result follows from these arguments");
                 self.report(finding);
                 Ty::Unknown
             }
@@ -295,8 +348,11 @@ impl<'a> Body<'_, 'a> {
     pub(super) fn check_primitive(&mut self, decl: &'a PrimitiveDecl) {
         let name = &decl.signature.name;
         let Some(prim) = PrimId::of(&name.name) else {
-            let finding = Finding::new(Code::RPI1001, format!("no primitive `{}` is registered", name.name))
-                .at(name.span, "not in the registry");
+            let finding = Finding::new(
+                Code::RPI1001,
+                format!("no primitive `{}` is registered", name.name),
+            )
+            .at(name.span, "not in the registry");
             self.report(finding);
             return;
         };
@@ -369,13 +425,16 @@ fn slot(desc: &PrimDesc, name: &str) -> Option<Slot> {
     if let Some(k) = desc.param(name) {
         return Some(Slot::Param(k));
     }
-    desc.inputs.iter().enumerate().find_map(|(port, input)| match input.need {
-        Need::Params(names, _) => {
-            let place = names.iter().position(|(n, _)| *n == name)?;
-            Some(Slot::Piece(port, place))
-        }
-        _ => None,
-    })
+    desc.inputs
+        .iter()
+        .enumerate()
+        .find_map(|(port, input)| match input.need {
+            Need::Params(names, _) => {
+                let place = names.iter().position(|(n, _)| *n == name)?;
+                Some(Slot::Piece(port, place))
+            }
+            _ => None,
+        })
 }
 
 fn no_name(desc: &PrimDesc, name: &Ident) -> Finding {
@@ -459,10 +518,13 @@ pub(crate) fn param_default(param: &rpi_image::Param) -> Option<Value> {
     match param.ty {
         ParamType::One(scalar) => param.default.value(Type::One(scalar)),
         ParamType::Array(scalar) => param.default.value(Type::Array(scalar, 0)),
-        ParamType::Str => param.default.value(Type::One(Scalar::Bool)).map(|value| match value {
-            Value::Str(text) => Value::Str(text),
-            Value::Cells { .. } => Value::Str(String::new()),
-        }),
+        ParamType::Str => param
+            .default
+            .value(Type::One(Scalar::Bool))
+            .map(|value| match value {
+                Value::Str(text) => Value::Str(text),
+                Value::Cells { .. } => Value::Str(String::new()),
+            }),
     }
 }
 
@@ -471,6 +533,9 @@ pub(crate) fn packed(scalar: Scalar, leaves: &[Leaf]) -> Value {
     let n = u32::try_from(leaves.len()).unwrap_or(u32::MAX);
     Value::Cells {
         ty: Type::Array(scalar, n),
-        cells: leaves.iter().flat_map(|leaf| leaf.cells().iter().copied()).collect(),
+        cells: leaves
+            .iter()
+            .flat_map(|leaf| leaf.cells().iter().copied())
+            .collect(),
     }
 }

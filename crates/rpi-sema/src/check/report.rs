@@ -14,7 +14,13 @@ impl Body<'_, '_> {
     }
 
     /// Reports that an expression does not have the type that its place wants.
-    pub(super) fn misfit(&mut self, expr: ExprId, expected: &Ty, misfit: &Misfit, wanted_by: &Wanted) {
+    pub(super) fn misfit(
+        &mut self,
+        expr: ExprId,
+        expected: &Ty,
+        misfit: &Misfit,
+        wanted_by: &Wanted,
+    ) {
         let found = &self.unit.expr(expr).ty;
         let span = self.unit.expr(expr).span;
         let finding = match misfit {
@@ -55,7 +61,9 @@ fn kind(expected: &Ty, found: &Ty, span: Span) -> Finding {
         (Ty::Real(_), Ty::Int) => finding
             .help("an integer becomes a real by `real`")
             .fix(Fix::maybe("convert it by `real`").insert_before(span, "real ")),
-        (Ty::Int, Ty::Real(_)) => finding.help("a real becomes an integer by `int`, which cuts off its fraction"),
+        (Ty::Int, Ty::Real(_)) => {
+            finding.help("a real becomes an integer by `int`, which cuts off its fraction")
+        }
         _ => finding,
     }
 }
@@ -68,9 +76,7 @@ fn dimension(expected: Dim, found: Dim, span: Span) -> Finding {
     .at(span, format!("this is in `{found}`"));
     match (expected.over(found), found.is_plain()) {
         (_, true) => finding.help(format!("give the number its unit: `[{expected}]`")),
-        (Some(factor), false) => {
-            finding.help(format!("a factor in `{factor}` would make it fit"))
-        }
+        (Some(factor), false) => finding.help(format!("a factor in `{factor}` would make it fit")),
         (None, false) => finding,
     }
 }
@@ -81,7 +87,9 @@ fn frame(expected: &Name, found: &Name, span: Span) -> Finding {
         format!("expected the frame `{expected}`, found `{found}`"),
     )
     .at(span, format!("this is about the frame `{found}`"))
-    .help(format!("compose it with the pose that leads from `{found}` to `{expected}`"))
+    .help(format!(
+        "compose it with the pose that leads from `{found}` to `{expected}`"
+    ))
 }
 
 fn size(expected: u32, found: u32, span: Span) -> Finding {
@@ -117,7 +125,8 @@ pub(super) fn unknown(what: &str, name: &str, span: Span, near: Option<String>) 
 
 /// A part that a value does not have.
 pub(super) fn no_member(of: &str, name: &str, span: Span, near: Option<String>) -> Finding {
-    let finding = Finding::new(Code::RPI1004, format!("{of} has no `{name}`")).at(span, "not there");
+    let finding =
+        Finding::new(Code::RPI1004, format!("{of} has no `{name}`")).at(span, "not there");
     did_you_mean(finding, span, near)
 }
 

@@ -52,7 +52,12 @@ impl<'a> Body<'_, 'a> {
     }
 
     /// A predeclared operator with checked arguments.
-    pub(super) fn apply_special(&mut self, special: Special, given: &[Given<'a>], span: Span) -> ExprId {
+    pub(super) fn apply_special(
+        &mut self,
+        special: Special,
+        given: &[Given<'a>],
+        span: Span,
+    ) -> ExprId {
         let values: Vec<ExprId> = given.iter().map(|arg| arg.value).collect();
         match (special, &values[..]) {
             (Special::Present, [x]) => self.add(Kind::Present(*x), Ty::Bool, span),
@@ -65,7 +70,11 @@ impl<'a> Body<'_, 'a> {
             _ => {
                 let finding = Finding::new(
                     Code::RPI1010,
-                    format!("`{}` does not take {} arguments", special.name(), values.len()),
+                    format!(
+                        "`{}` does not take {} arguments",
+                        special.name(),
+                        values.len()
+                    ),
                 )
                 .at(span, "wrong number of arguments");
                 self.fault_with(finding, span)
@@ -108,13 +117,16 @@ impl<'a> Body<'_, 'a> {
             default,
             restart: None,
         };
-        self.call_activated(inner, activation, span)
+        self.call_activated(inner, activation, called.value.span)
     }
 
     fn condact_form(&mut self, span: Span) -> ExprId {
-        let finding = Finding::new(Code::RPI1010, "`condact` takes a condition, a call and defaults")
-            .at(span, "not of this form")
-            .help("write `condact(c, f(x), d)`");
+        let finding = Finding::new(
+            Code::RPI1010,
+            "`condact` takes a condition, a call and defaults",
+        )
+        .at(span, "not of this form")
+        .help("write `condact(c, f(x), d)`");
         self.fault_with(finding, span)
     }
 }

@@ -6,9 +6,7 @@ use super::order::{Goal, Pending, State};
 use super::report::Wanted;
 use super::types::PortTy;
 use crate::ty::{Subst, Ty, fit};
-use crate::typed::{
-    self, BlockId, Claim, End, Equation, ExprId, FlowId, FlowRole, Optional,
-};
+use crate::typed::{self, BlockId, Claim, End, Equation, ExprId, FlowId, FlowRole, Optional};
 use rpi_diag::{Code, Finding, Span};
 use rpi_syntax::Mode;
 use rpi_syntax::ast::{self, FragmentDecl, Ident, Locals, Statement, StatementKind, VarDecl};
@@ -122,7 +120,11 @@ impl<'a> Body<'_, 'a> {
         }
     }
 
-    fn declare_statement(&mut self, statement: &'a Statement, later: &mut Vec<(BlockId, Later<'a>)>) {
+    fn declare_statement(
+        &mut self,
+        statement: &'a Statement,
+        later: &mut Vec<(BlockId, Later<'a>)>,
+    ) {
         let block = self.block;
         match &statement.kind {
             StatementKind::Equation(equation) => self.declare_equation(equation, statement.span),
@@ -150,7 +152,10 @@ impl<'a> Body<'_, 'a> {
 
     fn declare_equation(&mut self, equation: &'a ast::Equation, span: Span) {
         let index = self.pending.len();
-        let introduces = equation.targets.iter().map(|target| self.introduced(target, index));
+        let introduces = equation
+            .targets
+            .iter()
+            .map(|target| self.introduced(target, index));
         let introduces = introduces.collect();
         self.pending.push(Pending {
             block: self.block,
@@ -170,7 +175,9 @@ impl<'a> Body<'_, 'a> {
             _ if !may || self.is_declared(&target.name) => return None,
             _ => self.introduce_flow(&target.name),
         };
-        let outer = self.shared_flow(flow).filter(|outer| self.waits_for_type(*outer));
+        let outer = self
+            .shared_flow(flow)
+            .filter(|outer| self.waits_for_type(*outer));
         for flow in std::iter::once(flow).chain(outer) {
             self.defined_by[flow.0 as usize] = Some(index);
         }
@@ -240,7 +247,9 @@ impl<'a> Body<'_, 'a> {
         if self.unit.kind != typed::UnitKind::Command || self.block != BlockId::ROOT {
             let finding = Finding::new(Code::RPI8001, "only the body of a command can end it")
                 .at(span, "this is not at the top of a command")
-                .help("name the condition, and end the command by it where its other results stand");
+                .help(
+                    "name the condition, and end the command by it where its other results stand",
+                );
             return self.report(finding);
         }
         let same = |other: &&End| other.result == end.result.name;
@@ -271,7 +280,10 @@ impl<'a> Body<'_, 'a> {
     fn check_activation(&mut self, block: BlockId, decl: &'a FragmentDecl) {
         let when = decl.when.as_ref();
         let condition = when.map(|w| self.condition(&w.condition, "the activation of a fragment"));
-        let budget_ns = decl.budget.as_ref().and_then(|budget| self.nanoseconds(budget));
+        let budget_ns = decl
+            .budget
+            .as_ref()
+            .and_then(|budget| self.nanoseconds(budget));
         let target = &mut self.unit.blocks[block.0 as usize];
         target.when = condition;
         target.restart = when.is_some_and(|w| w.restart);

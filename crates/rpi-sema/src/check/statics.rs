@@ -11,8 +11,7 @@ use crate::typed::ExprId;
 use rpi_diag::{Code, Finding, Span};
 use rpi_syntax::Name;
 use rpi_syntax::ast::{
-    ConstDef, Expr, ExprKind, Ident, NamedType, StaticArg, StaticParam, StaticParamKind,
-    StaticValue, Type, TypeKind,
+    ConstDef, Expr, ExprKind, Ident, StaticArg, StaticParam, StaticParamKind, StaticValue,
 };
 use std::collections::BTreeMap;
 use std::fmt::Write;
@@ -178,7 +177,8 @@ impl<'a> Body<'_, 'a> {
         match &arg.value {
             StaticValue::Expr(expr) => Some(self.expr(expr)),
             _ => {
-                let finding = Finding::new(Code::RPI1010, "a value is expected here").at(arg.span, "this is none");
+                let finding = Finding::new(Code::RPI1010, "a value is expected here")
+                    .at(arg.span, "this is none");
                 self.report(finding);
                 None
             }
@@ -187,13 +187,22 @@ impl<'a> Body<'_, 'a> {
 
     fn too_many(&mut self, id: DeclId, count: usize, span: Span) {
         let decl = self.c.program.decl(id);
-        let finding = Finding::new(Code::RPI1010, format!("`{}` has {count} static parameters", decl.name))
-            .at(span, "one too many")
-            .also(decl.span, "declared here");
+        let finding = Finding::new(
+            Code::RPI1010,
+            format!("`{}` has {count} static parameters", decl.name),
+        )
+        .at(span, "one too many")
+        .also(decl.span, "declared here");
         self.report(finding);
     }
 
-    fn bind_one(&mut self, id: DeclId, param: Param<'a>, arg: &'a StaticArg, bound: &mut Bound<'a>) {
+    fn bind_one(
+        &mut self,
+        id: DeclId,
+        param: Param<'a>,
+        arg: &'a StaticArg,
+        bound: &mut Bound<'a>,
+    ) {
         let name = param.name();
         let value = match param {
             Param::Type(_) => self.static_type(arg).map(Static::Ty),
@@ -244,7 +253,8 @@ impl<'a> Body<'_, 'a> {
             StaticValue::Type(ty) => Some(self.ty(ty)),
             StaticValue::Expr(expr) => self.type_by_name(expr),
             _ => {
-                let finding = Finding::new(Code::RPI1010, "a type is expected here").at(arg.span, "this is none");
+                let finding = Finding::new(Code::RPI1010, "a type is expected here")
+                    .at(arg.span, "this is none");
                 self.report(finding);
                 None
             }
@@ -254,7 +264,8 @@ impl<'a> Body<'_, 'a> {
     /// A type whose name was parsed as an expression.
     fn type_by_name(&mut self, expr: &'a Expr) -> Option<Ty> {
         let ExprKind::Name(name) = &expr.kind else {
-            let finding = Finding::new(Code::RPI1010, "a type is expected here").at(expr.span, "this is a value");
+            let finding = Finding::new(Code::RPI1010, "a type is expected here")
+                .at(expr.span, "this is a value");
             self.report(finding);
             return None;
         };
@@ -264,13 +275,16 @@ impl<'a> Body<'_, 'a> {
     fn static_callable(&mut self, arg: &'a StaticArg) -> Option<Callable> {
         match &arg.value {
             StaticValue::Op(op) => Some(Callable::Op(*op)),
-            StaticValue::Callee(callee) => self.callable(&callee.name.name, &callee.statics, callee.span),
+            StaticValue::Callee(callee) => {
+                self.callable(&callee.name.name, &callee.statics, callee.span)
+            }
             StaticValue::Expr(Expr {
                 kind: ExprKind::Name(name),
                 span,
             }) => self.callable(name, &[], *span),
             _ => {
-                let finding = Finding::new(Code::RPI1010, "a node is expected here").at(arg.span, "this is none");
+                let finding = Finding::new(Code::RPI1010, "a node is expected here")
+                    .at(arg.span, "this is none");
                 self.report(finding);
                 None
             }
@@ -326,7 +340,12 @@ impl<'a> Checker<'a> {
         open
     }
 
-    fn default_static(&mut self, id: DeclId, def: &'a ConstDef, statics: &Statics) -> Option<Static> {
+    fn default_static(
+        &mut self,
+        id: DeclId,
+        def: &'a ConstDef,
+        statics: &Statics,
+    ) -> Option<Static> {
         let ty = self.static_ty(id, def, statics);
         let value = def.value.as_ref().filter(|_| tells_apart(&ty))?;
         let module = self.program.decl(id).module;
@@ -349,13 +368,23 @@ pub(super) fn tells_apart(ty: &Ty) -> bool {
 /// Static arguments that are missing, in words.
 pub(super) fn missing(name: &Name, open: &[Name], span: Span, declared: Span) -> Finding {
     let names = listed(open.iter().map(Name::as_str));
-    Finding::new(Code::RPI1010, format!("`{name}` needs {names} in `<<...>>`"))
-        .at(span, "not given")
-        .also(declared, "declared here")
+    Finding::new(
+        Code::RPI1010,
+        format!("`{name}` needs {names} in `<<...>>`"),
+    )
+    .at(span, "not given")
+    .also(declared, "declared here")
 }
 
 /// A static argument that nothing takes.
 pub(super) fn no_param(of: &Name, name: &Ident, near: Option<String>) -> Finding {
-    let finding = unknown(&format!("parameter of `{of}` called"), &name.name, name.span, near);
-    finding.note(format!("in `<<...>>` stand the parameters of `{of}`, and in-ports that are fixed at load time"))
+    let finding = unknown(
+        &format!("parameter of `{of}` called"),
+        &name.name,
+        name.span,
+        near,
+    );
+    finding.note(format!(
+        "in `<<...>>` stand the parameters of `{of}`, and in-ports that are fixed at load time"
+    ))
 }

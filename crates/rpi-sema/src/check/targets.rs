@@ -31,7 +31,9 @@ impl<'a> Body<'_, 'a> {
         let targets = match goal {
             Goal::Targets(targets) => {
                 let targets = targets.iter().zip(&parts);
-                targets.map(|(target, ty)| self.target(target, ty, value)).collect()
+                targets
+                    .map(|(target, ty)| self.target(target, ty, value))
+                    .collect()
             }
             Goal::Var(flow) => vec![self.var_target(flow, &parts[0], value)],
         };

@@ -6,8 +6,8 @@ use super::report::{did_you_mean, not_a, unknown};
 use super::statics::Static;
 use super::{Checker, Lazy};
 use crate::program::{DeclId, DeclKind, Lookup};
-use crate::typed::Leaf;
 use crate::ty::{EnumTy, Geometry, Member, StructTy, Ty};
+use crate::typed::Leaf;
 use crate::units::{Dim, UnitFault, resolve};
 use rpi_diag::{Code, Finding, Span};
 use rpi_image::Scalar;
@@ -53,6 +53,7 @@ impl<'a> Body<'_, 'a> {
             TypeKind::Array(array) => self.array_ty(array, ty.span),
             TypeKind::Optional(inner) => self.inner_optional(inner, ty.span),
             TypeKind::Enum(_) | TypeKind::Struct(_) => self.nameless_ty(ty.span),
+            TypeKind::Broken => Ty::Unknown,
         }
     }
 
@@ -69,9 +70,12 @@ impl<'a> Body<'_, 'a> {
 
     fn inner_optional(&mut self, inner: &'a Type, span: Span) -> Ty {
         self.report(
-            Finding::new(Code::RPI3004, "a part of a value can not be absent by itself")
-                .at(span, "only a whole flow or port can be optional")
-                .help("write the `?` behind the whole type"),
+            Finding::new(
+                Code::RPI3004,
+                "a part of a value can not be absent by itself",
+            )
+            .at(span, "only a whole flow or port can be optional")
+            .help("write the `?` behind the whole type"),
         );
         self.ty(inner)
     }
@@ -116,6 +120,28 @@ impl<'a> Body<'_, 'a> {
         }
     }
 
+    /// A type by its name alone.
+    pub(super) fn ty_named(&mut self, name: &Name, span: Span) -> Option<Ty> {
+        if let Some(Static::Ty(ty)) = self.statics.get(name) {
+            return Some(ty.clone());
+        }
+        if let Lookup::Found(id) = self.c.program.lookup(self.module, name)
+            && let DeclKind::Type(_) = self.c.program.decl(id).kind
+        {
+            return Some(self.c.type_decl(id, span));
+        }
+        let spatial = Scalar::ALL
+            .iter()
+            .copied()
+            .find(|s| s.name() == name.as_str());
+        let found = spatial.map(super::prim::scalar_ty);
+        if found.is_none() {
+            let near = self.near_type(name);
+            self.report(unknown("type", name, span, near));
+        }
+        found
+    }
+
     fn declared_ty(&mut self, id: DeclId, named: &'a NamedType) -> Ty {
         let decl = self.c.program.decl(id);
         match decl.kind {
@@ -123,7 +149,13 @@ impl<'a> Body<'_, 'a> {
             DeclKind::Device(device) => self.device_ty(id, device, named),
             DeclKind::Broken(_) => Ty::Unknown,
             kind => {
-                let finding = not_a("a type", &decl.name, kind.what(), named.name.span, decl.span);
+                let finding = not_a(
+                    "a type",
+                    &decl.name,
+                    kind.what(),
+                    named.name.span,
+                    decl.span,
+                );
                 self.report(finding);
                 Ty::Unknown
             }
@@ -159,7 +191,9 @@ impl<'a> Body<'_, 'a> {
     fn geometry(&mut self, frames: Option<&Frames>) -> Geometry {
         Geometry {
             dim: None,
-            of: frames.and_then(|f| f.of.as_ref()).and_then(|f| self.frame(f)),
+            of: frames
+                .and_then(|f| f.of.as_ref())
+                .and_then(|f| self.frame(f)),
             in_frame: frames.and_then(|f| self.frame(&f.in_frame)),
         }
     }
@@ -200,7 +234,9 @@ impl<'a> Body<'_, 'a> {
         let Some(Local::Flow(flow)) = self.find_local(device) else {
             return Vec::new();
         };
-        self.unit.device(flow).map_or_else(Vec::new, |d| d.frames.clone())
+        self.unit
+            .device(flow)
+            .map_or_else(Vec::new, |d| d.frames.clone())
     }
 
     fn known_frame(&mut self, known: bool, name: Name, span: Span) -> Option<Name> {
@@ -319,8 +355,10 @@ impl<'a> Body<'_, 'a> {
 }
 
 fn needs_itself(what: &str, name: &Name, span: Span) -> Finding {
-    Finding::new(Code::RPI1007, format!("the {what} `{name}` needs itself"))
-        .at(span, format!("`{name}` is needed here to know what `{name}` is"))
+    Finding::new(Code::RPI1007, format!("the {what} `{name}` needs itself")).at(
+        span,
+        format!("`{name}` is needed here to know what `{name}` is"),
+    )
 }
 
 /// What is wrong with a unit, in words.
@@ -333,7 +371,8 @@ pub(super) fn unit_fault(fault: &UnitFault) -> Finding {
             near.clone(),
         ),
         UnitFault::Exponent { span } => {
-            Finding::new(Code::RPI2003, "a unit with an exponent out of range").at(*span, "too large")
+            Finding::new(Code::RPI2003, "a unit with an exponent out of range")
+                .at(*span, "too large")
         }
     }
 }

@@ -1,9 +1,9 @@
 //! Units: created when first called, checked from a queue, so that depth of nesting costs no stack.
 
+use super::Checker;
 use super::body::Body;
 use super::header::{Header, kind_of};
 use super::statics::{Statics, key};
-use super::Checker;
 use crate::program::{DeclId, DeclKind};
 use crate::typed::{Kind, Unit, UnitId, UnitKind};
 use rpi_diag::{Code, Finding, Span};
@@ -11,7 +11,7 @@ use rpi_syntax::ast::{CommandDecl, Contract, FragmentDecl, Locals, NodeDecl, Nod
 use std::rc::Rc;
 
 /// The most units that a program may have: a recursion over static parameters that does not end makes more.
-pub const MAX_UNITS: usize = 20_000;
+const MAX_UNITS: usize = 20_000;
 
 /// A unit on its way.
 pub(super) struct Entry {
@@ -39,7 +39,8 @@ impl<'a> Checker<'a> {
             return None;
         }
         let id = UnitId(u32::try_from(self.units.len()).unwrap_or(u32::MAX));
-        self.units.push(Unit::new(header.name.clone(), header.kind, header.span));
+        self.units
+            .push(Unit::new(header.name.clone(), header.kind, header.span));
         self.entries.push(Entry {
             header: header.clone(),
             state: Progress::Queued,
@@ -54,9 +55,12 @@ impl<'a> Checker<'a> {
             return;
         }
         self.findings.push(
-            Finding::new(Code::RPI1011, format!("`{}` has more than {MAX_UNITS} instances", header.name))
-                .at(span, "one more is called here")
-                .help("a recursion over static parameters ends by `with`"),
+            Finding::new(
+                Code::RPI1011,
+                format!("`{}` has more than {MAX_UNITS} instances", header.name),
+            )
+            .at(span, "one more is called here")
+            .help("a recursion over static parameters ends by `with`"),
         );
     }
 
@@ -66,7 +70,11 @@ impl<'a> Checker<'a> {
         let open = self.complete(id, &mut statics);
         let needs_more = self.params_of(id).iter().any(|param| {
             let is_open = open.contains(&param.name().name);
-            is_open && !matches!(statics.get(&param.name().name), Some(super::statics::Static::Opaque))
+            is_open
+                && !matches!(
+                    statics.get(&param.name().name),
+                    Some(super::statics::Static::Opaque)
+                )
         });
         let sizes = self.open_sizes(id, &open, &statics);
         if needs_more || sizes {
@@ -159,10 +167,13 @@ impl<'a> Body<'_, 'a> {
     }
 
     fn state_in_function(&mut self, span: Span) {
-        let finding = Finding::new(Code::RPI3005, format!("the function `{}` has state", self.unit.name))
-            .at(span, "this remembers earlier cycles")
-            .also(self.unit.span, "declared as a function here")
-            .help("a function depends on its arguments alone; declare a `node`");
+        let finding = Finding::new(
+            Code::RPI3005,
+            format!("the function `{}` has state", self.unit.name),
+        )
+        .at(span, "this remembers earlier cycles")
+        .also(self.unit.span, "declared as a function here")
+        .help("a function depends on its arguments alone; declare a `node`");
         self.report(finding);
     }
 

@@ -43,20 +43,43 @@ impl<'u> Elab<'u> {
     }
 
     /// State and restart flag at the start of a cycle, and the aliases for what they are in the next.
-    fn memory(&mut self, automaton: &Automaton, at: At, span: Span) -> (Next, [rpi_net::PortRef; 2]) {
+    fn memory(
+        &mut self,
+        automaton: &Automaton,
+        at: At,
+        span: Span,
+    ) -> (Next, [rpi_net::PortRef; 2]) {
         let next = [Scalar::Int, Scalar::Bool].map(|scalar| self.new_alias(scalar));
         let first = self.first(at.fragment, span);
         let state = self.delay(Family::Pre, Scalar::Int, &Signal::Port(next[0]), at, span);
         let afresh = self.delay(Family::Pre, Scalar::Bool, &Signal::Port(next[1]), at, span);
         let initial = number(automaton.initial as usize);
-        let state = self.family(Family::Conditional, Scalar::Int, &[first.clone(), initial, state], at, span);
+        let state = self.family(
+            Family::Conditional,
+            Scalar::Int,
+            &[first.clone(), initial, state],
+            at,
+            span,
+        );
         let no = Signal::Const(Value::bool(false));
-        let afresh = self.family(Family::Conditional, Scalar::Bool, &[first, no, afresh], at, span);
+        let afresh = self.family(
+            Family::Conditional,
+            Scalar::Bool,
+            &[first, no, afresh],
+            at,
+            span,
+        );
         (Next { state, afresh }, next)
     }
 
     /// The state of this cycle: strong transitions act before it runs.
-    fn strong(&mut self, scope: &mut Scope<'u>, automaton: &'u Automaton, memory: &Next, at: At) -> Next {
+    fn strong(
+        &mut self,
+        scope: &mut Scope<'u>,
+        automaton: &'u Automaton,
+        memory: &Next,
+        at: At,
+    ) -> Next {
         let span = automaton.span;
         let mut current = memory.clone();
         for (k, state) in automaton.states.iter().enumerate() {
@@ -138,10 +161,13 @@ impl<'u> Elab<'u> {
                 None => wire,
                 Some(so_far) => {
                     let pairs = so_far.into_iter().zip(wire).zip(&scalars);
-                    let pairs: Vec<((Signal, Signal), Scalar)> = pairs.map(|(p, s)| (p, *s)).collect();
+                    let pairs: Vec<((Signal, Signal), Scalar)> =
+                        pairs.map(|(p, s)| (p, *s)).collect();
                     pairs
                         .into_iter()
-                        .map(|((a, b), scalar)| self.family(Family::Coalesce, scalar, &[a, b], at, span))
+                        .map(|((a, b), scalar)| {
+                            self.family(Family::Coalesce, scalar, &[a, b], at, span)
+                        })
                         .collect()
                 }
             });

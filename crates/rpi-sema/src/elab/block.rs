@@ -10,7 +10,10 @@ impl<'u> Elab<'u> {
     /// Everything that stands in a unit. Blocks come after those around them.
     pub(super) fn body(&mut self, scope: &mut Scope<'u>, at: At) {
         scope.fragments[0] = Some(at.fragment);
-        for block in (0..scope.unit.blocks.len()).filter_map(|k| u32::try_from(k).ok()).map(BlockId) {
+        for block in (0..scope.unit.blocks.len())
+            .filter_map(|k| u32::try_from(k).ok())
+            .map(BlockId)
+        {
             let at = match block {
                 BlockId::ROOT => at,
                 _ => At::fragment(self.fragment_in_place(scope, block)),
@@ -35,7 +38,11 @@ impl<'u> Elab<'u> {
             }
             None => net::Activation::Always,
         };
-        let restart = if content.restart { Restart::OnActivation } else { Restart::Never };
+        let restart = if content.restart {
+            Restart::OnActivation
+        } else {
+            Restart::Never
+        };
         let fragment = self.fragment(&path, outer.fragment, activation, restart, content.span);
         self.net.fragments[fragment.0 as usize].budget_ns = content.budget_ns;
         scope.fragments[block.0 as usize] = Some(fragment);
@@ -57,7 +64,10 @@ impl<'u> Elab<'u> {
     }
 
     fn claim(&mut self, scope: &mut Scope<'u>, claim: &'u Claim, at: At) {
-        let label = claim.label.as_ref().map_or("assert", |label| label.as_str());
+        let label = claim
+            .label
+            .as_ref()
+            .map_or("assert", |label| label.as_str());
         self.begin(&format!("{}{label}", scope.prefix));
         let condition = self.one(scope, claim.condition, at);
         self.assert(&condition, at, claim.span);
@@ -129,5 +139,9 @@ fn target_name(unit: &Unit, _block: BlockId, equation: &Equation) -> String {
         }
         Place::Nowhere => None,
     };
-    equation.targets.iter().find_map(name).unwrap_or_else(|| "_".to_owned())
+    equation
+        .targets
+        .iter()
+        .find_map(name)
+        .unwrap_or_else(|| "_".to_owned())
 }

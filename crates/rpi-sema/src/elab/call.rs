@@ -12,7 +12,13 @@ use rpi_net::{self as net, Absent, Fragment, FragmentId, Origin, PortRef, Restar
 
 impl<'u> Elab<'u> {
     /// A call.
-    pub(super) fn call(&mut self, scope: &mut Scope<'u>, call: &'u Call, id: ExprId, at: At) -> Wire {
+    pub(super) fn call(
+        &mut self,
+        scope: &mut Scope<'u>,
+        call: &'u Call,
+        id: ExprId,
+        at: At,
+    ) -> Wire {
         let span = scope.unit.expr(id).span;
         let mut args = Vec::with_capacity(call.args.len());
         for arg in &call.args {
@@ -27,10 +33,15 @@ impl<'u> Elab<'u> {
                     return super::signal::nothing();
                 };
                 let activation = net::Activation::Always;
-                let inner = self.fragment(&path, at.fragment, activation, Restart::Every(every), span);
+                let inner =
+                    self.fragment(&path, at.fragment, activation, Restart::Every(every), span);
                 self.inlined(call.unit, &args, At::fragment(inner), path, span)
             }
-            Activation::Condact { every, default, restart } => {
+            Activation::Condact {
+                every,
+                default,
+                restart,
+            } => {
                 let inner = self.activated(scope, *every, *restart, &path, at, span);
                 let result = self.inlined(call.unit, &args, At::fragment(inner), path, span);
                 let default = default.map(|id| self.expr(scope, id, at));
@@ -104,7 +115,14 @@ impl<'u> Elab<'u> {
     }
 
     /// What a call gives that does not run in all cycles: its result, or what it was last.
-    fn held(&mut self, result: &Wire, default: Option<&Wire>, id: ExprId, scope: &Scope<'u>, at: At) -> Wire {
+    fn held(
+        &mut self,
+        result: &Wire,
+        default: Option<&Wire>,
+        id: ExprId,
+        scope: &Scope<'u>,
+        at: At,
+    ) -> Wire {
         let span = scope.unit.expr(id).span;
         let scalars = leaf_scalars(&scope.unit.expr(id).ty);
         let mut leaves = Vec::with_capacity(scalars.len());
@@ -115,7 +133,14 @@ impl<'u> Elab<'u> {
         leaves.into()
     }
 
-    fn held_leaf(&mut self, signal: &Signal, default: Option<Signal>, scalar: Scalar, at: At, span: Span) -> Signal {
+    fn held_leaf(
+        &mut self,
+        signal: &Signal,
+        default: Option<Signal>,
+        scalar: Scalar,
+        at: At,
+        span: Span,
+    ) -> Signal {
         if let Some(default @ Signal::Const(_)) = default {
             return self.family(Family::Hold, scalar, &[signal.clone(), default], at, span);
         }
@@ -126,16 +151,35 @@ impl<'u> Elab<'u> {
             Some(default) => {
                 let before = self.delay(Family::Pre, scalar, &alias, at, span);
                 let first = self.first(at.fragment, span);
-                self.family(Family::Conditional, scalar, &[first, default, before], at, span)
+                self.family(
+                    Family::Conditional,
+                    scalar,
+                    &[first, default, before],
+                    at,
+                    span,
+                )
             }
         };
-        let held = self.family(Family::Coalesce, scalar, &[signal.clone(), before], at, span);
+        let held = self.family(
+            Family::Coalesce,
+            scalar,
+            &[signal.clone(), before],
+            at,
+            span,
+        );
         self.bind_alias(result, &held);
         held
     }
 
     /// A unit with its in-ports connected; gives its out-ports.
-    pub(super) fn inlined(&mut self, id: UnitId, args: &[Option<Wire>], at: At, path: String, span: Span) -> Wire {
+    pub(super) fn inlined(
+        &mut self,
+        id: UnitId,
+        args: &[Option<Wire>],
+        at: At,
+        path: String,
+        span: Span,
+    ) -> Wire {
         let unit = &self.units[id.0 as usize];
         if self.depth >= MAX_DEPTH {
             return self.too_deep(unit, span);
@@ -159,7 +203,11 @@ impl<'u> Elab<'u> {
     ) -> Wire {
         let mut scope = Scope::new(unit, Some(id));
         let in_fragment = unit.kind == UnitKind::Fragment && self.mode == Mode::Net;
-        scope.prefix = if in_fragment || path.is_empty() { String::new() } else { format!("{path}.") };
+        scope.prefix = if in_fragment || path.is_empty() {
+            String::new()
+        } else {
+            format!("{path}.")
+        };
         self.name.clone_from(&path);
         let at = match unit.kind {
             UnitKind::Function => at,
@@ -180,7 +228,13 @@ impl<'u> Elab<'u> {
         leaves.into()
     }
 
-    fn fragment_of_unit(&mut self, scope: &mut Scope<'u>, path: &str, at: At, span: Span) -> FragmentId {
+    fn fragment_of_unit(
+        &mut self,
+        scope: &mut Scope<'u>,
+        path: &str,
+        at: At,
+        span: Span,
+    ) -> FragmentId {
         let root = scope.unit.block(BlockId::ROOT);
         let activation = match root.when {
             Some(when) => {
@@ -189,7 +243,11 @@ impl<'u> Elab<'u> {
             }
             None => net::Activation::Always,
         };
-        let restart = if root.restart { Restart::OnActivation } else { Restart::Never };
+        let restart = if root.restart {
+            Restart::OnActivation
+        } else {
+            Restart::Never
+        };
         let fragment = self.fragment(path, at.fragment, activation, restart, span);
         self.net.fragments[fragment.0 as usize].budget_ns = root.budget_ns;
         fragment
@@ -211,10 +269,13 @@ impl<'u> Elab<'u> {
     fn too_deep(&mut self, unit: &Unit, span: Span) -> Wire {
         if self.failure.is_none() {
             self.findings.push(
-                Finding::new(Code::RPI1011, format!("`{}` calls itself without end", unit.name))
-                    .at(span, "called again here")
-                    .also(unit.span, "declared here")
-                    .help("a recursion over static parameters ends by `with`"),
+                Finding::new(
+                    Code::RPI1011,
+                    format!("`{}` calls itself without end", unit.name),
+                )
+                .at(span, "called again here")
+                .also(unit.span, "declared here")
+                .help("a recursion over static parameters ends by `with`"),
             );
         }
         self.fail(NotConstant::Faulty)

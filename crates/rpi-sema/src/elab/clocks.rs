@@ -24,7 +24,10 @@ impl<'u> Elab<'u> {
     ) -> Wire {
         let span = scope.unit.expr(id).span;
         let scalars = super::expr::leaf_scalars(&scope.unit.expr(id).ty);
-        let wires: Vec<Wire> = cases.iter().map(|(_, id)| self.expr(scope, *id, at)).collect();
+        let wires: Vec<Wire> = cases
+            .iter()
+            .map(|(_, id)| self.expr(scope, *id, at))
+            .collect();
         let mut leaves = Vec::with_capacity(scalars.len());
         for (k, scalar) in scalars.into_iter().enumerate() {
             let mut cases = wires.iter().filter_map(|wire| wire.get(k)).cloned();
@@ -36,7 +39,13 @@ impl<'u> Elab<'u> {
     }
 
     /// `current x`: the latest value.
-    pub(super) fn current(&mut self, scope: &mut Scope<'u>, operand: ExprId, at: At, _span: Span) -> Wire {
+    pub(super) fn current(
+        &mut self,
+        scope: &mut Scope<'u>,
+        operand: ExprId,
+        at: At,
+        _span: Span,
+    ) -> Wire {
         self.expr(scope, operand, at)
     }
 }

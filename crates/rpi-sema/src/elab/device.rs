@@ -14,7 +14,14 @@ use rpi_prims::PrimId;
 
 impl<'u> Elab<'u> {
     /// A sensor or status port: read once, at the start of the cycle, whatever is active.
-    pub(super) fn sensor(&mut self, scope: &mut Scope<'u>, device: ExprId, port: u32, at: At, span: Span) -> Wire {
+    pub(super) fn sensor(
+        &mut self,
+        scope: &mut Scope<'u>,
+        device: ExprId,
+        port: u32,
+        at: At,
+        span: Span,
+    ) -> Wire {
         if self.mode == Mode::Constant {
             return self.fail(NotConstant::Flow(span));
         }
@@ -23,10 +30,15 @@ impl<'u> Elab<'u> {
             return nothing();
         };
         let name = self.one(scope, device, at);
-        let (Some(name), Some(port)) = (self.device_name(&name), ty.ports.get(port as usize)) else {
+        let (Some(name), Some(port)) = (self.device_name(&name), ty.ports.get(port as usize))
+        else {
             return nothing();
         };
-        let family = if port.optional { Family::Sample } else { Family::Read };
+        let family = if port.optional {
+            Family::Sample
+        } else {
+            Family::Read
+        };
         let scalars = port.ty.as_ref().map(leaf_scalars).unwrap_or_default();
         let count = scalars.len();
         let mut leaves = Vec::with_capacity(count);
@@ -40,12 +52,25 @@ impl<'u> Elab<'u> {
         leaves.into()
     }
 
-    fn read(&mut self, family: Family, scalar: Scalar, key: (String, String, u32), span: Span) -> Signal {
+    fn read(
+        &mut self,
+        family: Family,
+        scalar: Scalar,
+        key: (String, String, u32),
+        span: Span,
+    ) -> Signal {
         let Some(prim) = member(family, scalar) else {
             return Signal::Absent;
         };
         let params = port_params(prim, &key.0, &key.1, key.2);
-        let node = self.node(prim, Vec::new(), params, vec![Type::One(scalar)], FragmentId::ROOT, span);
+        let node = self.node(
+            prim,
+            Vec::new(),
+            params,
+            vec![Type::One(scalar)],
+            FragmentId::ROOT,
+            span,
+        );
         self.net.nodes[node.index()].name = format!("{}.{}#{}", key.0, key.1, node.0);
         self.net.nodes[node.index()].origin.flow = Some(port_name(&key.0, &key.1, key.2));
         let port = PortRef { node, port: 0 };
@@ -76,7 +101,9 @@ impl<'u> Elab<'u> {
         let (Some(name), Some(port)) = (name, ty.ports.get(port as usize)) else {
             return;
         };
-        for (k, (scalar, signal)) in (0..).zip(leaf_scalars(&target.ty).into_iter().zip(wire.iter())) {
+        for (k, (scalar, signal)) in
+            (0..).zip(leaf_scalars(&target.ty).into_iter().zip(wire.iter()))
+        {
             let Some(prim) = member(Family::Write, scalar) else {
                 continue;
             };

@@ -28,19 +28,29 @@ impl<'u> Elab<'u> {
             (Each::Coalesce, [a, b]) => {
                 let scalars = leaf_scalars(ty);
                 let (a, b) = (self.expr(scope, *a, at), self.expr(scope, *b, at));
-                let pairs = a.iter().zip(spread(&b, a.len()).iter().cloned().collect::<Vec<_>>());
+                let pairs = a
+                    .iter()
+                    .zip(spread(&b, a.len()).iter().cloned().collect::<Vec<_>>());
                 let pairs: Vec<(Signal, Signal)> = pairs.map(|(a, b)| (a.clone(), b)).collect();
                 let leaves = pairs.into_iter().zip(scalars);
-                leaves.map(|((a, b), scalar)| self.coalesce(a, b, scalar, at, span)).collect()
+                leaves
+                    .map(|((a, b), scalar)| self.coalesce(a, b, scalar, at, span))
+                    .collect()
             }
             (Each::Hold, [x, init]) => {
                 let scalars = leaf_scalars(ty);
                 let (x, init) = (self.expr(scope, *x, at), self.expr(scope, *init, at));
-                let leaves: Vec<((Signal, Signal), Scalar)> =
-                    x.iter().cloned().zip(init.iter().cloned()).zip(scalars).collect();
+                let leaves: Vec<((Signal, Signal), Scalar)> = x
+                    .iter()
+                    .cloned()
+                    .zip(init.iter().cloned())
+                    .zip(scalars)
+                    .collect();
                 leaves
                     .into_iter()
-                    .map(|((x, init), scalar)| self.family(Family::Hold, scalar, &[x, init], at, span))
+                    .map(|((x, init), scalar)| {
+                        self.family(Family::Hold, scalar, &[x, init], at, span)
+                    })
                     .collect()
             }
             _ => super::signal::nothing(),
@@ -48,7 +58,14 @@ impl<'u> Elab<'u> {
     }
 
     /// `x ?? y`
-    fn coalesce(&mut self, first: Signal, second: Signal, scalar: Scalar, at: At, span: Span) -> Signal {
+    fn coalesce(
+        &mut self,
+        first: Signal,
+        second: Signal,
+        scalar: Scalar,
+        at: At,
+        span: Span,
+    ) -> Signal {
         match (&first, &second) {
             (Signal::Const(_), _) | (_, Signal::Absent) => first,
             (Signal::Absent, _) => second,
@@ -57,17 +74,40 @@ impl<'u> Elab<'u> {
     }
 
     /// `if c then x else y`: what can fault in a branch is guarded by the condition.
-    fn choice(&mut self, scope: &mut Scope<'u>, condition: ExprId, [yes, no]: [ExprId; 2], id: ExprId, at: At) -> Wire {
+    fn choice(
+        &mut self,
+        scope: &mut Scope<'u>,
+        condition: ExprId,
+        [yes, no]: [ExprId; 2],
+        id: ExprId,
+        at: At,
+    ) -> Wire {
         let span = scope.unit.expr(id).span;
         let condition = self.one(scope, condition, at);
         match &condition {
-            Signal::Const(value) if value.as_bool() == Some(true) => return self.expr(scope, yes, at),
+            Signal::Const(value) if value.as_bool() == Some(true) => {
+                return self.expr(scope, yes, at);
+            }
             Signal::Const(_) => return self.expr(scope, no, at),
             _ => {}
         }
         let guards = self.guards(scope, &condition, [yes, no], at, span);
-        let yes = self.expr(scope, yes, At { guard: guards[0], ..at });
-        let no = self.expr(scope, no, At { guard: guards[1], ..at });
+        let yes = self.expr(
+            scope,
+            yes,
+            At {
+                guard: guards[0],
+                ..at
+            },
+        );
+        let no = self.expr(
+            scope,
+            no,
+            At {
+                guard: guards[1],
+                ..at
+            },
+        );
         let scalars = leaf_scalars(&scope.unit.expr(id).ty);
         let count = scalars.len();
         let (yes, no) = (spread(&yes, count), spread(&no, count));
@@ -101,10 +141,17 @@ impl<'u> Elab<'u> {
             }
             let here = match k {
                 0 => condition.clone(),
-                _ => self.named("Core::BooleanNot", &[condition.clone()], at, span),
+                _ => self.named(
+                    "Core::BooleanNot",
+                    std::slice::from_ref(condition),
+                    at,
+                    span,
+                ),
             };
             let here = match at.guard {
-                Some(outer) => self.named("Core::BooleanAnd", &[Signal::Port(outer), here], at, span),
+                Some(outer) => {
+                    self.named("Core::BooleanAnd", &[Signal::Port(outer), here], at, span)
+                }
                 None => here,
             };
             guards[k] = self.port_of(&here, Scalar::Bool, at, span);
@@ -134,14 +181,25 @@ impl<'u> Elab<'u> {
         let wire = self.expr(scope, x, at.unguarded());
         let mut leaves = Vec::with_capacity(scalars.len());
         for (k, (scalar, signal)) in scalars.into_iter().zip(wire.iter()).enumerate() {
-            let family = if optional(k) { Family::OptionalPre } else { Family::Pre };
+            let family = if optional(k) {
+                Family::OptionalPre
+            } else {
+                Family::Pre
+            };
             leaves.push(self.delay(family, scalar, signal, at, span));
         }
         leaves.into()
     }
 
     /// One delay.
-    pub(super) fn delay(&mut self, family: Family, scalar: Scalar, signal: &Signal, at: At, span: Span) -> Signal {
+    pub(super) fn delay(
+        &mut self,
+        family: Family,
+        scalar: Scalar,
+        signal: &Signal,
+        at: At,
+        span: Span,
+    ) -> Signal {
         let Some(prim) = member(family, scalar) else {
             return Signal::Absent;
         };
@@ -149,7 +207,14 @@ impl<'u> Elab<'u> {
             Some(port) => Input::Port(port),
             None => Input::Open,
         };
-        let node = self.node(prim, vec![input], Vec::new(), vec![Type::One(scalar)], at.fragment, span);
+        let node = self.node(
+            prim,
+            vec![input],
+            Vec::new(),
+            vec![Type::One(scalar)],
+            at.fragment,
+            span,
+        );
         Signal::Port(PortRef { node, port: 0 })
     }
 
@@ -160,7 +225,9 @@ impl<'u> Elab<'u> {
         if self.mode == Mode::Constant {
             return self.fail(NotConstant::Flow(span));
         }
-        if let (Kind::None, Kind::Each(Each::Pre, operands)) = (&unit.expr(a).kind, &unit.expr(b).kind) {
+        if let (Kind::None, Kind::Each(Each::Pre, operands)) =
+            (&unit.expr(a).kind, &unit.expr(b).kind)
+        {
             return self.delayed(scope, operands[0], b, at, |_| true);
         }
         let scalars = leaf_scalars(&unit.expr(id).ty);

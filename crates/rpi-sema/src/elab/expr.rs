@@ -28,7 +28,9 @@ impl<'u> Elab<'u> {
             Kind::Fault => self.fail(NotConstant::Faulty),
             Kind::Const(leaves) => leaves.iter().cloned().map(Signal::Const).collect(),
             Kind::Literal(leaf) => single(Signal::Const(leaf.clone())),
-            Kind::None => (0..expr.ty.leaf_count().max(1)).map(|_| Signal::Absent).collect(),
+            Kind::None => (0..expr.ty.leaf_count().max(1))
+                .map(|_| Signal::Absent)
+                .collect(),
             Kind::Flow(flow) => self.flow(scope, *flow, span),
             Kind::Sensor { device, port } => self.sensor(scope, *device, *port, at, span),
             Kind::Part { base, at: offset } => {
@@ -38,7 +40,10 @@ impl<'u> Elab<'u> {
             Kind::Slice { base, from, step } => self.slice(scope, *base, *from, *step, id, at),
             Kind::Select { base, index } => self.select(scope, *base, *index, id, at),
             Kind::Build(parts) => {
-                let wires: Vec<Wire> = parts.iter().map(|part| self.expr(scope, *part, at)).collect();
+                let wires: Vec<Wire> = parts
+                    .iter()
+                    .map(|part| self.expr(scope, *part, at))
+                    .collect();
                 wires.iter().flat_map(|wire| wire.iter().cloned()).collect()
             }
             Kind::Repeat(element) => {
@@ -46,7 +51,11 @@ impl<'u> Elab<'u> {
                 let count = expr.ty.leaf_count();
                 wire.iter().cloned().cycle().take(count).collect()
             }
-            Kind::Replace { base, at: offset, value } => {
+            Kind::Replace {
+                base,
+                at: offset,
+                value,
+            } => {
                 let mut wire = self.expr(scope, *base, at).to_vec();
                 let value = self.expr(scope, *value, at);
                 for (slot, signal) in wire.iter_mut().skip(*offset as usize).zip(value.iter()) {
@@ -71,7 +80,15 @@ impl<'u> Elab<'u> {
         wire.first().cloned().unwrap_or(Signal::Absent)
     }
 
-    fn slice(&mut self, scope: &mut Scope<'u>, base: ExprId, from: u32, step: i32, id: ExprId, at: At) -> Wire {
+    fn slice(
+        &mut self,
+        scope: &mut Scope<'u>,
+        base: ExprId,
+        from: u32,
+        step: i32,
+        id: ExprId,
+        at: At,
+    ) -> Wire {
         let wire = self.expr(scope, base, at);
         let total = scope.unit.expr(id).ty.leaf_count();
         let crate::ty::Ty::Array(element, _) = &scope.unit.expr(base).ty else {
@@ -81,7 +98,9 @@ impl<'u> Elab<'u> {
         let mut leaves = Vec::with_capacity(total);
         let mut k = i64::from(from);
         while leaves.len() < total {
-            let at = usize::try_from(k).unwrap_or(usize::MAX).saturating_mul(size);
+            let at = usize::try_from(k)
+                .unwrap_or(usize::MAX)
+                .saturating_mul(size);
             let Some(element) = wire.get(at..at.saturating_add(size)) else {
                 break;
             };
@@ -92,7 +111,14 @@ impl<'u> Elab<'u> {
     }
 
     /// An element at a place that is computed: a chain of choices, and a check that there is such a place.
-    fn select(&mut self, scope: &mut Scope<'u>, base: ExprId, index: ExprId, id: ExprId, at: At) -> Wire {
+    fn select(
+        &mut self,
+        scope: &mut Scope<'u>,
+        base: ExprId,
+        index: ExprId,
+        id: ExprId,
+        at: At,
+    ) -> Wire {
         let span = scope.unit.expr(id).span;
         let wire = self.expr(scope, base, at);
         let index = self.one(scope, index, at);
@@ -104,7 +130,12 @@ impl<'u> Elab<'u> {
         for k in 1..count {
             let place = Signal::Const(Value::int(k as i64));
             let here = self.named("Core::IntEquals", &[index.clone(), place], at, span);
-            for (leaf, scalar) in chosen.iter_mut().zip(&scalars).enumerate().map(|(n, (c, s))| ((n, c), s)) {
+            for (leaf, scalar) in chosen
+                .iter_mut()
+                .zip(&scalars)
+                .enumerate()
+                .map(|(n, (c, s))| ((n, c), s))
+            {
                 let (n, slot) = leaf;
                 let inputs = [here.clone(), wire[k * size + n].clone(), slot.clone()];
                 *slot = self.family(Family::Conditional, *scalar, &inputs, at, span);
@@ -127,18 +158,33 @@ impl<'u> Elab<'u> {
             return;
         }
         let condition = match at.guard {
-            Some(guard) => self.named("Rpi::BooleanImplies", &[Signal::Port(guard), condition.clone()], at, span),
+            Some(guard) => self.named(
+                "Rpi::BooleanImplies",
+                &[Signal::Port(guard), condition.clone()],
+                at,
+                span,
+            ),
             None => condition.clone(),
         };
         if self.mode == Mode::Net {
             self.named("Rpi::Assert", &[condition], at, span);
         } else {
-            self.fail(NotConstant::Fault(span, "the index lies outside of the array".to_owned()));
+            self.fail(NotConstant::Fault(
+                span,
+                "the index lies outside of the array".to_owned(),
+            ));
         }
     }
 
     /// `x = y`, leaf by leaf.
-    fn equal(&mut self, scope: &mut Scope<'u>, operands: [ExprId; 2], negated: bool, at: At, span: Span) -> Wire {
+    fn equal(
+        &mut self,
+        scope: &mut Scope<'u>,
+        operands: [ExprId; 2],
+        negated: bool,
+        at: At,
+        span: Span,
+    ) -> Wire {
         let scalars = leaf_scalars(&scope.unit.expr(operands[0]).ty);
         let [a, b] = operands.map(|id| self.expr(scope, id, at));
         let mut all: Option<Signal> = None;
@@ -166,7 +212,13 @@ impl<'u> Elab<'u> {
                 Signal::Const(_) => Signal::Const(Value::bool(true)),
                 Signal::Absent => Signal::Const(Value::bool(false)),
                 other => {
-                    let absent = self.family(Family::IsNull, scalar, &[other.clone()], at, span);
+                    let absent = self.family(
+                        Family::IsNull,
+                        scalar,
+                        std::slice::from_ref(other),
+                        at,
+                        span,
+                    );
                     self.named("Core::BooleanNot", &[absent], at, span)
                 }
             };
@@ -197,7 +249,10 @@ impl<'u> Elab<'u> {
         let Some(params) = self.params(scope, call, at, span) else {
             return nothing();
         };
-        match at.guard.and_then(|guard| super::guarded::twin(call.prim).map(|twin| (guard, twin))) {
+        match at
+            .guard
+            .and_then(|guard| super::guarded::twin(call.prim).map(|twin| (guard, twin)))
+        {
             Some((guard, twin)) => {
                 inputs.insert(0, Some(single(Signal::Port(guard))));
                 self.prim(twin, inputs, params, at, span)
@@ -207,7 +262,13 @@ impl<'u> Elab<'u> {
     }
 
     /// The parameters of a primitive: constants by now.
-    fn params(&mut self, scope: &mut Scope<'u>, call: &'u PrimCall, at: At, span: Span) -> Option<Vec<Value>> {
+    fn params(
+        &mut self,
+        scope: &mut Scope<'u>,
+        call: &'u PrimCall,
+        at: At,
+        span: Span,
+    ) -> Option<Vec<Value>> {
         let desc = call.prim.desc();
         let mut params = Vec::with_capacity(desc.params.len());
         for (param, given) in desc.params.iter().zip(&call.params) {
@@ -216,7 +277,10 @@ impl<'u> Elab<'u> {
                 continue;
             };
             let wire = self.expr(scope, *id, at);
-            let values: Option<Vec<Value>> = wire.iter().map(|signal| self.settled_constant(signal)).collect();
+            let values: Option<Vec<Value>> = wire
+                .iter()
+                .map(|signal| self.settled_constant(signal))
+                .collect();
             let value = values.and_then(|values| match param.ty {
                 ParamType::Array(scalar) => Some(crate::check::packed(scalar, &values)),
                 _ => values.first().cloned(),

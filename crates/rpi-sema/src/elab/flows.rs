@@ -29,7 +29,10 @@ impl<'u> Elab<'u> {
 
     fn alias_wire(&mut self, ty: &Ty) -> Wire {
         let scalars = leaf_scalars(ty);
-        scalars.into_iter().map(|scalar| Signal::Port(self.new_alias(scalar))).collect()
+        scalars
+            .into_iter()
+            .map(|scalar| Signal::Port(self.new_alias(scalar)))
+            .collect()
     }
 
     /// Works out a flow of a function on demand.
@@ -39,7 +42,8 @@ impl<'u> Elab<'u> {
         let equations = unit.blocks.iter().flat_map(|block| &block.equations);
         let defines = |equation: &&Equation| equation.targets.iter().any(|t| is_whole(t, flow));
         let found = equations.into_iter().find(|equation| defines(equation));
-        let Some(equation) = found.filter(|_| !matches!(role, FlowRole::Input | FlowRole::Param)) else {
+        let Some(equation) = found.filter(|_| !matches!(role, FlowRole::Input | FlowRole::Param))
+        else {
             return self.fail(NotConstant::Flow(span));
         };
         *scope.state(flow) = State::Busy;

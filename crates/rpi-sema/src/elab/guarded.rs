@@ -21,7 +21,9 @@ const TWINS: &[(&str, &str)] = &[
 /// The twin of a primitive that asks whether it counts.
 pub(super) fn twin(prim: PrimId) -> Option<PrimId> {
     let desc = prim.desc();
-    let row = TWINS.iter().find(|row| desc.may_fault && row.0 == desc.name)?;
+    let row = TWINS
+        .iter()
+        .find(|row| desc.may_fault && row.0 == desc.name)?;
     PrimId::of(row.1)
 }
 

@@ -33,7 +33,7 @@ mod scope;
 mod settle;
 mod signal;
 
-pub use root::{Argument, Elaborated, PortShape, elaborate};
+pub use root::{Argument, Elaborated, PortShape, elaborate, parameters};
 
 use crate::facts::Facts;
 use crate::hash::Map;

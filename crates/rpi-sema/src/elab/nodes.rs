@@ -5,7 +5,7 @@ use super::signal::{Signal, Wire, alias, single};
 use super::{At, Elab, MAX_NODES, Mode, NotConstant};
 use crate::typed::Leaf;
 use rpi_diag::{Code, Finding, Span};
-use rpi_image::{Default as PortDefault, Need, PortType, Scalar, ShapeArgs, Type, Value};
+use rpi_image::{Need, PortDefault, PortType, Scalar, ShapeArgs, Type, Value};
 use rpi_net::{FragmentId, Input, Node, NodeId, Origin, PortRef};
 use rpi_prims::{FaultCode, PrimId, fold};
 
@@ -43,7 +43,10 @@ impl Elab<'_> {
 
     /// A primitive with one-leaf in-ports and one out-port.
     pub(super) fn simple(&mut self, prim: PrimId, inputs: &[Signal], at: At, span: Span) -> Signal {
-        let inputs = inputs.iter().map(|signal| Some(single(signal.clone()))).collect();
+        let inputs = inputs
+            .iter()
+            .map(|signal| Some(single(signal.clone())))
+            .collect();
         let wire = self.prim(prim, inputs, default_params(prim), at, span);
         wire.first().cloned().unwrap_or(Signal::Absent)
     }
@@ -102,8 +105,11 @@ impl Elab<'_> {
         if self.failure.is_none() {
             self.failure = Some(NotConstant::Faulty);
             self.findings.push(
-                Finding::new(Code::RPI1011, format!("the net has more than {MAX_NODES} primitives"))
-                    .at(span, "one more here"),
+                Finding::new(
+                    Code::RPI1011,
+                    format!("the net has more than {MAX_NODES} primitives"),
+                )
+                .at(span, "one more here"),
             );
         }
     }
@@ -138,7 +144,9 @@ impl Elab<'_> {
             inputs: &types,
             params,
         };
-        (0..desc.outputs.len()).map(|port| desc.out_type(port, &args)).collect()
+        (0..desc.outputs.len())
+            .map(|port| desc.out_type(port, &args))
+            .collect()
     }
 
     fn input_type(&self, input: &Input) -> Option<Type> {
@@ -146,13 +154,21 @@ impl Elab<'_> {
             Input::Open => None,
             Input::Const(value) => value.ty(),
             Input::Port(port) if super::signal::alias_of(*port).is_some() => None,
-            Input::Port(port) => self.net.node(port.node).outputs.get(usize::from(port.port)).copied(),
+            Input::Port(port) => self
+                .net
+                .node(port.node)
+                .outputs
+                .get(usize::from(port.port))
+                .copied(),
         }
     }
 
     fn no_sizes(&mut self, prim: PrimId, span: Span) -> Wire {
-        let finding = Finding::new(Code::RPI2009, format!("the sizes of `{}` do not fit", prim.desc().name))
-            .at(span, "no size of its result follows from these arguments");
+        let finding = Finding::new(
+            Code::RPI2009,
+            format!("the sizes of `{}` do not fit", prim.desc().name),
+        )
+        .at(span, "no size of its result follows from these arguments");
         self.findings.push(finding);
         self.fail(NotConstant::Faulty)
     }
@@ -193,7 +209,9 @@ impl Elab<'_> {
             Mode::Constant => {
                 self.fail(NotConstant::Fault(span, what.to_owned()));
             }
-            Mode::Net => self.findings.push(Finding::new(Code::RPI2010, what).at(span, "in every cycle")),
+            Mode::Net => self
+                .findings
+                .push(Finding::new(Code::RPI2010, what).at(span, "in every cycle")),
         }
     }
 
@@ -219,7 +237,11 @@ impl Elab<'_> {
 
 /// All parameters of a primitive by their defaults.
 pub(super) fn default_params(prim: PrimId) -> Vec<Value> {
-    prim.desc().params.iter().filter_map(crate::check::param_default).collect()
+    prim.desc()
+        .params
+        .iter()
+        .filter_map(crate::check::param_default)
+        .collect()
 }
 
 /// What an in-port reads that is not connected.
@@ -238,7 +260,9 @@ fn open(need: Need, ty: PortType) -> Input {
 }
 
 fn default_input(default: PortDefault, scalar: Scalar) -> Input {
-    default.value(Type::One(scalar)).map_or(Input::Open, Input::Const)
+    default
+        .value(Type::One(scalar))
+        .map_or(Input::Open, Input::Const)
 }
 
 /// A value leaf by leaf: the elements of an array one by one.

@@ -39,7 +39,14 @@ impl Elab<'_> {
         let value = Input::Const(Value::neutral(Type::One(scalar)));
         let inputs = vec![value, Input::Const(Value::bool(true))];
         let params = super::nodes::default_params(prim);
-        let node = self.node(prim, inputs, params, vec![Type::One(scalar)], at.fragment, span);
+        let node = self.node(
+            prim,
+            inputs,
+            params,
+            vec![Type::One(scalar)],
+            at.fragment,
+            span,
+        );
         Some(PortRef { node, port: 0 })
     }
 
@@ -49,10 +56,17 @@ impl Elab<'_> {
             return *port;
         }
         let source = self.net.node(array.node);
-        let (fragment, ty) = (source.fragment, source.outputs.get(usize::from(array.port)).copied());
+        let (fragment, ty) = (
+            source.fragment,
+            source.outputs.get(usize::from(array.port)).copied(),
+        );
         let port = match ty {
-            Some(Type::Array(scalar, n)) => self.array_get(array, scalar, n, k, At::fragment(fragment), span),
-            Some(Type::Matrix(_, cols)) => self.matrix_get(array, cols, k, At::fragment(fragment), span),
+            Some(Type::Array(scalar, n)) => {
+                self.array_get(array, scalar, n, k, At::fragment(fragment), span)
+            }
+            Some(Type::Matrix(_, cols)) => {
+                self.matrix_get(array, cols, k, At::fragment(fragment), span)
+            }
             _ => None,
         };
         let port = port.unwrap_or(array);
@@ -60,17 +74,46 @@ impl Elab<'_> {
         port
     }
 
-    fn array_get(&mut self, array: PortRef, scalar: Scalar, n: u32, k: u32, at: At, span: Span) -> Option<PortRef> {
+    fn array_get(
+        &mut self,
+        array: PortRef,
+        scalar: Scalar,
+        n: u32,
+        k: u32,
+        at: At,
+        span: Span,
+    ) -> Option<PortRef> {
         let prim = member(Family::ArrayGet, scalar)?;
         let params = sized_params(prim, &[("Size", n), ("Index", k)]);
-        let node = self.node(prim, vec![Input::Port(array)], params, vec![Type::One(scalar)], at.fragment, span);
+        let node = self.node(
+            prim,
+            vec![Input::Port(array)],
+            params,
+            vec![Type::One(scalar)],
+            at.fragment,
+            span,
+        );
         Some(PortRef { node, port: 0 })
     }
 
-    fn matrix_get(&mut self, array: PortRef, cols: u32, k: u32, at: At, span: Span) -> Option<PortRef> {
+    fn matrix_get(
+        &mut self,
+        array: PortRef,
+        cols: u32,
+        k: u32,
+        at: At,
+        span: Span,
+    ) -> Option<PortRef> {
         let prim = PrimId::of("Core::MatrixGet")?;
         let params = sized_params(prim, &[("Row", k / cols.max(1)), ("Col", k % cols.max(1))]);
-        let node = self.node(prim, vec![Input::Port(array)], params, vec![Type::One(Scalar::Real)], at.fragment, span);
+        let node = self.node(
+            prim,
+            vec![Input::Port(array)],
+            params,
+            vec![Type::One(Scalar::Real)],
+            at.fragment,
+            span,
+        );
         Some(PortRef { node, port: 0 })
     }
 
@@ -92,8 +135,14 @@ impl Elab<'_> {
         let Some(Signal::Element(array, 0)) = wire.first() else {
             return None;
         };
-        let in_order = (0..).zip(wire.iter()).all(|(k, s)| *s == Signal::Element(*array, k));
-        let ty = self.net.node(array.node).outputs.get(usize::from(array.port))?;
+        let in_order = (0..)
+            .zip(wire.iter())
+            .all(|(k, s)| *s == Signal::Element(*array, k));
+        let ty = self
+            .net
+            .node(array.node)
+            .outputs
+            .get(usize::from(array.port))?;
         let len = match ty {
             Type::Array(_, n) => *n,
             Type::Matrix(rows, cols) => rows * cols,
@@ -105,25 +154,55 @@ impl Elab<'_> {
     /// A new array, filled element by element.
     fn array_of(&mut self, wire: &Wire, scalar: Scalar, at: At, span: Span) -> Option<PortRef> {
         let n = u32::try_from(wire.len()).ok()?;
-        let (make, set) = (member(Family::Array, scalar)?, member(Family::ArraySet, scalar)?);
+        let (make, set) = (
+            member(Family::Array, scalar)?,
+            member(Family::ArraySet, scalar)?,
+        );
         let ty = Type::Array(scalar, n);
-        let node = self.node(make, Vec::new(), sized_params(make, &[("Size", n)]), vec![ty], at.fragment, span);
+        let node = self.node(
+            make,
+            Vec::new(),
+            sized_params(make, &[("Size", n)]),
+            vec![ty],
+            at.fragment,
+            span,
+        );
         let mut array = PortRef { node, port: 0 };
         for (k, signal) in (0..n).zip(wire.iter()) {
             let value = self.one_input(signal, scalar, at, span);
             let params = sized_params(set, &[("Size", n), ("Index", k)]);
-            let node = self.node(set, vec![Input::Port(array), value], params, vec![ty], at.fragment, span);
+            let node = self.node(
+                set,
+                vec![Input::Port(array), value],
+                params,
+                vec![ty],
+                at.fragment,
+                span,
+            );
             array = PortRef { node, port: 0 };
         }
         Some(array)
     }
 
     /// The port of a signal, for what takes nothing but ports.
-    pub(super) fn port_of(&mut self, signal: &Signal, scalar: Scalar, at: At, span: Span) -> Option<PortRef> {
+    pub(super) fn port_of(
+        &mut self,
+        signal: &Signal,
+        scalar: Scalar,
+        at: At,
+        span: Span,
+    ) -> Option<PortRef> {
         match signal {
             Signal::Const(value) => {
                 let prim = member(Family::Value, scalar)?;
-                let node = self.node(prim, Vec::new(), vec![value.clone()], vec![Type::One(scalar)], at.fragment, span);
+                let node = self.node(
+                    prim,
+                    Vec::new(),
+                    vec![value.clone()],
+                    vec![Type::One(scalar)],
+                    at.fragment,
+                    span,
+                );
                 Some(PortRef { node, port: 0 })
             }
             other => match self.one_input(other, scalar, at, span) {
@@ -138,7 +217,9 @@ impl Elab<'_> {
 fn sized_params(prim: PrimId, given: &[(&str, u32)]) -> Vec<Value> {
     let value = |param: &rpi_image::Param| {
         let given = given.iter().find(|(name, _)| *name == param.name);
-        given.map(|(_, v)| Value::int((*v).into())).or_else(|| crate::check::param_default(param))
+        given
+            .map(|(_, v)| Value::int((*v).into()))
+            .or_else(|| crate::check::param_default(param))
     };
     prim.desc().params.iter().filter_map(value).collect()
 }

@@ -69,15 +69,26 @@ pub fn elaborate(units: &[Unit], facts: &[Facts], id: UnitId, args: &[Argument])
 
 impl<'u> Elab<'u> {
     /// Connects the parameters. Those that are not known become aliases that stand for neutral values.
-    fn parameters(&mut self, scope: &mut Scope<'u>, args: &[Argument]) -> Vec<(rpi_net::PortRef, Value)> {
+    fn parameters(
+        &mut self,
+        scope: &mut Scope<'u>,
+        args: &[Argument],
+    ) -> Vec<(rpi_net::PortRef, Value)> {
         let unit = scope.unit;
         let mut unknown = Vec::new();
-        let params = unit.inputs.iter().filter(|id| unit.flow(**id).role == FlowRole::Param);
+        let params = unit
+            .inputs
+            .iter()
+            .filter(|id| unit.flow(**id).role == FlowRole::Param);
         for (k, flow) in params.enumerate() {
             let declared = unit.flow(*flow);
             let wire = match (args.get(k), declared.default, &declared.ty) {
-                (Some(Argument::Value(leaves)), ..) => leaves.iter().cloned().map(Signal::Const).collect(),
-                (_, _, Ty::Device(_)) => single(Signal::Const(Value::Str(declared.name.to_string()))),
+                (Some(Argument::Value(leaves)), ..) => {
+                    leaves.iter().cloned().map(Signal::Const).collect()
+                }
+                (_, _, Ty::Device(_)) => {
+                    single(Signal::Const(Value::Str(declared.name.to_string())))
+                }
                 (_, Some(default), _) => self.expr(scope, default, At::ROOT),
                 _ => {
                     let mut leaves = Vec::new();
@@ -98,11 +109,17 @@ impl<'u> Elab<'u> {
     fn inputs(&mut self, scope: &mut Scope<'u>) -> Vec<PortShape> {
         let unit = scope.unit;
         let mut shapes = Vec::new();
-        for flow in unit.inputs.iter().filter(|id| unit.flow(**id).role != FlowRole::Param) {
+        for flow in unit
+            .inputs
+            .iter()
+            .filter(|id| unit.flow(**id).role != FlowRole::Param)
+        {
             let declared = unit.flow(*flow);
             self.begin(&declared.name);
             let mut leaves: Vec<(String, Ty)> = Vec::new();
-            declared.ty.leaves(&mut |path, ty| leaves.push((format!("{}{path}", declared.name), ty.clone())));
+            declared.ty.leaves(&mut |path, ty| {
+                leaves.push((format!("{}{path}", declared.name), ty.clone()))
+            });
             let mut wire = Vec::with_capacity(leaves.len());
             for (key, ty) in leaves {
                 wire.push(self.outside(&key, ty.scalar().unwrap_or(Scalar::Bool), declared.span));
@@ -140,7 +157,9 @@ impl<'u> Elab<'u> {
             let wire = self.flow(scope, *flow, declared.span);
             self.begin(&declared.name);
             let mut leaves: Vec<(String, Ty)> = Vec::new();
-            declared.ty.leaves(&mut |path, ty| leaves.push((format!("{}{path}", declared.name), ty.clone())));
+            declared.ty.leaves(&mut |path, ty| {
+                leaves.push((format!("{}{path}", declared.name), ty.clone()))
+            });
             for ((key, ty), signal) in leaves.into_iter().zip(wire.iter()) {
                 self.export(&key, signal, &ty, declared.span);
                 shapes.push(PortShape { key, ty });
@@ -172,7 +191,9 @@ impl<'u> Elab<'u> {
                 self.begin(&export.key);
                 let mut leaves: Vec<(String, Ty)> = Vec::new();
                 let ty = &unit.expr(export.value).ty;
-                ty.leaves(&mut |path, ty| leaves.push((format!("{}{path}", export.key), ty.clone())));
+                ty.leaves(&mut |path, ty| {
+                    leaves.push((format!("{}{path}", export.key), ty.clone()))
+                });
                 for ((key, ty), signal) in leaves.into_iter().zip(wire.iter()) {
                     self.export(&key, signal, &ty, export.span);
                 }

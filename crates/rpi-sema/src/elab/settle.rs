@@ -4,7 +4,7 @@ use super::families::{Family, member};
 use super::signal::{Signal, alias_of};
 use super::{At, Elab};
 use rpi_diag::Span;
-use rpi_image::{Scalar, Type, Value};
+use rpi_image::{Type, Value};
 use rpi_net::{Activation, Driver, FragmentId, Input, PortRef, Restart};
 
 impl Elab<'_> {
@@ -58,8 +58,19 @@ impl Elab<'_> {
         let Some(prim) = member(Family::Conditional, scalar) else {
             return Signal::Const(Value::neutral(scalar.into()));
         };
-        let inputs = vec![Input::Const(Value::bool(true)), Input::Port(port), Input::Port(port)];
-        let node = self.node(prim, inputs, Vec::new(), vec![Type::One(scalar)], FragmentId::ROOT, Span::NONE);
+        let inputs = vec![
+            Input::Const(Value::bool(true)),
+            Input::Port(port),
+            Input::Port(port),
+        ];
+        let node = self.node(
+            prim,
+            inputs,
+            Vec::new(),
+            vec![Type::One(scalar)],
+            FragmentId::ROOT,
+            Span::NONE,
+        );
         Signal::Port(PortRef { node, port: 0 })
     }
 
@@ -95,12 +106,18 @@ impl Elab<'_> {
             return port;
         };
         let signal = self.aliases[alias].clone().unwrap_or(Signal::Absent);
-        self.port_of(&signal, self.alias_types[alias], at, span).unwrap_or(port)
+        self.port_of(&signal, self.alias_types[alias], at, span)
+            .unwrap_or(port)
     }
 
     fn settle_fragment(&mut self, fragment: usize) {
-        let parent = self.net.fragments[fragment].parent.unwrap_or(FragmentId::ROOT);
-        let (at, span) = (At::fragment(parent), self.net.fragments[fragment].origin.span);
+        let parent = self.net.fragments[fragment]
+            .parent
+            .unwrap_or(FragmentId::ROOT);
+        let (at, span) = (
+            At::fragment(parent),
+            self.net.fragments[fragment].origin.span,
+        );
         if let Activation::When { condition, absent } = self.net.fragments[fragment].activation {
             let condition = self.settled_port(condition, at, span);
             self.net.fragments[fragment].activation = Activation::When { condition, absent };
@@ -112,7 +129,9 @@ impl Elab<'_> {
     }
 
     fn settle_driver(&mut self) {
-        let Driver::Results(mut results) = std::mem::replace(&mut self.net.driver, Driver::Results(Vec::new())) else {
+        let Driver::Results(mut results) =
+            std::mem::replace(&mut self.net.driver, Driver::Results(Vec::new()))
+        else {
             return;
         };
         for result in &mut results {
@@ -122,10 +141,5 @@ impl Elab<'_> {
             }
         }
         self.net.driver = Driver::Results(results);
-    }
-
-    /// The machine type of a signal's alias, for what has to know it.
-    pub(super) fn alias_type(&self, alias: usize) -> Scalar {
-        self.alias_types[alias]
     }
 }

@@ -57,7 +57,12 @@ impl Absence {
 
     /// Leaf by leaf combined with another of so many leaves.
     #[must_use]
-    pub fn with(&self, other: &Absence, count: usize, combine: impl Fn(bool, bool) -> bool) -> Absence {
+    pub fn with(
+        &self,
+        other: &Absence,
+        count: usize,
+        combine: impl Fn(bool, bool) -> bool,
+    ) -> Absence {
         match (self, other) {
             (Absence::All(a), Absence::All(b)) => Absence::All(combine(*a, *b)),
             _ => Absence::of((0..count).map(|k| combine(self.leaf(k), other.leaf(k)))),
@@ -69,10 +74,12 @@ impl Absence {
     pub fn replaced(&self, count: usize, at: usize, part: &Absence, of_part: usize) -> Absence {
         match (self, part) {
             (Absence::All(a), Absence::All(b)) if a == b => Absence::All(*a),
-            _ => Absence::of((0..count).map(|k| match k.checked_sub(at).filter(|k| *k < of_part) {
-                Some(k) => part.leaf(k),
-                None => self.leaf(k),
-            })),
+            _ => Absence::of((0..count).map(
+                |k| match k.checked_sub(at).filter(|k| *k < of_part) {
+                    Some(k) => part.leaf(k),
+                    None => self.leaf(k),
+                },
+            )),
         }
     }
 }

@@ -46,12 +46,25 @@ fn flows(inference: &Inference<'_>, reads: &Reads<'_>, findings: &mut Vec<Findin
 fn conditions(inference: &Inference<'_>, findings: &mut Vec<Finding>) {
     let unit = inference.unit;
     for block in &unit.blocks {
-        let when = block.when.iter().map(|id| (*id, "a fragment is active or not, never neither"));
-        let ends = block.ends.iter().map(|end| (end.condition, "a command ends or not, never neither"));
-        let claims = block.claims.iter().map(|claim| (claim.condition, "a claim holds or not, never neither"));
-        let states = block.automata.iter().flat_map(|automaton| &automaton.states);
+        let when = block
+            .when
+            .iter()
+            .map(|id| (*id, "a fragment is active or not, never neither"));
+        let ends = block
+            .ends
+            .iter()
+            .map(|end| (end.condition, "a command ends or not, never neither"));
+        let claims = block
+            .claims
+            .iter()
+            .map(|claim| (claim.condition, "a claim holds or not, never neither"));
+        let states = block
+            .automata
+            .iter()
+            .flat_map(|automaton| &automaton.states);
         let transitions = states.flat_map(|state| state.unless.iter().chain(&state.until));
-        let transitions = transitions.filter_map(|t| Some((t.condition?, "a transition is taken or not, never neither")));
+        let transitions = transitions
+            .filter_map(|t| Some((t.condition?, "a transition is taken or not, never neither")));
         for (id, why) in when.chain(ends).chain(claims).chain(transitions) {
             if inference.exprs[id.0 as usize].any() {
                 findings.push(inference.absent_here(id, why).help("often `x ?? false`"));
@@ -80,7 +93,8 @@ fn arguments(inference: &Inference<'_>, call: &Call, findings: &mut Vec<Finding>
     };
     for id in conditions.into_iter().flatten() {
         if inference.exprs[id.0 as usize].any() {
-            findings.push(inference.absent_here(id, "an activation is true or false, never neither"));
+            findings
+                .push(inference.absent_here(id, "an activation is true or false, never neither"));
         }
     }
 }

@@ -29,10 +29,15 @@ fn opposite(unit: &Unit, blocks: &[BlockId]) -> bool {
     let condition = |block: &BlockId| {
         let block = unit.block(*block);
         let outermost = block.parent.is_some_and(|parent| parent == BlockId::ROOT);
-        block.when.filter(|_| outermost).and_then(|when| literal(unit, when, true))
+        block
+            .when
+            .filter(|_| outermost)
+            .and_then(|when| literal(unit, when, true))
     };
     let conditions: Vec<(u32, bool)> = blocks.iter().filter_map(condition).collect();
-    conditions.iter().any(|(flow, holds)| conditions.contains(&(*flow, !holds)))
+    conditions
+        .iter()
+        .any(|(flow, holds)| conditions.contains(&(*flow, !holds)))
 }
 
 /// A flow or its negation.
@@ -49,5 +54,10 @@ fn literal(unit: &Unit, id: ExprId, holds: bool) -> Option<(u32, bool)> {
 fn all_states(unit: &Unit, blocks: &[BlockId]) -> bool {
     let automata = unit.blocks.first().map(|root| &root.automata);
     let mut automata = automata.into_iter().flatten();
-    automata.any(|automaton| automaton.states.iter().all(|state| blocks.contains(&state.block)))
+    automata.any(|automaton| {
+        automaton
+            .states
+            .iter()
+            .all(|state| blocks.contains(&state.block))
+    })
 }

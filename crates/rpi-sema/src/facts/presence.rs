@@ -5,11 +5,11 @@
 
 use super::Absence;
 use super::reads::{Definition, Reads};
+use crate::ty::Ty;
 use crate::typed::{
     Activation, BlockId, Call, Each, ExprId, FlowId, FlowRole, Kind, Optional, Place, PrimCall,
     Unit, UnitKind,
 };
-use crate::ty::Ty;
 use rpi_diag::{Code, Finding};
 use rpi_image::{Need, Presence, Role};
 
@@ -23,7 +23,10 @@ impl Facts {
     /// Whether some leaf of an expression can be absent.
     #[must_use]
     pub fn absence(&self, id: ExprId) -> Absence {
-        self.exprs.get(id.0 as usize).cloned().unwrap_or(Absence::NEVER)
+        self.exprs
+            .get(id.0 as usize)
+            .cloned()
+            .unwrap_or(Absence::NEVER)
     }
 }
 
@@ -64,7 +67,11 @@ impl<'u> Inference<'u> {
             Optional::Declared(optional) => Absence::All(optional),
             Optional::Inferred => Absence::NEVER,
         };
-        let mut gated: Vec<bool> = unit.blocks.iter().map(|block| block.when.is_some()).collect();
+        let mut gated: Vec<bool> = unit
+            .blocks
+            .iter()
+            .map(|block| block.when.is_some())
+            .collect();
         let automata = unit.blocks.iter().flat_map(|block| &block.automata);
         for state in automata.flat_map(|automaton| &automaton.states) {
             gated[state.block.0 as usize] = true;
@@ -75,7 +82,11 @@ impl<'u> Inference<'u> {
             units,
             unit,
             exprs: vec![Absence::NEVER; unit.exprs.len()],
-            flows: unit.flows.iter().map(|flow| declared(flow.optional)).collect(),
+            flows: unit
+                .flows
+                .iter()
+                .map(|flow| declared(flow.optional))
+                .collect(),
             gated,
         }
     }
@@ -87,10 +98,14 @@ impl<'u> Inference<'u> {
             Kind::Sensor { .. } => true,
             Kind::Prim(call) => {
                 let outputs = call.prim.desc().outputs;
-                outputs.iter().any(|port| !matches!(port.presence, Presence::Strict | Presence::Always))
+                outputs
+                    .iter()
+                    .any(|port| !matches!(port.presence, Presence::Strict | Presence::Always))
                     && !self.prim(call).iter().all(|absent| !absent)
             }
-            Kind::Call(call) => self.call(call).any() || !matches!(call.activation, Activation::Always),
+            Kind::Call(call) => {
+                self.call(call).any() || !matches!(call.activation, Activation::Always)
+            }
             _ => false,
         };
         self.gated.iter().any(|gated| *gated)
@@ -156,7 +171,14 @@ impl<'u> Inference<'u> {
         }
     }
 
-    fn join(&mut self, flow: FlowId, at: usize, part: &Absence, count: usize, changed: &mut Vec<FlowId>) {
+    fn join(
+        &mut self,
+        flow: FlowId,
+        at: usize,
+        part: &Absence,
+        count: usize,
+        changed: &mut Vec<FlowId>,
+    ) {
         let known = &self.flows[flow.0 as usize];
         if self.unit.flow(flow).optional != Optional::Inferred || !part.any() {
             return;
@@ -216,7 +238,9 @@ impl<'u> Inference<'u> {
             Kind::Sensor { device, port } => self.sensor(*device, *port),
             Kind::Part { base, at } => self.of(*base).part(*at as usize, count),
             Kind::Slice { base, .. } | Kind::Repeat(base) => Absence::All(self.of(*base).any()),
-            Kind::Select { base, index } => Absence::All(self.of(*base).any() || self.of(*index).any()),
+            Kind::Select { base, index } => {
+                Absence::All(self.of(*base).any() || self.of(*index).any())
+            }
             Kind::Build(parts) => {
                 let leaves = parts.iter().flat_map(|part| {
                     let absence = self.of(*part);
@@ -226,10 +250,13 @@ impl<'u> Inference<'u> {
             }
             Kind::Replace { base, at, value } => {
                 let part = self.of(*value);
-                self.of(*base).replaced(count, *at as usize, &part, self.count(*value))
+                self.of(*base)
+                    .replaced(count, *at as usize, &part, self.count(*value))
             }
             Kind::Each(each, operands) => self.each(*each, operands, count),
-            Kind::Equal { operands, .. } => Absence::All(operands.iter().any(|id| self.of(*id).any())),
+            Kind::Equal { operands, .. } => {
+                Absence::All(operands.iter().any(|id| self.of(*id).any()))
+            }
             Kind::Prim(call) => Absence::of(self.prim_leaves(call, &expr.ty)),
             Kind::Call(call) => self.call(call),
             Kind::When { value, .. } => self.of(*value),
@@ -261,7 +288,9 @@ impl<'u> Inference<'u> {
             (Each::Pre, [x]) => self.of(*x),
             (Each::Arrow, [a, b]) => self.of(*a).with(&self.of(*b), count, or),
             (Each::Coalesce, [a, b]) if self.covers(*a, *b) => Absence::NEVER,
-            (Each::Coalesce | Each::Hold, [a, b]) => self.of(*a).with(&self.of(*b), count, |a, b| a && b),
+            (Each::Coalesce | Each::Hold, [a, b]) => {
+                self.of(*a).with(&self.of(*b), count, |a, b| a && b)
+            }
             _ => Absence::MAYBE,
         }
     }
@@ -274,7 +303,12 @@ impl<'u> Inference<'u> {
     /// For each out-port whether it can be absent.
     fn prim(&self, call: &PrimCall) -> Vec<bool> {
         let desc = call.prim.desc();
-        let connected: Vec<bool> = call.inputs.iter().flatten().map(|id| self.of(*id).any()).collect();
+        let connected: Vec<bool> = call
+            .inputs
+            .iter()
+            .flatten()
+            .map(|id| self.of(*id).any())
+            .collect();
         let is_open = |(port, given): (&rpi_image::InPort, &Option<ExprId>)| {
             given.is_none() && matches!(port.need, Need::Absent | Need::Required)
         };
@@ -288,7 +322,10 @@ impl<'u> Inference<'u> {
             Presence::IfAny => !connected.iter().any(|absent| !absent),
         };
         let is_delay = desc.role == Role::Delay;
-        let outputs = desc.outputs.iter().map(|port| rule(port.presence) || (is_delay && some));
+        let outputs = desc
+            .outputs
+            .iter()
+            .map(|port| rule(port.presence) || (is_delay && some));
         outputs.collect()
     }
 
@@ -296,7 +333,11 @@ impl<'u> Inference<'u> {
         let ports = self.prim(call);
         let counts: Vec<usize> = match (&ports[..], ty) {
             ([_], ty) => vec![ty.leaf_count()],
-            (_, ty) => ty.members().iter().map(|member| member.ty.leaf_count()).collect(),
+            (_, ty) => ty
+                .members()
+                .iter()
+                .map(|member| member.ty.leaf_count())
+                .collect(),
         };
         let leaves = ports.into_iter().zip(counts);
         leaves.flat_map(|(absent, count)| std::iter::repeat_n(absent, count))

@@ -31,7 +31,8 @@ impl<'u> Reads<'u> {
         let mut parents = Vec::new();
         let mut of_flows = Vec::new();
         for (id, expr) in (0u32..).zip(&unit.exprs) {
-            expr.kind.operands(&mut |operand| parents.push((operand.0, id)));
+            expr.kind
+                .operands(&mut |operand| parents.push((operand.0, id)));
             if let Kind::Flow(flow) = expr.kind {
                 of_flows.push((flow.0, id));
             }
@@ -70,8 +71,16 @@ impl<'u> Reads<'u> {
 fn definitions(unit: &Unit) -> Vec<Definition<'_>> {
     let mut all = Vec::new();
     for (block, content) in (0..).map(BlockId).zip(&unit.blocks) {
-        all.extend(content.equations.iter().map(|e| Definition::Equation(block, e)));
-        let shared = content.automata.iter().flat_map(|automaton| &automaton.shared);
+        all.extend(
+            content
+                .equations
+                .iter()
+                .map(|e| Definition::Equation(block, e)),
+        );
+        let shared = content
+            .automata
+            .iter()
+            .flat_map(|automaton| &automaton.shared);
         all.extend(shared.map(Definition::Shared));
     }
     all
@@ -101,9 +110,18 @@ fn blocks(unit: &Unit) -> Vec<BlockId> {
         }
         let roots = block.equations.iter().map(|e| e.value);
         let claims = block.claims.iter().map(|claim| claim.condition);
-        let states = block.automata.iter().flat_map(|automaton| &automaton.states);
-        let until = states.flat_map(|s| s.until.iter().filter_map(move |t| Some((s.block, t.condition?))));
-        roots.chain(claims).for_each(|root| mark(unit, root, id, &mut blocks));
+        let states = block
+            .automata
+            .iter()
+            .flat_map(|automaton| &automaton.states);
+        let until = states.flat_map(|s| {
+            s.until
+                .iter()
+                .filter_map(move |t| Some((s.block, t.condition?)))
+        });
+        roots
+            .chain(claims)
+            .for_each(|root| mark(unit, root, id, &mut blocks));
         until.for_each(|(state, root)| mark(unit, root, state, &mut blocks));
         if let (Some(when), Some(parent)) = (block.when, block.parent) {
             mark(unit, when, parent, &mut blocks);
@@ -116,7 +134,9 @@ fn mark(unit: &Unit, root: ExprId, block: BlockId, blocks: &mut [BlockId]) {
     let mut open = vec![root];
     while let Some(id) = open.pop() {
         blocks[id.0 as usize] = block;
-        unit.expr(id).kind.operands(&mut |operand| open.push(operand));
+        unit.expr(id)
+            .kind
+            .operands(&mut |operand| open.push(operand));
     }
 }
 

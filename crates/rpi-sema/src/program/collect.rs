@@ -1,6 +1,6 @@
 //! From parsed files to the table of declarations.
 
-use super::{Decl, DeclId, DeclKind, Module, ModuleId, PRELUDE, Program, Source};
+use super::{Decl, DeclId, DeclKind, Module, ModuleId, Program, Source};
 use crate::hash::Map;
 use rpi_diag::{Code, Finding, Span, suggest};
 use rpi_syntax::Name;
@@ -20,12 +20,14 @@ impl<'a> Program<'a> {
                 collector.uses(id, file, sources);
             }
         }
-        let is_prelude = |source: &Source<'_>| source.name == PRELUDE;
-        let prelude = sources.iter().position(is_prelude);
+        let implicit = (0..)
+            .map(ModuleId)
+            .zip(sources)
+            .filter(|(_, source)| source.implicit);
         let program = Program {
             modules: collector.modules,
             decls: collector.decls,
-            prelude: prelude.and_then(|k| u32::try_from(k).ok()).map(ModuleId),
+            implicit: implicit.map(|(id, _)| id).collect(),
         };
         (program, collector.findings)
     }
@@ -152,8 +154,10 @@ pub(crate) fn twice(name: &Name, again: Span, first: Span) -> Finding {
 }
 
 fn no_module(name: &Ident, sources: &[Source<'_>]) -> Finding {
-    let finding = Finding::new(Code::RPI1005, format!("there is no module `{}`", name.name))
-        .at(name.span, "neither in the standard library nor beside this file");
+    let finding = Finding::new(Code::RPI1005, format!("there is no module `{}`", name.name)).at(
+        name.span,
+        "neither in the standard library nor beside this file",
+    );
     match suggest(&name.name, sources.iter().map(|s| s.name.as_str())) {
         Some(near) => finding.help(format!("did you mean `{near}`?")),
         None => finding,

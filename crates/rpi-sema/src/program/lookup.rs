@@ -1,8 +1,8 @@
 //! Finding a declaration by name.
 
-use super::{DeclId, Module, ModuleId, PRELUDE, Program};
+use super::{DeclId, Module, ModuleId, Program};
 use rpi_diag::suggest;
-use rpi_syntax::Name;
+use rpi_syntax::{Mode, Name};
 
 /// What a name finds.
 #[derive(Clone, PartialEq, Eq, Debug)]
@@ -31,17 +31,25 @@ impl Program<'_> {
         let names = |id: &ModuleId| self.module(*id).names.get(name).copied();
         let found: Vec<DeclId> = module.uses.iter().filter_map(names).collect();
         match found[..] {
-            [] => self.in_prelude(name),
+            [] => self.implied(module, name),
             [one] => Lookup::Found(one),
             _ => Lookup::Ambiguous(found),
         }
     }
 
-    fn in_prelude(&self, name: &Name) -> Lookup {
-        let prelude = self.prelude.map(|id| self.module(id));
-        match prelude.and_then(|prelude| prelude.names.get(name)) {
+    fn implied(&self, module: &Module<'_>, name: &Name) -> Lookup {
+        let mut implicit = self.implicit_of(module).iter();
+        match implicit.find_map(|id| self.module(*id).names.get(name)) {
             Some(id) => Lookup::Found(*id),
             None => Lookup::Missing,
+        }
+    }
+
+    /// The modules that a module uses without saying so; Lustre has none.
+    fn implicit_of(&self, module: &Module<'_>) -> &[ModuleId] {
+        match module.mode {
+            Mode::Rpi => &self.implicit,
+            Mode::Lustre => &[],
         }
     }
 
@@ -49,9 +57,9 @@ impl Program<'_> {
         let Some((first, rest)) = name.split_once("::") else {
             return Lookup::Missing;
         };
-        let mut used = module.uses.iter().map(|id| self.module(*id));
+        let used = module.uses.iter().chain(self.implicit_of(module));
+        let mut used = used.map(|id| self.module(*id));
         let of_module = used.find(|m| m.name == first);
-        let of_module = of_module.or(self.prelude.map(|id| self.module(id)).filter(|_| first == PRELUDE));
         let found = of_module.and_then(|m| m.names.get(rest));
         found.map_or(Lookup::Missing, |id| Lookup::Found(*id))
     }
@@ -65,9 +73,12 @@ impl Program<'_> {
         fits: impl Fn(DeclId) -> bool,
     ) -> Option<String> {
         let own = std::iter::once(&from).chain(&self.module(from).uses);
-        let modules = own.chain(&self.prelude).map(|id| self.module(*id));
+        let implicit = self.implicit_of(self.module(from));
+        let modules = own.chain(implicit).map(|id| self.module(*id));
         let decls = modules.flat_map(|module| module.decls.iter().copied());
-        let names = decls.filter(|id| fits(*id)).map(|id| self.decl(id).name.as_str());
+        let names = decls
+            .filter(|id| fits(*id))
+            .map(|id| self.decl(id).name.as_str());
         suggest(name, names)
     }
 }

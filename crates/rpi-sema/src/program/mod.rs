@@ -1,7 +1,8 @@
 //! The declarations of all modules of a program, and how names find them.
 //!
 //! A module is one file, with the files that it includes. Its own names come before those of the modules that it uses,
-//! and these before the prelude. This part knows which declarations there are; it must not know what they mean.
+//! and these before the
+//! modules that are there without being used. This part knows which declarations there are; it must not know what they mean.
 
 mod collect;
 mod lookup;
@@ -27,6 +28,8 @@ pub struct Source<'a> {
     pub mode: Mode,
     /// The file, then those that it includes.
     pub files: Vec<&'a File>,
+    /// Whether every `.rpi` module uses it without saying so.
+    pub implicit: bool,
 }
 
 /// Index of a module in [`Program::modules`].
@@ -126,11 +129,9 @@ pub struct Program<'a> {
     pub modules: Vec<Module<'a>>,
     /// The declarations of all modules.
     pub decls: Vec<Decl<'a>>,
-    prelude: Option<ModuleId>,
+    /// The modules that every `.rpi` module uses without saying so.
+    implicit: Vec<ModuleId>,
 }
-
-/// The name of the module that every module uses without saying so.
-pub const PRELUDE: &str = "prelude";
 
 impl<'a> Program<'a> {
     /// The declaration of this index.

@@ -250,7 +250,10 @@ mod tests {
         let mut subst = Subst::default();
         subst.frames.insert("tool".into(), None);
         let wanted = pose("tool", "");
-        assert_eq!(fit(&wanted, &pose("arm.tool", "arm.base"), &mut subst), Ok(()));
+        assert_eq!(
+            fit(&wanted, &pose("arm.tool", "arm.base"), &mut subst),
+            Ok(())
+        );
         assert!(fit(&wanted, &pose("other.tool", ""), &mut subst).is_err());
         assert_eq!(wanted.substituted(&subst), pose("arm.tool", ""));
     }

@@ -31,7 +31,12 @@ fn print_block(unit: &Unit, id: BlockId, block: &Block, out: &mut String) {
     }
     for end in &block.ends {
         let kind = format!("{:?}", end.kind).to_lowercase();
-        let _ = writeln!(out, "    {kind} {} when {}", end.result, expr(unit, end.condition));
+        let _ = writeln!(
+            out,
+            "    {kind} {} when {}",
+            end.result,
+            expr(unit, end.condition)
+        );
     }
 }
 
@@ -52,7 +57,7 @@ fn expr(unit: &Unit, id: ExprId) -> String {
     let head = match kind {
         Kind::Fault => "fault".to_owned(),
         Kind::Const(leaves) => format!("const{}", leaves.len()),
-        Kind::Literal(leaf) => rpi_net::literal::write(leaf),
+        Kind::Literal(leaf) => literal(leaf),
         Kind::None => "none".to_owned(),
         Kind::Flow(flow) => unit.flow(*flow).name.to_string(),
         Kind::Sensor { port, .. } => format!("sensor{port}"),
@@ -77,4 +82,13 @@ fn expr(unit: &Unit, id: ExprId) -> String {
         true => head,
         false => format!("{head}({})", operands.join(", ")),
     }
+}
+
+fn literal(leaf: &super::Leaf) -> String {
+    let as_real = leaf.as_real().map(|v| format!("{v:?}"));
+    let as_int = || leaf.as_int().map(|v| v.to_string());
+    let as_bool = || leaf.as_bool().map(|v| v.to_string());
+    let as_text = || leaf.as_str().map(|v| format!("{v:?}"));
+    let known = as_real.or_else(as_int).or_else(as_bool).or_else(as_text);
+    known.unwrap_or_else(|| format!("{:x?}", leaf.cells()))
 }

@@ -8,11 +8,19 @@ use super::{Equation, ExprId, Kind, Place, Unit, UnitId};
 /// Says what does not hold, and where.
 pub fn verify(unit: &Unit, units: usize) -> Result<(), String> {
     for (id, expr) in (0..).map(ExprId).zip(&unit.exprs) {
-        verify_expr(unit, units, id).map_err(|what| format!("`{}`: expression {}: {what} ({:?})", unit.name, id.0, expr.kind))?;
+        verify_expr(unit, units, id).map_err(|what| {
+            format!(
+                "`{}`: expression {}: {what} ({:?})",
+                unit.name, id.0, expr.kind
+            )
+        })?;
     }
     for (k, block) in unit.blocks.iter().enumerate() {
         if block.parent.is_some_and(|parent| parent.0 as usize >= k) {
-            return Err(format!("`{}`: block {k} stands before the one around it", unit.name));
+            return Err(format!(
+                "`{}`: block {k} stands before the one around it",
+                unit.name
+            ));
         }
         for equation in &block.equations {
             verify_equation(unit, equation).map_err(|what| format!("`{}`: {what}", unit.name))?;
@@ -30,12 +38,21 @@ fn verify_expr(unit: &Unit, units: usize, id: ExprId) -> Result<(), &'static str
     }
     match &expr.kind {
         Kind::Flow(flow) if flow.0 as usize >= unit.flows.len() => Err("no such flow"),
-        Kind::Call(call) if call.unit >= UnitId(u32::try_from(units).unwrap_or(u32::MAX)) => Err("no such unit"),
-        Kind::Const(leaves) if leaves.len() != expr.ty.leaf_count() => Err("wrong number of leaves"),
+        Kind::Call(call) if call.unit >= UnitId(u32::try_from(units).unwrap_or(u32::MAX)) => {
+            Err("no such unit")
+        }
+        Kind::Const(leaves) if leaves.len() != expr.ty.leaf_count() => {
+            Err("wrong number of leaves")
+        }
         Kind::Part { base, at } => {
             let base = unit.expr(*base);
-            let fits = base.ty.has_unknown() || *at as usize + expr.ty.leaf_count() <= base.ty.leaf_count();
-            if fits { Ok(()) } else { Err("a part beyond its base") }
+            let fits = base.ty.has_unknown()
+                || *at as usize + expr.ty.leaf_count() <= base.ty.leaf_count();
+            if fits {
+                Ok(())
+            } else {
+                Err("a part beyond its base")
+            }
         }
         _ => Ok(()),
     }
@@ -43,16 +60,26 @@ fn verify_expr(unit: &Unit, units: usize, id: ExprId) -> Result<(), &'static str
 
 fn verify_equation(unit: &Unit, equation: &Equation) -> Result<(), String> {
     let value = &unit.expr(equation.value).ty;
-    let taken: usize = equation.targets.iter().map(|target| target.ty.leaf_count()).sum();
+    let taken: usize = equation
+        .targets
+        .iter()
+        .map(|target| target.ty.leaf_count())
+        .sum();
     let unknown = value.has_unknown() || equation.targets.iter().any(|t| t.ty.has_unknown());
     if !unknown && !equation.targets.is_empty() && taken != value.leaf_count() {
-        return Err(format!("an equation takes {taken} leaves of {}", value.leaf_count()));
+        return Err(format!(
+            "an equation takes {taken} leaves of {}",
+            value.leaf_count()
+        ));
     }
     for target in &equation.targets {
         if let Place::Flow { flow, at } = target.place {
             let count = unit.flow(flow).ty.leaf_count();
             if !unknown && at as usize + target.ty.leaf_count() > count {
-                return Err(format!("an equation defines more than there is of `{}`", unit.flow(flow).name));
+                return Err(format!(
+                    "an equation defines more than there is of `{}`",
+                    unit.flow(flow).name
+                ));
             }
         }
     }

@@ -1,0 +1,223 @@
+//! The modules of a program: its file, what it includes and uses, and the standard library, which is built in.
+
+use std::collections::VecDeque;
+use std::path::{Path, PathBuf};
+
+use rpi_diag::{FileId, Finding, SourceMap};
+use rpi_sema::program::Source;
+use rpi_syntax::ast::{File, ItemKind};
+use rpi_syntax::{Mode, Name, parse};
+
+/// A module of the standard library.
+struct Library {
+    name: &'static str,
+    text: &'static str,
+    /// Whether every program has it without saying so.
+    implicit: bool,
+}
+
+macro_rules! library {
+    ($name:literal, $implicit:literal) => {
+        Library {
+            name: $name,
+            text: include_str!(concat!("../../../stdlib/", $name, ".rpi")),
+            implicit: $implicit,
+        }
+    };
+}
+
+/// The standard library. A test checks that every file of it is listed.
+const LIBRARY: &[Library] = &[
+    library!("geometry", true),
+    library!("io", false),
+    library!("motion", false),
+];
+
+/// A module that was found.
+struct Module {
+    name: String,
+    mode: Mode,
+    files: Vec<File>,
+    implicit: bool,
+}
+
+/// The modules of a program, parsed.
+pub(crate) struct Modules {
+    modules: Vec<Module>,
+    pub(crate) findings: Vec<Finding>,
+}
+
+impl Modules {
+    /// Parses a program's text and all that it needs. Modules are looked for in `folder`, then in the standard library.
+    pub(crate) fn load(
+        name: &str,
+        path: &str,
+        text: &str,
+        folder: Option<&Path>,
+        sources: &mut SourceMap,
+    ) -> Modules {
+        let mut loader = Loader {
+            folder: folder.map(Path::to_owned),
+            sources,
+            modules: Vec::new(),
+            findings: Vec::new(),
+            open: VecDeque::new(),
+        };
+        let mode = Mode::of_path(path);
+        loader.module(name, path, text, mode, false);
+        if mode == Mode::Rpi {
+            let implicit = LIBRARY.iter().filter(|library| library.implicit);
+            implicit.for_each(|library| loader.library(library));
+        }
+        while let Some(name) = loader.open.pop_front() {
+            loader.find(&name);
+        }
+        Modules {
+            modules: loader.modules,
+            findings: loader.findings,
+        }
+    }
+
+    /// As the checker takes them.
+    pub(crate) fn sources(&self) -> Vec<Source<'_>> {
+        let mut all = Vec::with_capacity(self.modules.len());
+        for module in &self.modules {
+            all.push(Source {
+                name: Name::from(module.name.as_str()),
+                mode: module.mode,
+                files: module.files.iter().collect(),
+                implicit: module.implicit,
+            });
+        }
+        all
+    }
+}
+
+struct Loader<'a> {
+    folder: Option<PathBuf>,
+    sources: &'a mut SourceMap,
+    modules: Vec<Module>,
+    findings: Vec<Finding>,
+    open: VecDeque<String>,
+}
+
+impl Loader<'_> {
+    fn module(&mut self, name: &str, path: &str, text: &str, mode: Mode, implicit: bool) {
+        let file = self.sources.add(path, text);
+        let mut files = vec![self.parse(file, text, mode)];
+        let mut next = 0;
+        while next < files.len() {
+            for include in includes(&files[next]) {
+                files.extend(self.include(&include, mode));
+            }
+            next += 1;
+        }
+        let used = files.iter().flat_map(uses);
+        self.open.extend(used);
+        self.modules.push(Module {
+            name: name.to_owned(),
+            mode,
+            files,
+            implicit,
+        });
+    }
+
+    fn parse(&mut self, file: FileId, text: &str, mode: Mode) -> File {
+        let parsed = parse(file, text, mode);
+        self.findings.extend(parsed.findings);
+        parsed.file
+    }
+
+    fn include(&mut self, name: &str, mode: Mode) -> Option<File> {
+        let path = self.folder.as_ref()?.join(name);
+        let path_text = path.display().to_string();
+        let known = self
+            .sources
+            .files()
+            .any(|id| self.sources.name(id) == path_text);
+        let text = std::fs::read_to_string(&path).ok().filter(|_| !known)?;
+        let file = self.sources.add(path_text, text.as_str());
+        Some(self.parse(file, &text, mode))
+    }
+
+    fn library(&mut self, library: &Library) {
+        if self
+            .modules
+            .iter()
+            .all(|module| module.name != library.name)
+        {
+            let path = format!("stdlib/{}.rpi", library.name);
+            self.module(
+                library.name,
+                &path,
+                library.text,
+                Mode::Rpi,
+                library.implicit,
+            );
+        }
+    }
+
+    /// A module by its name. One that is nowhere is left for the checker to report.
+    fn find(&mut self, name: &str) {
+        if self.modules.iter().any(|module| module.name == name) {
+            return;
+        }
+        let beside = self
+            .folder
+            .as_ref()
+            .map(|folder| folder.join(format!("{name}.rpi")));
+        if let Some(path) = beside
+            && let Ok(text) = std::fs::read_to_string(&path)
+        {
+            return self.module(name, &path.display().to_string(), &text, Mode::Rpi, false);
+        }
+        if let Some(library) = LIBRARY.iter().find(|library| library.name == name) {
+            self.library(library);
+        }
+    }
+}
+
+fn includes(file: &File) -> Vec<String> {
+    let include = |kind: &ItemKind| match kind {
+        ItemKind::Include(path) => Some(path.name.to_string()),
+        _ => None,
+    };
+    file.items
+        .iter()
+        .filter_map(|item| include(&item.kind))
+        .collect()
+}
+
+fn uses(file: &File) -> Vec<String> {
+    let mut names = Vec::new();
+    for item in &file.items {
+        if let ItemKind::Use(used) = &item.kind {
+            names.extend(used.iter().map(|name| name.name.to_string()));
+        }
+    }
+    names
+}
+
+/// The names of the standard library's modules.
+pub fn library_modules() -> impl Iterator<Item = &'static str> {
+    LIBRARY.iter().map(|library| library.name)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_file_of_the_library_is_listed() {
+        let root = rpi_testkit::workspace_root();
+        let mut files: Vec<String> = std::fs::read_dir(root.join("stdlib"))
+            .unwrap()
+            .filter_map(|entry| {
+                let name = entry.unwrap().file_name().to_string_lossy().into_owned();
+                name.strip_suffix(".rpi").map(str::to_owned)
+            })
+            .collect();
+        files.sort();
+        assert_eq!(files, library_modules().collect::<Vec<_>>());
+    }
+}

@@ -1,0 +1,128 @@
+//! Programs: from parsed modules to nets.
+
+use std::collections::BTreeSet;
+use std::path::Path;
+
+use rpi_diag::{Finding, Severity, SourceMap};
+use rpi_net::Net;
+use rpi_sema::elab::{Argument, Elaborated, elaborate};
+use rpi_sema::facts::{self, Facts};
+use rpi_sema::program::Program;
+use rpi_sema::typed::{Kind, UnitId, UnitKind};
+use rpi_sema::{Checked, check};
+
+use crate::modules::Modules;
+
+/// What became of a program.
+pub(crate) struct Built {
+    /// Its commands, in the order of the text; those that can be run.
+    pub(crate) nets: Vec<Net>,
+    /// What was found.
+    pub(crate) findings: Vec<Finding>,
+}
+
+/// Takes a program's text through all stages up to checked nets.
+pub(crate) fn build(
+    name: &str,
+    path: &str,
+    text: &str,
+    folder: Option<&Path>,
+    sources: &mut SourceMap,
+) -> Built {
+    let modules = Modules::load(name, path, text, folder, sources);
+    let texts = modules.sources();
+    let (program, mut findings) = Program::collect(&texts);
+    findings.splice(0..0, modules.findings.iter().cloned());
+    let mut checked = check(&program);
+    findings.append(&mut checked.findings);
+    let nets = match has_errors(&findings) {
+        true => Vec::new(),
+        false => nets(&program, &checked, &mut findings),
+    };
+    Built {
+        nets,
+        findings: once(findings),
+    }
+}
+
+fn nets(program: &Program<'_>, checked: &Checked, findings: &mut Vec<Finding>) -> Vec<Net> {
+    let (facts, mut found) = facts::find(&checked.units);
+    findings.append(&mut found);
+    if has_errors(findings) {
+        return Vec::new();
+    }
+    let called = called(checked);
+    let mut nets = Vec::new();
+    for (_, unit) in &checked.runnable {
+        let is_command = checked.unit(*unit).kind == UnitKind::Command;
+        if !is_command && called.contains(unit) {
+            continue;
+        }
+        let (net, runnable) = one(program, checked, &facts, *unit, findings);
+        if is_command && runnable {
+            nets.extend(net);
+        }
+    }
+    nets
+}
+
+/// The net of one unit, if the passes find nothing against it, and whether all its parameters have values.
+fn one(
+    program: &Program<'_>,
+    checked: &Checked,
+    facts: &[Facts],
+    unit: UnitId,
+    findings: &mut Vec<Finding>,
+) -> (Option<Net>, bool) {
+    let args = arguments(program, checked, unit);
+    let runnable = !args.contains(&Argument::Unknown);
+    let Elaborated {
+        net,
+        findings: mut found,
+        ..
+    } = elaborate(&checked.units, facts, unit, &args);
+    if found.is_empty() {
+        match rpi_net::passes::analyse(net.clone(), |_| false) {
+            Ok(analysis) => found.extend(analysis.findings),
+            Err(violation) => {
+                panic!("the elaboration made a net that is not in order: {violation}")
+            }
+        }
+    }
+    let faulty = has_errors(&found);
+    findings.append(&mut found);
+    ((!faulty).then_some(net), runnable)
+}
+
+/// What a command's parameters are when it is run by itself: devices by their names, values by constants of the same
+/// name.
+fn arguments(program: &Program<'_>, checked: &Checked, unit: UnitId) -> Vec<Argument> {
+    let unit = checked.unit(unit);
+    let params = rpi_sema::elab::parameters(unit);
+    let argument = |id| checked.argument(program, unit.flow(id));
+    params.into_iter().map(argument).collect()
+}
+
+/// The units that others call.
+fn called(checked: &Checked) -> BTreeSet<UnitId> {
+    let exprs = checked.units.iter().flat_map(|unit| &unit.exprs);
+    let calls = exprs.filter_map(|expr| match &expr.kind {
+        Kind::Call(call) => Some(call.unit),
+        _ => None,
+    });
+    calls.collect()
+}
+
+fn has_errors(findings: &[Finding]) -> bool {
+    findings
+        .iter()
+        .any(|finding| finding.severity() == Severity::Error)
+}
+
+/// Each finding once: a unit that is called in several places is looked at in each of them.
+fn once(findings: Vec<Finding>) -> Vec<Finding> {
+    let mut seen = BTreeSet::new();
+    let mut kept = findings;
+    kept.retain(|finding| seen.insert((finding.code, finding.span(), finding.message.clone())));
+    kept
+}
