@@ -16,6 +16,16 @@ pub(crate) struct Ball {
 }
 
 impl Ball {
+    /// Of known angles.
+    pub(crate) fn of(turn: f64, bend: f64) -> Self {
+        Self {
+            turn,
+            turned: SinCos::of(turn),
+            bend,
+            bent: SinCos::of(bend),
+        }
+    }
+
     /// What points z along the unit vector `to`; the turn is `open` if z points there already.
     pub(crate) fn towards(to: &Vector3<f64>, open: f64) -> Self {
         let sin = libm::sqrt(to.x * to.x + to.y * to.y);

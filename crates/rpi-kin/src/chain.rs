@@ -1,4 +1,4 @@
-//! Serial chains of revolute joints, written down as Denavit-Hartenberg tables, and their forward kinematics.
+//! Serial chains of joints that turn or slide, written down as Denavit-Hartenberg tables, and their forward kinematics.
 
 use crate::Transform;
 use crate::angle::SinCos;
@@ -39,7 +39,16 @@ impl Twist {
     }
 }
 
-/// One row of a Denavit-Hartenberg table. The joint angle is `theta = sense * q + offset`.
+/// What a joint does.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Joint {
+    /// It turns about its axis: `theta = sense * q + offset`.
+    Turns,
+    /// It slides along its axis: `d` grows by `sense * q`, and `theta = offset`.
+    Slides,
+}
+
+/// One row of a Denavit-Hartenberg table.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Link {
     /// Length along x, in m.
@@ -52,6 +61,8 @@ pub struct Link {
     pub offset: f64,
     /// +1, or -1 where the vendor counts the axis the other way round.
     pub sense: f64,
+    /// Whether it turns or slides.
+    pub joint: Joint,
 }
 
 impl Link {
@@ -64,11 +75,26 @@ impl Link {
             d,
             offset: 0.0,
             sense: 1.0,
+            joint: Joint::Turns,
         }
     }
 
-    fn theta(&self, q: f64) -> SinCos {
-        SinCos::of(self.sense * q + self.offset)
+    /// The same row with a joint that slides.
+    #[must_use]
+    pub const fn sliding(self) -> Self {
+        Self {
+            joint: Joint::Slides,
+            ..self
+        }
+    }
+
+    /// The turn about z and the shift along it for a joint value.
+    #[inline]
+    fn moved(&self, q: f64) -> (SinCos, f64) {
+        match self.joint {
+            Joint::Turns => (SinCos::of(self.sense * q + self.offset), self.d),
+            Joint::Slides => (SinCos::of(self.offset), self.d + self.sense * q),
+        }
     }
 
     /// The same row with the vendor's zero and sense of rotation.
@@ -100,7 +126,7 @@ impl Chain {
         self.links.len()
     }
 
-    /// The flange in the base for the joint values `q` (rad). Missing values count as zero, surplus ones are ignored.
+    /// The flange in the base for the joint values `q` (rad, m). Missing values count as zero, surplus ones are ignored.
     #[must_use]
     pub fn flange(&self, q: &[f64]) -> Transform {
         let padded = q.iter().copied().chain(core::iter::repeat(0.0));
@@ -123,11 +149,8 @@ impl Chain {
         self.frames(q).map(|frame| frame.transform())
     }
 
-    /// The axis of each joint in the base: a point on it and its direction (unit vector), in the sense in which q counts.
-    pub fn axes_in_base<'a>(
-        &'a self,
-        q: &'a [f64],
-    ) -> impl Iterator<Item = (Vector3<f64>, Vector3<f64>)> + 'a {
+    /// The axis of each joint in the base, in the sense in which q counts.
+    pub fn axes_in_base<'a>(&'a self, q: &'a [f64]) -> impl Iterator<Item = Axis> + 'a {
         let mut before = Moving::BASE;
         self.frames(q).zip(self.links).map(move |(after, link)| {
             // Standard rows turn about the z of the frame before them, modified rows about their own.
@@ -137,7 +160,11 @@ impl Chain {
                 after
             };
             before = after;
-            (turned.p, turned.z * link.sense)
+            Axis {
+                point: turned.p,
+                direction: turned.z * link.sense,
+                joint: link.joint,
+            }
         })
     }
 
@@ -152,6 +179,17 @@ impl Chain {
             frame
         })
     }
+}
+
+/// The axis of a joint in the base.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Axis {
+    /// A point on it, in m.
+    pub point: Vector3<f64>,
+    /// Its direction: a unit vector.
+    pub direction: Vector3<f64>,
+    /// What the joint does about or along it.
+    pub joint: Joint,
 }
 
 /// A frame on its way along the chain: the columns of its rotation and its origin. Cheaper than multiplying matrices,
@@ -174,12 +212,14 @@ impl Moving {
 
     #[inline]
     fn standard(self, row: &Link, q: f64) -> Self {
-        self.about_z(row.theta(q), row.d).about_x(row.alpha, row.a)
+        let (turn, shift) = row.moved(q);
+        self.about_z(turn, shift).about_x(row.alpha, row.a)
     }
 
     #[inline]
     fn modified(self, row: &Link, q: f64) -> Self {
-        self.about_x(row.alpha, row.a).about_z(row.theta(q), row.d)
+        let (turn, shift) = row.moved(q);
+        self.about_x(row.alpha, row.a).about_z(turn, shift)
     }
 
     #[inline]

@@ -5,11 +5,12 @@
 pub mod franka;
 pub mod kr;
 pub mod lbr;
+pub mod linear;
 pub mod universal;
 
 use crate::model::ArmModel;
 
-/// All of them, sorted by name.
+/// All arms, sorted by name.
 pub const ALL: &[&ArmModel] = &[
     &franka::PANDA,
     &lbr::IIWA_14,

@@ -5,7 +5,7 @@
 //! manipulators with an ortho-parallel basis and a spherical wrist, Austrian Robotics Workshop 2014.
 
 use crate::angle::{HALF_TURN, SinCos};
-use crate::ball;
+use crate::ball::{self, Ball};
 use crate::six::{Joints, NONE, Solutions, bends};
 use crate::{NoSolution, Transform};
 use nalgebra::Vector3;
@@ -50,7 +50,8 @@ impl Geometry {
         let open = self.sense[3] * hint[3] + self.offset[3];
         let mut solutions = [NONE; 8];
         for (pair, [p1, p2, p3]) in self.arms(&wrist).into_iter().enumerate() {
-            let seen = |column: usize| unturned(&rotation.column(column).into(), p1, p2 + p3);
+            let forearm = Ball::of(p1, p2 + p3);
+            let seen = |column: usize| forearm.undo(&rotation.column(column).into());
             let [p4, p5, p6] = ball::angles(&seen(0), &seen(2), open);
             solutions[2 * pair] = self.joints([p1, p2, p3, p4, p5, p6]);
             solutions[2 * pair + 1] =
@@ -88,15 +89,4 @@ impl Geometry {
     fn joints(&self, canonical: Joints) -> Joints {
         core::array::from_fn(|axis| self.sense[axis] * (canonical[axis] - self.offset[axis]))
     }
-}
-
-/// `(Rz(turn) Ry(bend))^-1 v`.
-fn unturned(v: &Vector3<f64>, turn: f64, bend: f64) -> Vector3<f64> {
-    let (turn, bend) = (SinCos::of(turn), SinCos::of(bend));
-    let level = turn.cos * v.x + turn.sin * v.y;
-    Vector3::new(
-        bend.cos * level - bend.sin * v.z,
-        turn.cos * v.y - turn.sin * v.x,
-        bend.sin * level + bend.cos * v.z,
-    )
 }

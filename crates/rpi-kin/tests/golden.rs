@@ -262,3 +262,15 @@ fn the_jacobian_is_the_derivative_of_the_forward_kinematics() {
         );
     }
 }
+
+#[test]
+fn a_sliding_joint_moves_along_its_axis() {
+    let unit = &models::linear::LINEAR_UNIT;
+    let carriage = unit.forward(&[0.3]);
+    assert_eq!(
+        carriage.translation.vector,
+        nalgebra::Vector3::new(0.0, 0.0, 0.3)
+    );
+    let jacobian = rpi_kin::jacobian::geometric(&unit.chain, &[0.3], &carriage.translation.vector);
+    assert_eq!(jacobian.as_slice(), [0.0, 0.0, 1.0, 0.0, 0.0, 0.0]);
+}

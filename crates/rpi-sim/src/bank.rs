@@ -1,10 +1,13 @@
 //! All devices of a simulated cell, as the core sees them.
 
 use crate::arm::Arm;
-use crate::arm::code::Code;
+use crate::base::Base;
 use crate::cell::{Cell, DeviceSpec, Kind};
+use crate::code::Code;
 use crate::device::{Device, Report, Slot};
 use crate::fault::Fault;
+use crate::force::ForceSensor;
+use crate::gripper::Gripper;
 use crate::io::Io;
 use core::ops::Range;
 use rpi_device::{DeviceBank, PortId, PortName, Refusal, ResolveError};
@@ -135,6 +138,9 @@ fn build(spec: &DeviceSpec, tick: f64, seed: u64, number: usize) -> Box<dyn Devi
     match &spec.kind {
         Kind::Arm(arm) => Box::new(Arm::new(arm, tick, seed, number)),
         Kind::Io(io) => Box::new(Io::new(io)),
+        Kind::Base(base) => Box::new(Base::new(base, tick)),
+        Kind::Gripper(gripper) => Box::new(Gripper::new(gripper, tick)),
+        Kind::Force(force) => Box::new(ForceSensor::new(force, seed, number)),
     }
 }
 

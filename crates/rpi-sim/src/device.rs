@@ -1,6 +1,6 @@
 //! One simulated device, as the bank of devices sees it.
 
-use crate::arm::code::Code;
+use crate::code::Code;
 use crate::fault::Fault;
 use core::ops::Range;
 use rpi_device::{PortKind, PortName, Refusal, ResolveError};
@@ -239,4 +239,67 @@ pub(crate) fn spelled_out(port: &str) -> Option<(&'static str, u32)> {
         .find(|(own, _)| *own == rest)
         .map(|(_, name)| *name)?;
     Some((name, number.checked_sub(1)?))
+}
+
+/// A line of the table of ports of a small device: something that it tells, or the one thing that it is told.
+pub(crate) struct Line<D: 'static> {
+    pub(crate) head: Head,
+    /// What a sensor tells; nothing for an actuator.
+    tell: Option<fn(&D, usize, &mut Put<'_>)>,
+}
+
+impl<D> Line<D> {
+    /// A sensor.
+    pub(crate) const fn sensor(
+        name: &'static str,
+        scalar: Scalar,
+        tell: fn(&D, usize, &mut Put<'_>),
+    ) -> Self {
+        let head = Head {
+            name,
+            kind: PortKind::Sensor,
+            carries: Carries::One(scalar),
+            indexed: false,
+        };
+        Self {
+            head,
+            tell: Some(tell),
+        }
+    }
+
+    /// An actuator.
+    pub(crate) const fn actuator(name: &'static str, scalar: Scalar) -> Self {
+        let head = Head {
+            name,
+            kind: PortKind::Actuator,
+            carries: Carries::One(scalar),
+            indexed: false,
+        };
+        Self { head, tell: None }
+    }
+
+    /// The same port, once for each of several parts.
+    pub(crate) const fn indexed(self) -> Self {
+        Self {
+            head: Head {
+                indexed: true,
+                ..self.head
+            },
+            ..self
+        }
+    }
+}
+
+/// Reads a port of a small device; false if it is no sensor.
+pub(crate) fn tell<D>(table: &[Line<D>], device: &D, slot: Slot, value: &mut [u64]) -> bool {
+    let tell = table.get(usize::from(slot.line)).and_then(|line| line.tell);
+    tell.map(|tell| tell(device, usize::from(slot.index), &mut Put::into(value)))
+        .is_some()
+}
+
+/// Whether a port of a small device is an actuator.
+pub(crate) fn is_actuator<D>(table: &[Line<D>], slot: Slot) -> bool {
+    table
+        .get(usize::from(slot.line))
+        .is_some_and(|line| line.tell.is_none())
 }

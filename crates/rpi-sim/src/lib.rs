@@ -8,10 +8,14 @@
 
 pub mod arm;
 pub mod cell;
+pub mod code;
 
 mod bank;
+mod base;
 mod device;
 mod fault;
+mod force;
+mod gripper;
 mod io;
 mod noise;
 
@@ -20,8 +24,10 @@ pub use cell::{Cell, CellError, CellErrors};
 pub use device::{PortInfo, Report};
 pub use fault::{Fault, Trouble};
 
-/// The ports of every arm, then those of terminals: what the manual has to tell.
+/// The ports of all kinds of devices: what the manual has to tell.
 #[must_use]
 pub fn ports() -> Vec<PortInfo> {
-    arm::ports().chain(io::ports()).collect()
+    let arms = arm::ports().chain(io::ports());
+    let others = base::ports().chain(gripper::ports()).chain(force::ports());
+    arms.chain(others).collect()
 }

@@ -2,7 +2,7 @@
 
 use rpi_device::{DeviceBank, PortId, PortKind, PortName, Refusal};
 use rpi_image::{Scalar, Type};
-use rpi_sim::arm::code::Code;
+use rpi_sim::code::Code;
 use rpi_sim::{Cell, Fault, Report, SimBank, Trouble};
 
 const TICK: f64 = 1e-3;
@@ -281,6 +281,21 @@ fn left_alone_while_moving_it_brakes_within_its_limits() {
     assert_eq!(rig.position(1), end, "it stays where it stands");
     rig.set(1, end);
     assert_eq!(rig.error(1), Code::OK);
+}
+
+#[test]
+fn a_brake_that_runs_over_the_end_of_a_range_is_reported() {
+    let mut rig = Rig::new("limits = { upper = [0.05, 1, 1, 1, 1, 1, 1] }");
+    for target in speed_up(39.0, 200).take_while(|target| *target < 0.05) {
+        rig.set(0, target);
+        rig.bank.step();
+    }
+    while rig.bank.moving(0) {
+        rig.bank.step();
+    }
+    assert!(rig.position(0) > 0.05);
+    let codes: Vec<Code> = rig.reports().iter().map(|report| report.code).collect();
+    assert_eq!(codes, [Code::SET_POINT_MISSING, Code::POSITION]);
 }
 
 #[test]

@@ -244,12 +244,12 @@ fn a_pose_that_cannot_be_reached_is_refused() {
     let tcp = actuator(&mut bank, "left", "tcp.position", 0, POSE);
     let far = bits(&[3.0, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0]);
     assert_eq!(bank.check(tcp, &far), Refusal::ILLEGAL_VALUE);
-    assert_eq!(bank.error(tcp), rpi_sim::arm::code::Code::OUT_OF_REACH.0);
+    assert_eq!(bank.error(tcp), rpi_sim::code::Code::OUT_OF_REACH.0);
     assert_eq!(
         bank.check(tcp, &bits(&[f64::NAN; 7])),
         Refusal::ILLEGAL_VALUE
     );
-    assert_eq!(bank.error(tcp), rpi_sim::arm::code::Code::NOT_A_NUMBER.0);
+    assert_eq!(bank.error(tcp), rpi_sim::code::Code::NOT_A_NUMBER.0);
     let mut reports = Vec::new();
     bank.reports(|device, report| reports.push((device.to_owned(), report.code.to_string())));
     let told: Vec<(&str, &str)> = reports

@@ -145,7 +145,7 @@ cell.toml:4:1: unknown key `joint`
 cell.toml:6:8: `kind` knows no \"leg\"
  6 | kind = \"leg\"
    |        ^^^^^
-   = known are arm, digital-io, analogue-io, io
+   = known are arm, digital-io, analogue-io, io, linear-unit, base, gripper, force-torque
 ";
     assert_eq!(faults(text), expected);
 }
@@ -183,7 +183,7 @@ const BROKEN: &[(&str, &str)] = &[
     ),
     (
         "[devices.a]\nkind = \"arm\"\nmodel = \"kuka-lwr4+\"\njoints = [0, 2.5, 0, 0, 0, 0, 0]",
-        "4:10: joint 1 stands at 2.5 rad, outside of its range",
+        "4:10: joint 1 stands at 2.5, outside of its range",
     ),
     (
         "[devices.a]\nkind = \"arm\"\nmodel = \"kuka-lwr4+\"\nlag = -1",

@@ -3,7 +3,7 @@
 use rpi_device::PortKind;
 use rpi_kin::ArmModel;
 use rpi_sim::Cell;
-use rpi_sim::arm::code::CODES;
+use rpi_sim::code::CODES;
 
 fn manual() -> String {
     let path = rpi_testkit::workspace_root().join("docs/src/devices.md");

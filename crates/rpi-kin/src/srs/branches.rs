@@ -1,7 +1,7 @@
 //! The eight sets of joints for one pose and one place of the elbow.
 
 use super::{Joints, Reach};
-use crate::angle::{HALF_TURN, SinCos};
+use crate::angle::HALF_TURN;
 use crate::ball::{self, Ball, STRAIGHT};
 use nalgebra::Vector3;
 
@@ -87,10 +87,8 @@ pub fn first_branch(reach: &Reach, elbow: &Vector3<f64>, hint: &Joints) -> Joint
     };
     let p4 = libm::atan2(reach.bend.sin, reach.bend.cos);
     let elbow = Ball {
-        turn: p3,
-        turned: SinCos::of(p3),
-        bend: p4,
         bent: reach.bend,
+        ..Ball::of(p3, p4)
     };
     let seen = |column: usize| elbow.undo(&shoulder.undo(&reach.flange.column(column).into()));
     let [p5, p6, p7] = ball::angles(&seen(0), &seen(2), hint[4]);

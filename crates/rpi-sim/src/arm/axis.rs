@@ -1,8 +1,8 @@
 //! One axis of a simulated arm.
 
-use super::code::Code;
 use super::guard::{State, Violation, judge};
 use crate::cell::Enforced;
+use crate::code::Code;
 use rpi_kin::AxisLimits;
 
 /// An axis: where it was told to be, where its drive is, where it is measured.

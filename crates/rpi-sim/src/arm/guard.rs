@@ -3,8 +3,8 @@
 //! Velocity, acceleration and jerk are backward differences of the set-points over their period, the definition by which
 //! Franka's control interface refuses motions (frankarobotics.github.io, robot specifications).
 
-use super::code::Code;
 use crate::cell::Enforced;
+use crate::code::Code;
 use rpi_kin::AxisLimits;
 
 /// Position, velocity and acceleration of an axis, in rad and s.

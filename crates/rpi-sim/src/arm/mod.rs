@@ -6,7 +6,6 @@
 
 mod axis;
 mod brake;
-pub mod code;
 pub mod guard;
 mod kinematics;
 mod port;
@@ -15,12 +14,12 @@ mod simulate;
 mod table;
 
 use crate::cell::{ArmSpec, Enforced};
+use crate::code::Code;
 use crate::device::Report;
 use crate::fault::Fault;
 use crate::noise::Noise;
 use axis::Axis;
 use brake::Brake;
-use code::Code;
 use nalgebra::Vector6;
 use rpi_kin::{ArmModel, AxisLimits, MAX_AXES, Pose};
 use sample::History;

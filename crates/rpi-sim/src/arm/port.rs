@@ -1,9 +1,9 @@
 //! The arm's ports at work: reading, checking and staging set-points, calling functions.
 
-use super::code::Code;
 use super::guard::{State, Violation};
 use super::table::{Act, Line, PORTS, Parameter, Target};
 use super::{Arm, PARAMETERS};
+use crate::code::Code;
 use crate::device::{Device, Put, Report, Slot, find, pose_from, spelled_out};
 use crate::fault::Fault;
 use core::ops::Range;

@@ -2,9 +2,9 @@
 
 use super::axis::Axis;
 use super::brake::Brake;
-use super::code::Code;
 use super::guard::Violation;
 use super::{Arm, REPORTS, Troubles, sample_of};
+use crate::code::Code;
 use crate::device::Report;
 use crate::fault::Trouble;
 
@@ -78,9 +78,34 @@ impl Arm {
         for (axis, velocity) in self.axes.iter_mut().zip(brake.pass(self.tick)) {
             axis.coast(velocity, self.tick);
         }
-        if brake.is_over() {
+        let over = brake.is_over();
+        self.watch_ranges();
+        if over {
             self.brake = None;
             self.axes.iter_mut().for_each(Axis::take);
+        }
+    }
+
+    /// Braking can take an axis beyond its range: nothing can help that, but it is told.
+    fn watch_ranges(&mut self) {
+        for axis in 0..self.axes.len() {
+            let (range, at) = (self.axes[axis].limits.position, self.axes[axis].driven);
+            if self.enforced.position && !range.contains(at) && !self.axes[axis].code.is_failure() {
+                let limit = if at > range.upper {
+                    range.upper
+                } else {
+                    range.lower
+                };
+                let code = Code::POSITION;
+                self.blame(
+                    axis,
+                    Violation {
+                        code,
+                        value: at,
+                        limit,
+                    },
+                );
+            }
         }
     }
 

@@ -2,7 +2,8 @@
 
 use super::faults;
 use super::quantity::Dimension::{
-    Angle, AngularAcceleration, AngularJerk, AngularVelocity, Length, Number, Time,
+    self, Acceleration, Angle, AngularAcceleration, AngularJerk, AngularVelocity, Jerk, Length,
+    Number, Time, Velocity,
 };
 use super::reader::{Reader, did_you_mean};
 use crate::fault::Fault;
@@ -49,21 +50,34 @@ pub struct Enforced {
 
 const ENFORCEABLE: &[&str] = &["position", "velocity", "acceleration", "jerk"];
 
+/// What an axis is measured in: position, velocity, acceleration, jerk.
+type Units = [Dimension; 4];
+
+const TURNING: Units = [Angle, AngularVelocity, AngularAcceleration, AngularJerk];
+const SLIDING: Units = [Length, Velocity, Acceleration, Jerk];
+
 pub(super) fn read(reader: &mut Reader<'_>) -> Option<ArmSpec> {
     let Some(model) = read_model(reader) else {
         // What the other keys may say depends on the model: nothing is said about them, but that they are known.
-        reader.assume(|other| drop(read_of(other, models::ALL[0])));
+        reader.assume(|other| drop(read_of(other, models::ALL[0], TURNING)));
         return None;
     };
-    let spec = read_of(reader, model);
+    let spec = read_of(reader, model, TURNING);
     check_start(reader, &spec);
     Some(spec)
 }
 
-fn read_of(reader: &mut Reader<'_>, model: &'static ArmModel) -> ArmSpec {
+/// `kind = "linear-unit"`: an arm of one axis that slides.
+pub(super) fn read_linear(reader: &mut Reader<'_>) -> Option<ArmSpec> {
+    let spec = read_of(reader, &models::linear::LINEAR_UNIT, SLIDING);
+    check_start(reader, &spec);
+    Some(spec)
+}
+
+fn read_of(reader: &mut Reader<'_>, model: &'static ArmModel, units: Units) -> ArmSpec {
     let axes = model.axes();
-    let joints = reader.reals("joints", Angle, axes);
-    let limits = read_limits(reader, model.limits);
+    let joints = reader.reals("joints", units[0], axes);
+    let limits = read_limits(reader, model.limits, units);
     let nearest_to_zero =
         |axis: &AxisLimits| 0.0_f64.max(axis.position.lower).min(axis.position.upper);
     ArmSpec {
@@ -75,7 +89,7 @@ fn read_of(reader: &mut Reader<'_>, model: &'static ArmModel) -> ArmSpec {
         enforced: read_enforced(reader),
         lag: reader.magnitude("lag", Time).unwrap_or(0.0),
         latency: reader.magnitude("latency", Time).unwrap_or(0.0),
-        noise: reader.magnitude("noise", Angle).unwrap_or(0.0),
+        noise: reader.magnitude("noise", units[0]).unwrap_or(0.0),
         faults: faults::read(reader, axes),
     }
 }
@@ -96,8 +110,8 @@ fn check_start(reader: &Reader<'_>, spec: &ArmSpec) {
             let (lower, upper) = (limits.position.lower, limits.position.upper);
             reader.fault_at(
                 "joints",
-                format!("joint {axis} stands at {joint} rad, outside of its range"),
-                Some(format!("its range is {lower:.4} to {upper:.4} rad")),
+                format!("joint {axis} stands at {joint}, outside of its range"),
+                Some(format!("its range is {lower:.4} to {upper:.4}")),
             );
         }
     }
@@ -153,7 +167,7 @@ fn unit(reader: &Reader<'_>, quaternion: Quaternion<f64>) -> UnitQuaternion<f64>
 }
 
 /// The model's limits, each key of `limits` replacing one of them for all axes or for each.
-fn read_limits(reader: &mut Reader<'_>, own: &[AxisLimits]) -> Vec<AxisLimits> {
+fn read_limits(reader: &mut Reader<'_>, own: &[AxisLimits], units: Units) -> Vec<AxisLimits> {
     let mut limits = own.to_vec();
     let Some(mut table) = reader.table("limits") else {
         return limits;
@@ -165,13 +179,11 @@ fn read_limits(reader: &mut Reader<'_>, own: &[AxisLimits]) -> Vec<AxisLimits> {
             .zip(given)
             .for_each(|(axis, value)| *place(axis) = value);
     };
-    set("lower", Angle, |axis| &mut axis.position.lower);
-    set("upper", Angle, |axis| &mut axis.position.upper);
-    set("velocity", AngularVelocity, |axis| &mut axis.velocity);
-    set("acceleration", AngularAcceleration, |axis| {
-        &mut axis.acceleration
-    });
-    set("jerk", AngularJerk, |axis| &mut axis.jerk);
+    set("lower", units[0], |axis| &mut axis.position.lower);
+    set("upper", units[0], |axis| &mut axis.position.upper);
+    set("velocity", units[1], |axis| &mut axis.velocity);
+    set("acceleration", units[2], |axis| &mut axis.acceleration);
+    set("jerk", units[3], |axis| &mut axis.jerk);
     for (axis, limits) in limits.iter().enumerate() {
         check_limits(&table, axis, limits);
     }

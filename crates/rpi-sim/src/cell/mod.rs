@@ -7,12 +7,14 @@ mod error;
 mod faults;
 mod io;
 mod nearest;
+mod other;
 mod quantity;
 mod reader;
 
 pub use arm::{ArmSpec, Enforced};
 pub use error::{CellError, CellErrors};
 pub use io::{Change, IoSpec, Signal};
+pub use other::{BaseSpec, ForceSpec, GripperSpec};
 
 use reader::{Faults, Reader};
 use toml::de::DeTable;
@@ -40,10 +42,16 @@ pub struct DeviceSpec {
 /// What a device is.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Kind {
-    /// A robot arm.
+    /// A robot arm, or an axis that slides.
     Arm(ArmSpec),
     /// Digital or analogue inputs and outputs, or both.
     Io(IoSpec),
+    /// A platform with two driven wheels.
+    Base(BaseSpec),
+    /// A gripper with two fingers.
+    Gripper(GripperSpec),
+    /// A force and torque sensor.
+    Force(ForceSpec),
 }
 
 /// Reads the keys of one kind of device.
@@ -59,6 +67,16 @@ const KINDS: &[(&str, ReadKind)] = &[
         io::read_analogue(reader).map(Kind::Io)
     }),
     ("io", |reader| io::read_both(reader).map(Kind::Io)),
+    ("linear-unit", |reader| {
+        arm::read_linear(reader).map(Kind::Arm)
+    }),
+    ("base", |reader| other::read_base(reader).map(Kind::Base)),
+    ("gripper", |reader| {
+        other::read_gripper(reader).map(Kind::Gripper)
+    }),
+    ("force-torque", |reader| {
+        other::read_force(reader).map(Kind::Force)
+    }),
 ];
 
 impl Cell {

@@ -15,6 +15,12 @@ pub(super) enum Dimension {
     AngularJerk,
     /// m.
     Length,
+    /// m/s.
+    Velocity,
+    /// m/s².
+    Acceleration,
+    /// m/s³.
+    Jerk,
     /// s.
     Time,
     /// N.
@@ -24,7 +30,8 @@ pub(super) enum Dimension {
 }
 
 use Dimension::{
-    Angle, AngularAcceleration, AngularJerk, AngularVelocity, Force, Length, Time, Torque,
+    Acceleration, Angle, AngularAcceleration, AngularJerk, AngularVelocity, Force, Jerk, Length,
+    Time, Torque, Velocity,
 };
 
 const DEGREE: f64 = core::f64::consts::PI / 180.0;
@@ -43,6 +50,11 @@ const UNITS: &[(Dimension, &str, f64)] = &[
     (Length, "cm", 1e-2),
     (Length, "mm", 1e-3),
     (Length, "um", 1e-6),
+    (Velocity, "m/s", 1.0),
+    (Velocity, "mm/s", 1e-3),
+    (Acceleration, "m/s^2", 1.0),
+    (Acceleration, "mm/s^2", 1e-3),
+    (Jerk, "m/s^3", 1.0),
     (Time, "s", 1.0),
     (Time, "ms", 1e-3),
     (Time, "us", 1e-6),

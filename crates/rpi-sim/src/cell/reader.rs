@@ -178,6 +178,16 @@ impl<'a> Reader<'a> {
         Some(value)
     }
 
+    /// As [`real`](Self::real), greater than zero.
+    pub(super) fn positive(&mut self, key: &'static str, dimension: Dimension) -> Option<f64> {
+        let value = self.magnitude(key, dimension)?;
+        if value == 0.0 {
+            self.fault_at(key, format!("`{key}` must be greater than zero"), None);
+            return None;
+        }
+        Some(value)
+    }
+
     /// A list of exactly `count` numbers.
     pub(super) fn reals(
         &mut self,

@@ -1,8 +1,8 @@
-//! What an arm has against a set-point, or what has become of it: its error codes.
+//! What a device has against a set-point, or what has become of it: error codes.
 
 use core::fmt;
 
-/// An error code, as the ports `joint.error`, `tcp.error` and `code` give it.
+/// An error code, as the ports `joint.error`, `tcp.error`, `base.error` and `code` give it.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub struct Code(pub i64);
 
@@ -18,7 +18,7 @@ pub struct CodeText {
 }
 
 impl Code {
-    /// The arm is well.
+    /// The device is well.
     pub const OK: Self = Self(0);
     /// NaN or infinity.
     pub const NOT_A_NUMBER: Self = Self(1);
@@ -44,6 +44,8 @@ impl Code {
     pub const EMERGENCY_STOP: Self = Self(11);
     /// A parameter of the tool or of the way of control that the arm does not take.
     pub const BAD_PARAMETER: Self = Self(12);
+    /// A velocity in a direction in which the platform cannot drive.
+    pub const NOT_DRIVABLE: Self = Self(13);
 
     /// The device has failed, whatever the set-point.
     #[must_use]
@@ -74,7 +76,7 @@ const fn line(code: Code, word: &'static str, meaning: &'static str) -> CodeText
 
 /// All codes, ascending.
 pub const CODES: &[CodeText] = &[
-    line(Code::OK, "ok", "the arm is well"),
+    line(Code::OK, "ok", "the device is well"),
     line(
         Code::NOT_A_NUMBER,
         "not-a-number",
@@ -126,5 +128,10 @@ pub const CODES: &[CodeText] = &[
         Code::BAD_PARAMETER,
         "bad-parameter",
         "the arm does not take this tool or way of control",
+    ),
+    line(
+        Code::NOT_DRIVABLE,
+        "not-drivable",
+        "the platform cannot drive in this direction",
     ),
 ];

@@ -1,0 +1,124 @@
+//! `kind = "base"`, `"gripper"` and `"force-torque"`.
+
+use super::quantity::Dimension::{
+    Acceleration, Angle, AngularAcceleration, AngularVelocity, Force, Length, Time, Torque,
+    Velocity,
+};
+use super::reader::Reader;
+use nalgebra::Vector6;
+
+/// A platform with two driven wheels.
+#[derive(Clone, Debug, PartialEq)]
+pub struct BaseSpec {
+    /// Where it stands at first in the cell: x, y (m), heading (rad).
+    pub place: [f64; 3],
+    /// From wheel to wheel, in m.
+    pub track: f64,
+    /// In m.
+    pub wheel_radius: f64,
+    /// The most that it drives (m/s) and turns (rad/s).
+    pub velocity: [f64; 2],
+    /// The most that these change, per s.
+    pub acceleration: [f64; 2],
+}
+
+/// A gripper with two fingers.
+#[derive(Clone, Debug, PartialEq)]
+pub struct GripperSpec {
+    /// How far it is open at first, in m.
+    pub width: f64,
+    /// The least that it opens, in m.
+    pub lower: f64,
+    /// The most that it opens, in m.
+    pub upper: f64,
+    /// How fast, in m/s.
+    pub speed: f64,
+    /// How hard it presses, in N.
+    pub force: f64,
+    /// How wide it is what lies between the fingers, in m; nothing if nothing does.
+    pub object: Option<f64>,
+}
+
+/// A force and torque sensor.
+#[derive(Clone, Debug, PartialEq)]
+pub struct ForceSpec {
+    /// What it feels, from when on (s): force (N), then torque (N m).
+    pub script: Vec<(f64, Vector6<f64>)>,
+    /// After how many seconds the script starts again; infinity if never.
+    pub repeat: f64,
+    /// Standard deviation of each reading, in N or N m.
+    pub noise: f64,
+}
+
+pub(super) fn read_base(reader: &mut Reader<'_>) -> Option<BaseSpec> {
+    let position = reader
+        .reals("position", Length, 2)
+        .unwrap_or_else(|| vec![0.0; 2]);
+    let heading = reader.real("heading", Angle).unwrap_or(0.0);
+    Some(BaseSpec {
+        place: [position[0], position[1], heading],
+        track: reader.positive("track", Length).unwrap_or(0.4),
+        wheel_radius: reader.positive("wheel_radius", Length).unwrap_or(0.1),
+        velocity: [
+            reader.positive("velocity", Velocity).unwrap_or(1.0),
+            reader
+                .positive("turning_velocity", AngularVelocity)
+                .unwrap_or(1.5),
+        ],
+        acceleration: [
+            reader.positive("acceleration", Acceleration).unwrap_or(1.0),
+            reader
+                .positive("turning_acceleration", AngularAcceleration)
+                .unwrap_or(3.0),
+        ],
+    })
+}
+
+pub(super) fn read_gripper(reader: &mut Reader<'_>) -> Option<GripperSpec> {
+    let lower = reader.magnitude("lower", Length).unwrap_or(0.0);
+    let upper = reader.positive("upper", Length).unwrap_or(0.1);
+    let width = reader.magnitude("width", Length).unwrap_or(upper);
+    if lower >= upper {
+        reader.fault_at(
+            "upper",
+            "the gripper opens no farther than it closes".to_owned(),
+            None,
+        );
+    }
+    if !(lower..=upper).contains(&width) {
+        let help = Some(format!("it opens from {lower} to {upper} m"));
+        reader.fault_at("width", format!("`width` is {width}, out of range"), help);
+    }
+    Some(GripperSpec {
+        width,
+        lower,
+        upper,
+        speed: reader.positive("speed", Velocity).unwrap_or(0.1),
+        force: reader.magnitude("force", Force).unwrap_or(20.0),
+        object: reader.magnitude("object", Length),
+    })
+}
+
+pub(super) fn read_force(reader: &mut Reader<'_>) -> Option<ForceSpec> {
+    let changes = reader.tables("script").into_iter();
+    let mut script: Vec<(f64, Vector6<f64>)> = changes.map(read_wrench).collect();
+    script.sort_by(|one, other| one.0.total_cmp(&other.0));
+    Some(ForceSpec {
+        script,
+        repeat: reader.magnitude("repeat", Time).unwrap_or(f64::INFINITY),
+        noise: reader.magnitude("noise", Force).unwrap_or(0.0),
+    })
+}
+
+/// `{ at = time, force = [x, y, z], torque = [x, y, z] }`; what is not said is 0.
+fn read_wrench(mut reader: Reader<'_>) -> (f64, Vector6<f64>) {
+    let at = reader.magnitude("at", Time).unwrap_or(0.0);
+    let force = reader
+        .reals("force", Force, 3)
+        .unwrap_or_else(|| vec![0.0; 3]);
+    let torque = reader
+        .reals("torque", Torque, 3)
+        .unwrap_or_else(|| vec![0.0; 3]);
+    reader.finish();
+    (at, Vector6::from_iterator(force.into_iter().chain(torque)))
+}
