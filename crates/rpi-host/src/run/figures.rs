@@ -1,0 +1,93 @@
+//! How long cycles took and how late they began.
+
+use hdrhistogram::Histogram;
+use serde::Serialize;
+
+/// Longest time that is told apart, nanoseconds.
+const LONGEST: u64 = 60_000_000_000;
+
+/// Figures of a run.
+#[derive(Clone, Copy, PartialEq, Eq, Debug, Default, Serialize)]
+pub struct Figures {
+    /// Number of ticks.
+    pub ticks: u64,
+    /// How long the ticks took, nanoseconds.
+    pub tick: Spread,
+    /// How late they began, nanoseconds; only on real time.
+    pub lateness: Option<Spread>,
+}
+
+/// Percentiles, nanoseconds, exact to 1 %.
+#[derive(Clone, Copy, PartialEq, Eq, Debug, Default, Serialize)]
+pub struct Spread {
+    /// Half of all are shorter.
+    pub p50: u64,
+    /// 99 of 100 are shorter.
+    pub p99: u64,
+    /// The longest.
+    pub max: u64,
+}
+
+/// Figures while they are taken; recording neither allocates nor fails.
+pub(super) struct Meter {
+    tick: Histogram<u64>,
+    lateness: Option<Histogram<u64>>,
+}
+
+impl Meter {
+    /// A meter that also takes lateness if asked to.
+    pub(super) fn new(lateness: bool) -> Meter {
+        // Two figures are exact to 1 %; these bounds are valid.
+        let histogram = || Histogram::new_with_bounds(1, LONGEST, 2).expect("valid bounds");
+        Meter {
+            tick: histogram(),
+            lateness: lateness.then(histogram),
+        }
+    }
+
+    pub(super) fn record(&mut self, tick_ns: u64, late_ns: u64) {
+        self.tick.saturating_record(tick_ns.max(1));
+        if let Some(lateness) = &mut self.lateness {
+            lateness.saturating_record(late_ns.max(1));
+        }
+    }
+
+    pub(super) fn figures(&self) -> Figures {
+        Figures {
+            ticks: self.tick.len(),
+            tick: spread(&self.tick),
+            lateness: self.lateness.as_ref().map(spread),
+        }
+    }
+}
+
+fn spread(histogram: &Histogram<u64>) -> Spread {
+    Spread {
+        p50: histogram.value_at_quantile(0.5),
+        p99: histogram.value_at_quantile(0.99),
+        max: histogram.max(),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn percentiles_are_exact_to_a_percent() {
+        let mut meter = Meter::new(false);
+        (1..=1000).for_each(|k| meter.record(k * 1000, 0));
+        let figures = meter.figures();
+        let near = |a: u64, b: u64| a.abs_diff(b) * 100 <= b;
+        assert!(near(figures.tick.p50, 500_000) && near(figures.tick.p99, 990_000));
+        assert!(near(figures.tick.max, 1_000_000));
+        assert_eq!((figures.ticks, figures.lateness), (1000, None));
+    }
+
+    #[test]
+    fn absurd_times_are_cut_not_lost() {
+        let mut meter = Meter::new(true);
+        meter.record(u64::MAX, 0);
+        assert_eq!(meter.figures().ticks, 1);
+    }
+}
