@@ -102,11 +102,23 @@ impl Compiled {
     }
 }
 
-/// Lowers a checked net.
+/// Lowers a checked net to run: only what leaves the command can be seen.
 ///
 /// # Errors
 /// If something in it depends on itself, or it is too large to run.
-pub fn lower(net: &Net, options: &LowerOptions<'_>) -> Result<Image, String> {
+pub fn lower_to_run(net: &Net, period_ns: u64) -> Result<Image, String> {
+    lower(net, &LowerOptions::running(period_ns))
+}
+
+/// Lowers a checked net to be looked at: every port can be seen.
+///
+/// # Errors
+/// If something in it depends on itself, or it is too large to run.
+pub fn lower_to_look(net: &Net, period_ns: u64) -> Result<Image, String> {
+    lower(net, &LowerOptions::observed(period_ns))
+}
+
+fn lower(net: &Net, options: &LowerOptions<'_>) -> Result<Image, String> {
     let plan = Plan::new(net, options.may_be_absent);
     let plan = plan.ok_or("something in the net depends on itself")?;
     rpi_lower::lower(net, &plan, options)

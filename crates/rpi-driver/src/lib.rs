@@ -1,7 +1,7 @@
 //! From a file name to findings, nets and an image: the pipeline that the tools share.
 //!
-//! [`read`] opens a file, [`compile`] takes it as far as its kind and its faults allow, [`Compiled::image`] lowers one
-//! of its commands. This crate knows files and the order of the stages; it must not know what any of them finds, nor
+//! [`read`] opens a file, [`compile`] takes it as far as its kind and its faults allow, [`lower_to_run`] and [`lower_to_look`] lower
+//! one of its commands. This crate knows files and the order of the stages; it must not know what any of them finds, nor
 //! what a command does once it runs.
 
 mod compile;
@@ -10,7 +10,7 @@ mod modules;
 mod period;
 mod source;
 
-pub use compile::{Compiled, Program, compile, lower};
+pub use compile::{Compiled, Program, compile, lower_to_look, lower_to_run};
 pub use input::{Input, InputError, Kind, read};
 pub use modules::library_modules;
 pub use period::{parse_period, period_text};

@@ -4,5 +4,7 @@
 //! program is compiled; it takes nets and images.
 
 pub mod plot;
+pub mod record;
 pub mod replay;
+pub mod run;
 pub mod trace;

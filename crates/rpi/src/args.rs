@@ -4,6 +4,7 @@ use std::path::PathBuf;
 
 use clap::{Args, Parser, Subcommand};
 use clap_complete::Shell;
+use rpi_host::run::Setting;
 
 /// Version of the tool and of the image format that it reads and writes.
 const VERSION: &str = concat!(env!("CARGO_PKG_VERSION"), " (image format 1)");
@@ -11,15 +12,25 @@ const VERSION: &str = concat!(env!("CARGO_PKG_VERSION"), " (image format 1)");
 /// The control core: runs commands that follow one another without a gap.
 #[derive(Debug, Parser)]
 #[command(name = "rpi", version = VERSION, arg_required_else_help = true)]
-pub struct Cli {
+pub(crate) struct Cli {
     /// What to do.
     #[command(subcommand)]
-    pub task: Task,
+    pub(crate) task: Task,
 }
 
 /// The tasks.
 #[derive(Debug, Subcommand)]
-pub enum Task {
+pub(crate) enum Task {
+    /// Run a program, a net or an image against a cell.
+    ///
+    /// Shows what happened at the end. Exit status: 0 if all ended without error, 1 for a command's error, 2 for bad
+    /// input, 3 for a fault while running.
+    Run(RunArgs),
+    /// Record all ports of a run as a trace, or pick rows out of a recording.
+    ///
+    /// Of a program, net or image: runs it on simulated time and writes what every port carried in every cycle, in the
+    /// form that `rpi replay` reads. Of a recording or trace (.csv, .jsonl, .trace, plain or .gz): prints its rows.
+    Trace(TraceArgs),
     /// Run a net against a recorded trace and compare every value.
     ///
     /// What came from outside is taken from the trace: device ports, inputs, cancel, the wall clock. Everything else is
@@ -39,26 +50,97 @@ pub enum Task {
     },
 }
 
+/// What to run, and against what.
+#[derive(Args, Debug)]
+pub(crate) struct Target {
+    /// Description of the devices; without it, `cell.toml` beside the program.
+    #[arg(long, value_name = "FILE")]
+    pub(crate) cell: Option<PathBuf>,
+    /// The command or task to run, if there are several.
+    #[arg(long, value_name = "NAME")]
+    pub(crate) command: Option<String>,
+    /// Period of the cycle; 1ms unless an image was compiled for another one.
+    #[arg(long, value_parser = rpi_driver::parse_period, value_name = "TIME")]
+    pub(crate) period: Option<u64>,
+    /// Stop after so many cycles.
+    #[arg(long, value_name = "N", conflicts_with = "time")]
+    pub(crate) cycles: Option<u64>,
+    /// Stop after so long (of the cell's time).
+    #[arg(long, value_parser = rpi_driver::parse_period, value_name = "TIME")]
+    pub(crate) time: Option<u64>,
+    /// Set an input before the start; may be given several times.
+    #[arg(long = "set", value_name = "KEY=VALUE")]
+    pub(crate) settings: Vec<Setting>,
+}
+
+/// Options of `rpi run`.
+#[derive(Args, Debug)]
+pub(crate) struct RunArgs {
+    /// What to run: .rpi, .rpinet or .rpib, plain or .gz.
+    pub(crate) program: PathBuf,
+    #[command(flatten)]
+    pub(crate) target: Target,
+    /// Run on simulated time, as fast as the machine allows (default).
+    #[arg(long, conflicts_with = "real_time")]
+    pub(crate) sim_time: bool,
+    /// Run on the machine's clock.
+    #[arg(long)]
+    pub(crate) real_time: bool,
+    /// How long it takes to have the next command ready once one has started.
+    #[arg(long, value_parser = rpi_driver::parse_period, value_name = "TIME")]
+    pub(crate) planning_time: Option<u64>,
+    /// Record exports and devices: cycle, flow, value; JSON lines for .jsonl, else comma-separated.
+    #[arg(long, value_name = "FILE")]
+    pub(crate) record: Option<PathBuf>,
+    /// Draw the motion as SVG.
+    #[arg(long, value_name = "FILE")]
+    pub(crate) plot: Option<PathBuf>,
+    /// Print what happened as JSON.
+    #[arg(long)]
+    pub(crate) json: bool,
+}
+
+/// Options of `rpi trace`.
+#[derive(Args, Debug)]
+pub(crate) struct TraceArgs {
+    /// What to run, or the recording to read.
+    pub(crate) source: PathBuf,
+    #[command(flatten)]
+    pub(crate) target: Target,
+    /// Write to this file instead of to standard output.
+    #[arg(long, short, value_name = "FILE")]
+    pub(crate) output: Option<PathBuf>,
+    /// Only flows whose names fit; `*` stands for any text; may be given several times.
+    #[arg(long, value_name = "PATTERN")]
+    pub(crate) flow: Vec<String>,
+    /// Only cycles from this one on.
+    #[arg(long, value_name = "N", default_value_t = 0)]
+    pub(crate) from: u64,
+    /// Only cycles up to this one.
+    #[arg(long, value_name = "N", default_value_t = u64::MAX - 1, hide_default_value = true)]
+    pub(crate) to: u64,
+}
+
 /// Options of `rpi replay`.
 #[derive(Args, Debug)]
-pub struct ReplayArgs {
+pub(crate) struct ReplayArgs {
     /// The net: .rpinet, or a program (.rpi), plain or .gz.
-    pub net: PathBuf,
+    pub(crate) net: PathBuf,
     /// The trace, tab- or comma-separated, plain or .gz. Given several times, the recordings are joined.
     #[arg(long, required = true, value_name = "FILE")]
-    pub trace: Vec<PathBuf>,
+    pub(crate) trace: Vec<PathBuf>,
     /// The command, if the program has several.
     #[arg(long, value_name = "NAME")]
-    pub command: Option<String>,
+    pub(crate) command: Option<String>,
     /// Period at which the trace was recorded.
     #[arg(long, default_value = "25ms", value_parser = rpi_driver::parse_period)]
-    pub period: u64,
+    pub(crate) period: u64,
     /// How far apart equal values may be, absolute up to 1 and relative beyond.
     #[arg(long, default_value_t = 1e-9)]
-    pub tolerance: f64,
+    pub(crate) tolerance: f64,
     /// Print the report as JSON.
     #[arg(long)]
-    pub json: bool,
+    pub(crate) json: bool,
 }
 
 #[cfg(test)]

@@ -4,13 +4,15 @@ use std::process::ExitCode;
 
 /// Exit statuses.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
-pub enum Exit {
+pub(crate) enum Exit {
     /// As asked for.
     Good,
     /// The command ended with its error, or a trace differs.
     CommandError,
     /// A file, an option or a program is wrong.
     BadInput,
+    /// A fault while running.
+    Fault,
 }
 
 impl From<Exit> for ExitCode {
@@ -19,9 +21,10 @@ impl From<Exit> for ExitCode {
             Exit::Good => 0,
             Exit::CommandError => 1,
             Exit::BadInput => 2,
+            Exit::Fault => 3,
         })
     }
 }
 
 /// A task's end; the error text is for people.
-pub type Outcome = Result<Exit, Box<dyn std::error::Error>>;
+pub(crate) type Outcome = Result<Exit, Box<dyn std::error::Error>>;

@@ -7,7 +7,10 @@ mod args;
 mod exit;
 mod program;
 mod replay;
+mod run;
 mod shell;
+mod target;
+mod trace;
 
 use std::process::ExitCode;
 
@@ -18,6 +21,8 @@ use exit::Exit;
 fn main() -> ExitCode {
     let cli = Cli::parse();
     let done = match cli.task {
+        Task::Run(args) => run::run(&args),
+        Task::Trace(args) => trace::trace(&args),
         Task::Replay(args) => replay::replay(&args),
         Task::Completions { shell } => shell::completions(shell),
         Task::Man { folder } => shell::man(&folder),

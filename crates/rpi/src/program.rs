@@ -7,7 +7,7 @@ use rpi_driver::Compiled;
 use rpi_net::Net;
 
 /// Compiles a file and shows what was found; an error if it cannot run.
-pub fn load(path: &Path) -> Result<Compiled, Box<dyn std::error::Error>> {
+pub(crate) fn load(path: &Path) -> Result<Compiled, Box<dyn std::error::Error>> {
     let compiled = rpi_driver::compile(&rpi_driver::read(path)?)?;
     let style = Style::of(&std::io::stderr());
     eprint!("{}", render(&compiled.findings, &compiled.sources, style));
@@ -18,7 +18,7 @@ pub fn load(path: &Path) -> Result<Compiled, Box<dyn std::error::Error>> {
 }
 
 /// The command of this name, or the only one.
-pub fn choose<'a>(nets: &'a [Net], name: Option<&str>) -> Result<&'a Net, String> {
+pub(crate) fn choose<'a>(nets: &'a [Net], name: Option<&str>) -> Result<&'a Net, String> {
     let names = || nets.iter().map(|n| n.name.as_str());
     match (nets, name) {
         ([], _) => Err("there is no command in it".to_owned()),

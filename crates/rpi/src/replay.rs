@@ -10,7 +10,7 @@ use crate::exit::{Exit, Outcome};
 use crate::program;
 
 /// Replays and prints the report.
-pub fn replay(args: &ReplayArgs) -> Outcome {
+pub(crate) fn replay(args: &ReplayArgs) -> Outcome {
     let compiled = program::load(&args.net)?;
     let net = program::choose(compiled.nets(), args.command.as_deref())?;
     let trace = joined(&args.trace)?;

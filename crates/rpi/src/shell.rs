@@ -9,13 +9,13 @@ use crate::args::Cli;
 use crate::exit::{Exit, Outcome};
 
 /// Prints the completions of a shell.
-pub fn completions(shell: Shell) -> Outcome {
+pub(crate) fn completions(shell: Shell) -> Outcome {
     clap_complete::generate(shell, &mut Cli::command(), "rpi", &mut std::io::stdout());
     Ok(Exit::Good)
 }
 
 /// Writes the manual pages into a folder, which is made if it is not there.
-pub fn man(folder: &Path) -> Outcome {
+pub(crate) fn man(folder: &Path) -> Outcome {
     std::fs::create_dir_all(folder)?;
     clap_mangen::generate_to(Cli::command(), folder)?;
     Ok(Exit::Good)

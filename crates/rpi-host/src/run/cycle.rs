@@ -17,13 +17,15 @@ use super::samples::Tap;
 /// After the last command the devices get this long to come to rest, seconds.
 const SETTLE: f64 = 10.0;
 
-/// When a run is cut off, and how it is slowed down; in ticks.
+/// When a run is cut off, and how it is slowed down; in ticks, and how long these are.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Bounds {
     /// Ticks after which the running command is stopped.
     pub(super) last: u64,
     /// Ticks that pass after a command's start before its successor is scheduled.
     pub(super) planning: u64,
+    /// Length of a tick, nanoseconds.
+    pub(super) tick_ns: u64,
 }
 
 /// The cycle and everything that it owns.
@@ -36,6 +38,8 @@ pub(super) struct Cycle {
     pub(super) watcher: Watcher,
     devices: Box<[DeviceTap]>,
     bounds: Bounds,
+    /// Ticks that the devices get to come to rest.
+    settling: u64,
     running: Option<Slot>,
     next: Option<Slot>,
     /// Tick of the running command's first cycle.
@@ -70,16 +74,15 @@ pub(super) struct DeviceTap {
 impl Cycle {
     pub(super) fn new(
         bank: SimBank,
-        clock: Clock,
-        meter: Meter,
+        (clock, meter): (Clock, Meter),
         ends: CycleEnds,
         watcher: Watcher,
         devices: Box<[DeviceTap]>,
-        (bounds, tick_ns): (Bounds, u64),
+        bounds: Bounds,
     ) -> Cycle {
         Cycle {
             // One runs, one is scheduled, and a gone one may not have been taken out yet.
-            core: Core::with_capacity(4, tick_ns),
+            core: Core::with_capacity(4, bounds.tick_ns),
             bank,
             clock,
             meter,
@@ -87,6 +90,7 @@ impl Cycle {
             watcher,
             devices,
             bounds,
+            settling: (SETTLE * 1e9 / bounds.tick_ns as f64) as u64,
             running: None,
             next: None,
             since: 0,
@@ -227,8 +231,7 @@ impl Cycle {
     }
 
     fn settle(&mut self) {
-        let ticks = SETTLE / self.bank.tick();
-        self.phase = Phase::Settling(self.core.now() + ticks as u64);
+        self.phase = Phase::Settling(self.core.now() + self.settling);
     }
 
     fn moves(&self) -> bool {

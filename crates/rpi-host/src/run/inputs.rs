@@ -70,7 +70,10 @@ impl std::error::Error for BadSetting {}
 pub(super) type Set = (usize, Vec<u64>);
 
 /// What the settings mean for each image.
-pub(super) fn resolve(settings: &[Setting], images: &[&Image]) -> Result<Vec<Vec<Set>>, BadSetting> {
+pub(super) fn resolve(
+    settings: &[Setting],
+    images: &[&Image],
+) -> Result<Vec<Vec<Set>>, BadSetting> {
     for setting in settings {
         let mut inputs = images.iter().flat_map(|image| &image.inputs);
         if !inputs.any(|input| input.key == setting.key) {
@@ -82,7 +85,10 @@ pub(super) fn resolve(settings: &[Setting], images: &[&Image]) -> Result<Vec<Vec
             return Err(BadSetting::NoInput { key, known });
         }
     }
-    images.iter().map(|image| of_image(settings, image)).collect()
+    images
+        .iter()
+        .map(|image| of_image(settings, image))
+        .collect()
 }
 
 fn of_image(settings: &[Setting], image: &Image) -> Result<Vec<Set>, BadSetting> {

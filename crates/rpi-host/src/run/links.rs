@@ -10,7 +10,7 @@ use rtrb::{Consumer, Producer, RingBuffer};
 pub(super) struct Ready {
     /// Its number in the run, from 0.
     pub(super) serial: u64,
-    pub(super) command: Command,
+    pub(super) command: Box<Command>,
 }
 
 /// What happens to a command.
@@ -36,7 +36,7 @@ const EVENTS: usize = 1024;
 pub(super) struct CycleEnds {
     pub(super) ready: Consumer<Ready>,
     events: Producer<Event>,
-    dead: Producer<Command>,
+    dead: Producer<Box<Command>>,
     all_loaded: Arc<AtomicBool>,
 }
 
@@ -44,7 +44,7 @@ pub(super) struct CycleEnds {
 pub(super) struct HostEnds {
     pub(super) ready: Producer<Ready>,
     pub(super) events: Consumer<Event>,
-    pub(super) dead: Consumer<Command>,
+    pub(super) dead: Consumer<Box<Command>>,
     all_loaded: Arc<AtomicBool>,
 }
 
@@ -75,7 +75,7 @@ impl CycleEnds {
     }
 
     /// Gives a command away, to be freed by the host.
-    pub(super) fn bury(&mut self, command: Command) {
+    pub(super) fn bury(&mut self, command: Box<Command>) {
         if let Err(rtrb::PushError::Full(command)) = self.dead.push(command) {
             // Freeing here would block other threads' allocations; leaking a command does not.
             std::mem::forget(command);

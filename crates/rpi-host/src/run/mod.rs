@@ -10,20 +10,24 @@
 
 mod clock;
 mod cycle;
+mod devices;
 mod directory;
+mod drive;
 mod figures;
 mod host;
 mod inputs;
 mod job;
 mod links;
 mod outcome;
+mod print;
 mod samples;
 mod sequence;
+mod sides;
 
 pub use clock::Pace;
 pub use figures::{Figures, Spread};
 pub use inputs::{BadSetting, Setting};
 pub use job::{Failure, Job, Limits, run};
-pub use outcome::{DeviceEnd, Outcome, RunEnd, Status, Trouble};
-pub use samples::{Channel, Sink};
+pub use outcome::{CommandEnd, DeviceEnd, Outcome, RunEnd, Status, Trouble};
+pub use samples::{Channel, Several, Sink, Source};
 pub use sequence::{Item, Sequence};

@@ -10,6 +10,24 @@ pub struct Channel {
     pub name: String,
     /// Its type.
     pub ty: Type,
+    /// Where it comes from.
+    pub source: Source,
+}
+
+/// Where a flow comes from.
+#[derive(Clone, PartialEq, Eq, Debug)]
+pub enum Source {
+    /// A port of a device.
+    Device {
+        /// The device.
+        device: String,
+        /// Its port.
+        port: &'static str,
+        /// Which of several equal ones, from 0.
+        index: usize,
+    },
+    /// A command.
+    Command,
 }
 
 /// Somebody who takes samples: a recording, a picture.
@@ -18,6 +36,28 @@ pub trait Sink {
     fn channels(&mut self, channels: &[Channel]);
     /// Takes the value of a channel (by index) in a tick, from 0; `None` for absent.
     fn sample(&mut self, channel: usize, tick: u64, value: Option<&[u64]>);
+}
+
+/// Nobody takes samples.
+impl Sink for () {
+    fn channels(&mut self, _: &[Channel]) {}
+
+    fn sample(&mut self, _: usize, _: u64, _: Option<&[u64]>) {}
+}
+
+/// Several who take samples.
+#[derive(Default)]
+pub struct Several<'a>(pub Vec<&'a mut dyn Sink>);
+
+impl Sink for Several<'_> {
+    fn channels(&mut self, channels: &[Channel]) {
+        self.0.iter_mut().for_each(|sink| sink.channels(channels));
+    }
+
+    fn sample(&mut self, channel: usize, tick: u64, value: Option<&[u64]>) {
+        let sinks = self.0.iter_mut();
+        sinks.for_each(|sink| sink.sample(channel, tick, value));
+    }
 }
 
 /// Room for samples between two visits of the host, words.
@@ -108,7 +148,14 @@ mod tests {
         tap.put(0, 1, Some(&[1]));
         let mut got = Vec::new();
         drain.each(|channel, tick, value| got.push((channel, tick, value.map(<[u64]>::to_vec))));
-        assert_eq!(got, [(1, 0, Some(vec![7, 8, 9])), (0, 0, None), (0, 1, Some(vec![1]))]);
+        assert_eq!(
+            got,
+            [
+                (1, 0, Some(vec![7, 8, 9])),
+                (0, 0, None),
+                (0, 1, Some(vec![1]))
+            ]
+        );
     }
 
     #[test]

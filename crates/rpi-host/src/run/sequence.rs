@@ -129,7 +129,10 @@ mod tests {
     #[test]
     fn nothing_repeated_is_nothing() {
         let nothing = repeat(None, vec![repeat(Some(0), vec![Item::Run(3)])]);
-        assert_eq!(walked(vec![nothing, repeat(None, vec![]), Item::Run(1)], 9), [1]);
+        assert_eq!(
+            walked(vec![nothing, repeat(None, vec![]), Item::Run(1)], 9),
+            [1]
+        );
         assert_eq!(Sequence::once(7).walk().collect::<Vec<_>>(), [7]);
     }
 }

@@ -177,7 +177,10 @@ impl Trace {
 }
 
 /// The text of a file, unpacked if it begins as gzip does (RFC 1952, section 2.3.1).
-pub(crate) fn read_text(path: &Path) -> Result<String, ReadError> {
+///
+/// # Errors
+/// If the file cannot be read or unpacked, or is no text.
+pub fn read_text(path: &Path) -> Result<String, ReadError> {
     let failed = |e: std::io::Error| ReadError {
         path: path.to_owned(),
         line: None,

@@ -9,6 +9,6 @@ mod comma;
 mod error;
 mod tabbed;
 
-pub use arena::{Cycle, PortId, Row, Trace};
+pub use arena::{Cycle, PortId, Row, Trace, read_text};
 pub use error::{ReadError, TraceError};
 pub use tabbed::TraceWriter;

@@ -1,0 +1,58 @@
+//! A run as a trace: what `rpi replay` reads.
+
+use std::io::{self, Write};
+
+use rpi_net::literal;
+
+use crate::run::{Channel, Sink, Source};
+use crate::trace::TraceWriter;
+
+/// Writes the ports of one command as a trace; the first tick is cycle 1.
+pub struct Traced<W: Write> {
+    out: TraceWriter<W>,
+    channels: Vec<Channel>,
+    /// The first error of the writer; nothing is written after it.
+    failed: Option<io::Error>,
+}
+
+impl<W: Write> Traced<W> {
+    /// Begins a trace of a command whose clock stands at `start_ms` in its first cycle.
+    ///
+    /// # Errors
+    /// Those of the writer.
+    pub fn new(out: W, start_ms: i64) -> io::Result<Traced<W>> {
+        Ok(Traced {
+            out: TraceWriter::new(out, start_ms)?,
+            channels: Vec::new(),
+            failed: None,
+        })
+    }
+
+    /// Ends the trace.
+    ///
+    /// # Errors
+    /// The first error of the writer.
+    pub fn finish(self) -> io::Result<()> {
+        match self.failed {
+            Some(error) => Err(error),
+            None => self.out.finish().map(|_| ()),
+        }
+    }
+}
+
+impl<W: Write> Sink for Traced<W> {
+    fn channels(&mut self, channels: &[Channel]) {
+        self.channels = channels.to_vec();
+    }
+
+    fn sample(&mut self, channel: usize, tick: u64, value: Option<&[u64]>) {
+        let channel = &self.channels[channel];
+        let Some(value) = value.filter(|_| channel.source == Source::Command) else {
+            return;
+        };
+        if self.failed.is_none() {
+            let text = literal::write(value, channel.ty);
+            self.failed = self.out.row(tick + 1, &channel.name, &text).err();
+        }
+    }
+}

@@ -1,0 +1,104 @@
+//! A run from beginning to end.
+
+use std::fmt;
+use std::sync::Arc;
+use std::time::Duration;
+
+use rpi_core::LoadFault;
+use rpi_image::Image;
+use rpi_sim::Cell;
+
+use super::clock::Pace;
+use super::drive::{Listener, side_by_side, taking_turns};
+use super::inputs::{BadSetting, Setting};
+use super::outcome::{CommandEnd, Outcome};
+use super::samples::Sink;
+use super::sequence::Sequence;
+use super::sides::sides;
+
+/// What is to be run, and how.
+pub struct Job<'a> {
+    /// The commands; all of one period, which is the tick.
+    pub images: &'a [Arc<Image>],
+    /// In which order.
+    pub sequence: &'a Sequence,
+    /// The devices.
+    pub cell: &'a Cell,
+    /// What the ticks follow.
+    pub pace: Pace,
+    /// When it is cut off.
+    pub limits: Limits,
+    /// Values for inputs.
+    pub settings: &'a [Setting],
+    /// Who takes samples.
+    pub sink: &'a mut dyn Sink,
+    /// Who is told now and then how far it is.
+    pub progress: Option<&'a mut dyn FnMut(&CommandEnd, Duration)>,
+}
+
+/// When a run is cut off, and how slow planning is.
+#[derive(Clone, Copy, PartialEq, Eq, Debug, Default)]
+pub struct Limits {
+    /// Ticks after which the running command is stopped; none for no end.
+    pub ticks: Option<u64>,
+    /// Nanoseconds that it takes after a command's start until its successor is scheduled: as if planning took so long.
+    pub planning_ns: u64,
+}
+
+/// Why a run could not begin.
+#[derive(Debug)]
+pub enum Failure {
+    /// Nothing is to be run.
+    Nothing,
+    /// The commands have different periods.
+    Periods,
+    /// A setting does not fit.
+    Setting(BadSetting),
+    /// A command does not fit the cell.
+    Loading {
+        /// The command.
+        command: String,
+        /// Every reason.
+        faults: Vec<LoadFault>,
+    },
+}
+
+impl fmt::Display for Failure {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Failure::Nothing => f.write_str("there is nothing to run"),
+            Failure::Periods => f.write_str("commands that follow one another need one period"),
+            Failure::Setting(bad) => write!(f, "{bad}"),
+            Failure::Loading { command, faults } => {
+                write!(f, "{command} cannot run in this cell:")?;
+                faults.iter().try_for_each(|fault| write!(f, "\n  {fault}"))
+            }
+        }
+    }
+}
+
+impl std::error::Error for Failure {}
+
+/// Runs commands until the last has ended, or the run is cut off.
+///
+/// # Errors
+/// If it could not begin; how the commands end is in the outcome.
+pub fn run(job: Job<'_>) -> Result<Outcome, Failure> {
+    let tick_ns = tick(job.images)?;
+    let (cycle, host) = sides(&job, tick_ns)?;
+    job.sink.channels(&host.channels);
+    let listener = Listener::new(job.sink, job.progress, tick_ns);
+    match job.pace {
+        Pace::Simulated => taking_turns(cycle, host, listener),
+        Pace::Real => side_by_side(cycle, host, listener),
+    }
+}
+
+/// The period that all commands have.
+fn tick(images: &[Arc<Image>]) -> Result<u64, Failure> {
+    let period = images.first().ok_or(Failure::Nothing)?.period_ns;
+    match images.iter().all(|image| image.period_ns == period) {
+        true => Ok(period),
+        false => Err(Failure::Periods),
+    }
+}

@@ -1,0 +1,146 @@
+//! What has become of a run.
+
+use serde::Serialize;
+
+use super::figures::Figures;
+
+/// What has become of a run.
+#[derive(Clone, PartialEq, Debug, Serialize)]
+pub struct Outcome {
+    /// The commands in the order of their start.
+    pub commands: Vec<CommandEnd>,
+    /// The devices in the order of the cell.
+    pub devices: Vec<DeviceEnd>,
+    /// How long cycles took.
+    pub figures: Figures,
+    /// Length of a tick, nanoseconds.
+    pub tick_ns: u64,
+    /// True if it was cut off because it had run as long as asked for.
+    pub cut_off: bool,
+    /// Samples that were lost because the recording could not keep up.
+    pub samples_lost: u64,
+}
+
+/// How the whole run went, which is how its last command went.
+#[derive(Clone, Copy, PartialEq, Eq, Debug, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Status {
+    /// Without an error.
+    Good,
+    /// A command ended with its error.
+    CommandError,
+    /// A command ended with a fault, or could not be started.
+    Fault,
+}
+
+/// What has become of a command.
+#[derive(Clone, PartialEq, Debug, Serialize)]
+pub struct CommandEnd {
+    /// Its name.
+    pub name: String,
+    /// Tick of its first cycle, from 0; none if it never started.
+    pub first_tick: Option<u64>,
+    /// Number of its cycles.
+    pub cycles: u64,
+    /// Its end.
+    pub end: RunEnd,
+}
+
+/// How a command ended.
+#[derive(Clone, PartialEq, Eq, Debug, Serialize)]
+#[serde(rename_all = "kebab-case", tag = "how")]
+pub enum RunEnd {
+    /// With a named result.
+    Result {
+        /// Its name.
+        name: String,
+        /// True if it may have left something in motion for its successor.
+        moving: bool,
+    },
+    /// By its port `outTerminate`, without an error.
+    Terminated,
+    /// With an error.
+    Error {
+        /// Its number.
+        number: i64,
+        /// The name of the result, if it has one.
+        name: Option<String>,
+    },
+    /// By a fault in a cycle.
+    Fault {
+        /// What happened.
+        what: String,
+        /// The node to which it happened.
+        place: String,
+    },
+    /// Cut off, as it had run as long as asked for.
+    CutOff,
+    /// Loaded, but its predecessor ended in a way that nothing follows.
+    NeverStarted,
+    /// The core did not take it.
+    Refused {
+        /// Why.
+        why: String,
+    },
+}
+
+/// How a device ended.
+#[derive(Clone, PartialEq, Debug, Serialize)]
+pub struct DeviceEnd {
+    /// Its name.
+    pub name: String,
+    /// A word for its condition, `ok` if it is well.
+    pub condition: String,
+    /// True if it still moves.
+    pub moving: bool,
+    /// What it had against its commands, one entry per kind and axis.
+    pub troubles: Vec<Trouble>,
+}
+
+/// Something that a device had against its commands.
+#[derive(Clone, PartialEq, Debug, Serialize)]
+pub struct Trouble {
+    /// What, in a word.
+    pub what: String,
+    /// Which axis, from 0; none if it concerns the whole device.
+    pub axis: Option<usize>,
+    /// How often.
+    pub times: u64,
+    /// When first, seconds of the cell's time.
+    pub first: f64,
+    /// The value that was refused then, in SI units.
+    pub value: f64,
+    /// The limit that it broke; 0 where there is none.
+    pub limit: f64,
+}
+
+impl RunEnd {
+    /// How a run is judged that ends so.
+    #[must_use]
+    pub fn status(&self) -> Status {
+        match self {
+            RunEnd::Result { .. } | RunEnd::Terminated | RunEnd::CutOff | RunEnd::NeverStarted => {
+                Status::Good
+            }
+            RunEnd::Error { .. } => Status::CommandError,
+            RunEnd::Fault { .. } | RunEnd::Refused { .. } => Status::Fault,
+        }
+    }
+}
+
+impl Outcome {
+    /// How the run went: as its worst command.
+    #[must_use]
+    pub fn status(&self) -> Status {
+        let all = self.commands.iter().map(|c| c.end.status());
+        all.max_by_key(|status| *status as u8)
+            .unwrap_or(Status::Good)
+    }
+
+    /// The outcome for programs: one JSON object, indented.
+    #[must_use]
+    pub fn to_json(&self) -> String {
+        // Strings, numbers and lists of these cannot fail to be written.
+        serde_json::to_string_pretty(self).unwrap_or_default()
+    }
+}

@@ -1,0 +1,146 @@
+//! The outcome for people.
+
+use std::fmt;
+
+use super::figures::Spread;
+use super::outcome::{CommandEnd, DeviceEnd, Outcome, RunEnd, Trouble};
+
+impl fmt::Display for Outcome {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let width = self.commands.iter().map(|c| c.name.chars().count()).max();
+        for command in &self.commands {
+            self.command(f, command, width.unwrap_or(0))?;
+        }
+        if self.cut_off {
+            writeln!(
+                f,
+                "cut off after {} ticks, as asked for",
+                self.figures.ticks
+            )?;
+        }
+        writeln!(f, "cycle time  {}", self.figures.tick)?;
+        if let Some(lateness) = &self.figures.lateness {
+            writeln!(f, "late by     {lateness}")?;
+        }
+        for device in &self.devices {
+            write!(f, "{device}")?;
+        }
+        match self.samples_lost {
+            0 => Ok(()),
+            lost => writeln!(
+                f,
+                "{lost} samples were lost: the recording could not keep up"
+            ),
+        }
+    }
+}
+
+impl Outcome {
+    fn command(
+        &self,
+        f: &mut fmt::Formatter<'_>,
+        command: &CommandEnd,
+        width: usize,
+    ) -> fmt::Result {
+        let seconds = |ticks: u64| ticks as f64 * self.tick_ns as f64 * 1e-9;
+        write!(f, "{:width$}  {}", command.name, command.end)?;
+        match command.first_tick {
+            None => writeln!(f),
+            Some(first) => {
+                let (cycles, from) = (command.cycles, seconds(first));
+                writeln!(f, "; {cycles} cycles from {from:.3} s on")
+            }
+        }
+    }
+}
+
+impl fmt::Display for RunEnd {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            RunEnd::Result {
+                name,
+                moving: false,
+            } => write!(f, "finished with {name}"),
+            RunEnd::Result { name, moving: true } => write!(f, "taken over at {name}"),
+            RunEnd::Terminated => f.write_str("terminated without error"),
+            RunEnd::Error {
+                number,
+                name: Some(name),
+            } => write!(f, "FAILED with {name} (error {number})"),
+            RunEnd::Error { number, name: None } => write!(f, "FAILED with error {number}"),
+            RunEnd::Fault { what, place } if place.is_empty() => write!(f, "FAULT: {what}"),
+            RunEnd::Fault { what, place } => write!(f, "FAULT at {place}: {what}"),
+            RunEnd::CutOff => f.write_str("cut off"),
+            RunEnd::NeverStarted => f.write_str("not started"),
+            RunEnd::Refused { why } => write!(f, "REFUSED: {why}"),
+        }
+    }
+}
+
+impl fmt::Display for Spread {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let [p50, p99, max] = [self.p50, self.p99, self.max].map(time);
+        write!(f, "p50 {p50}, p99 {p99}, max {max}")
+    }
+}
+
+/// A span of time with three digits.
+fn time(nanos: u64) -> String {
+    let (value, unit) = match nanos {
+        0..1_000 => return format!("{nanos} ns"),
+        1_000..1_000_000 => (nanos as f64 / 1e3, "us"),
+        1_000_000..1_000_000_000 => (nanos as f64 / 1e6, "ms"),
+        _ => (nanos as f64 / 1e9, "s"),
+    };
+    let decimals = if value < 10.0 {
+        2
+    } else {
+        usize::from(value < 100.0)
+    };
+    format!("{value:.decimals$} {unit}")
+}
+
+impl fmt::Display for DeviceEnd {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let rest = if self.moving {
+            "still moving"
+        } else {
+            "at rest"
+        };
+        writeln!(f, "{}: {}, {rest}", self.name, self.condition)?;
+        self.troubles
+            .iter()
+            .try_for_each(|trouble| writeln!(f, "  {trouble}"))
+    }
+}
+
+impl fmt::Display for Trouble {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(&self.what)?;
+        if let Some(axis) = self.axis {
+            write!(f, " at axis {axis}")?;
+        }
+        write!(f, ", {} times, first at {:.3} s", self.times, self.first)?;
+        if self.limit != 0.0 {
+            write!(
+                f,
+                ": {:.4} where {:.4} is the limit",
+                self.value, self.limit
+            )?;
+        }
+        Ok(())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn times_have_three_digits() {
+        assert_eq!(
+            [999, 1_234, 23_456, 999_000_000].map(time),
+            ["999 ns", "1.23 us", "23.5 us", "999 ms"]
+        );
+    }
+}

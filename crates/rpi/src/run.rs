@@ -1,0 +1,113 @@
+//! `rpi run`: commands against a cell.
+
+use std::fs::File;
+use std::io::{BufWriter, IsTerminal, Write};
+use std::path::Path;
+use std::time::Duration;
+
+use rpi_host::plot;
+use rpi_host::record::{Form, Motion, Rows};
+use rpi_host::run::{self, CommandEnd, Job, Limits, Outcome, Pace, Several, Sink, Status};
+
+use crate::args::RunArgs;
+use crate::exit::{self, Exit};
+use crate::program;
+use crate::target::{self, Script};
+
+/// Runs, records and says what happened.
+pub(crate) fn run(args: &RunArgs) -> exit::Outcome {
+    let compiled = program::load(&args.program)?;
+    let script = target::script(&compiled, &args.target, |net, period| {
+        rpi_driver::lower_to_run(net, period)
+    })?;
+    let mut rows = args.record.as_deref().map(recording).transpose()?;
+    let mut motion = args.plot.as_ref().map(|_| Motion::default());
+    let mut several = Several::default();
+    several
+        .0
+        .extend(rows.as_mut().map(|rows| rows as &mut dyn Sink));
+    several
+        .0
+        .extend(motion.as_mut().map(|motion| motion as &mut dyn Sink));
+    let outcome = execute(args, &script, &mut several)?;
+    if let Some(rows) = rows {
+        rows.finish()?;
+    }
+    if let (Some(motion), Some(path)) = (motion, &args.plot) {
+        let title = args
+            .program
+            .file_name()
+            .unwrap_or_default()
+            .to_string_lossy();
+        std::fs::write(path, plot::draw(&motion.picture(&title, &outcome)))?;
+    }
+    match args.json {
+        true => println!("{}", outcome.to_json()),
+        false => print!("{outcome}"),
+    }
+    Ok(exit(&outcome))
+}
+
+fn execute(
+    args: &RunArgs,
+    script: &Script,
+    sink: &mut dyn Sink,
+) -> Result<Outcome, Box<dyn std::error::Error>> {
+    let cell = target::cell(&args.program, &args.target)?;
+    let tick_ns = script.images.first().map_or(1, |image| image.period_ns);
+    let mut progress = ProgressLine::default();
+    let mut tell = |command: &CommandEnd, elapsed: Duration| progress.show(command, elapsed);
+    let shows = std::io::stderr().is_terminal();
+    let outcome = run::run(Job {
+        images: &script.images,
+        sequence: &script.sequence,
+        cell: &cell,
+        pace: if args.real_time {
+            Pace::Real
+        } else {
+            Pace::Simulated
+        },
+        limits: Limits {
+            ticks: target::ticks(&args.target, tick_ns),
+            planning_ns: args.planning_time.unwrap_or(0),
+        },
+        settings: &args.target.settings,
+        sink,
+        progress: if shows { Some(&mut tell) } else { None },
+    });
+    progress.clear();
+    Ok(outcome?)
+}
+
+fn recording(path: &Path) -> std::io::Result<Rows<BufWriter<File>>> {
+    let form = Form::of(&path.to_string_lossy());
+    Ok(Rows::new(BufWriter::new(File::create(path)?), form))
+}
+
+fn exit(outcome: &Outcome) -> Exit {
+    match outcome.status() {
+        Status::Good => Exit::Good,
+        Status::CommandError => Exit::CommandError,
+        Status::Fault => Exit::Fault,
+    }
+}
+
+/// One line on the terminal that says how far it is.
+#[derive(Default)]
+struct ProgressLine {
+    shown: bool,
+}
+
+impl ProgressLine {
+    fn show(&mut self, command: &CommandEnd, elapsed: Duration) {
+        self.shown = true;
+        eprint!("\r\x1b[2K{}  {:.1} s", command.name, elapsed.as_secs_f64());
+        let _ = std::io::stderr().flush();
+    }
+
+    fn clear(&self) {
+        if self.shown {
+            eprint!("\r\x1b[2K");
+        }
+    }
+}

@@ -1,0 +1,67 @@
+//! `rpi trace`: all ports of a run, or rows of a recording.
+
+use std::fs::File;
+use std::io::{BufWriter, Write};
+
+use rpi_driver::Kind;
+use rpi_host::record::{Filter, Traced, copy};
+use rpi_host::run::{self, Job, Limits, Pace};
+
+use crate::args::TraceArgs;
+use crate::exit::{Exit, Outcome};
+use crate::program;
+use crate::target;
+
+/// Writes a trace of a run, or rows of a recording.
+pub(crate) fn trace(args: &TraceArgs) -> Outcome {
+    if Kind::of(&args.source).is_some() {
+        record(args)
+    } else {
+        let text = rpi_host::trace::read_text(&args.source)?;
+        pick(args, &text)
+    }
+}
+
+fn record(args: &TraceArgs) -> Outcome {
+    let compiled = program::load(&args.source)?;
+    let script = target::script(&compiled, &args.target, |net, period| {
+        rpi_driver::lower_to_look(net, period)
+    })?;
+    let cell = target::cell(&args.source, &args.target)?;
+    let tick_ns = script.images.first().map_or(1, |image| image.period_ns);
+    let mut text = Vec::new();
+    let mut traced = Traced::new(&mut text, 0)?;
+    let outcome = run::run(Job {
+        images: &script.images,
+        sequence: &script.sequence,
+        cell: &cell,
+        pace: Pace::Simulated,
+        limits: Limits {
+            ticks: target::ticks(&args.target, tick_ns),
+            planning_ns: 0,
+        },
+        settings: &args.target.settings,
+        sink: &mut traced,
+        progress: None,
+    })?;
+    traced.finish()?;
+    eprint!("{outcome}");
+    pick(args, &String::from_utf8_lossy(&text))
+}
+
+fn pick(args: &TraceArgs, text: &str) -> Outcome {
+    let filter = Filter {
+        flows: args.flow.clone(),
+        cycles: args.from..args.to.saturating_add(1),
+    };
+    let mut out: Box<dyn Write> = match &args.output {
+        Some(path) => Box::new(BufWriter::new(File::create(path)?)),
+        None => Box::new(BufWriter::new(std::io::stdout())),
+    };
+    let rows = copy(text, &filter, &mut out)?;
+    out.flush()?;
+    if rows == 0 && !args.flow.is_empty() {
+        eprintln!("no row fits");
+    }
+    Ok(Exit::Good)
+}
