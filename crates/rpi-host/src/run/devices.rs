@@ -25,6 +25,7 @@ fn sampled(kind: &Kind) -> Vec<(&'static str, usize, Scalar)> {
             ("in.real", io.analogue.inputs.len(), Scalar::Real),
             ("out.real", io.analogue.outputs.len(), Scalar::Real),
         ],
+        Kind::Base(_) | Kind::Gripper(_) | Kind::Force(_) => Vec::new(),
     }
 }
 
