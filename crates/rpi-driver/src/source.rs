@@ -3,7 +3,7 @@
 use std::collections::BTreeSet;
 use std::path::Path;
 
-use rpi_diag::{Finding, Severity, SourceMap};
+use rpi_diag::{Finding, Severity, SourceMap, Span};
 use rpi_net::Net;
 use rpi_sema::elab::{Argument, Elaborated, elaborate};
 use rpi_sema::facts::{self, Facts};
@@ -119,10 +119,31 @@ fn has_errors(findings: &[Finding]) -> bool {
         .any(|finding| finding.severity() == Severity::Error)
 }
 
-/// Each finding once: a unit that is called in several places is looked at in each of them.
+/// Each finding once: a unit that is called in several places is looked at in each of them. What is found at a place
+/// where the text itself has a fault follows from that.
 fn once(findings: Vec<Finding>) -> Vec<Finding> {
+    let syntax = findings.iter().filter(|finding| of_syntax(finding));
+    let broken: Vec<Span> = syntax
+        .flat_map(|f| &f.labels)
+        .map(|label| label.span)
+        .collect();
+    let follows = |finding: &Finding| {
+        let mut places = finding.labels.iter().map(|label| label.span);
+        !of_syntax(finding) && places.any(|place| broken.iter().any(|fault| overlap(place, *fault)))
+    };
     let mut seen = BTreeSet::new();
     let mut kept = findings;
-    kept.retain(|finding| seen.insert((finding.code, finding.span(), finding.message.clone())));
+    kept.retain(|finding| {
+        !follows(finding) && seen.insert((finding.code, finding.span(), finding.message.clone()))
+    });
     kept
+}
+
+/// Group 0 of the codes, errors only.
+fn of_syntax(finding: &Finding) -> bool {
+    finding.code.as_str().starts_with("RPI0") && finding.severity() == Severity::Error
+}
+
+fn overlap(a: Span, b: Span) -> bool {
+    a.file == b.file && a.start < b.end && b.start < a.end
 }

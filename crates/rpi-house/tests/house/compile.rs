@@ -1,7 +1,9 @@
 //! What the compiler says of a text: the one way in which the tests of documents and of `tests/ui` ask.
 
+use std::path::{Path, PathBuf};
+
 use rpi_diag::{Finding, SourceMap};
-use rpi_syntax::Mode;
+use rpi_driver::{Input, Kind, compile};
 
 /// What was found, and the texts that it is about.
 pub(crate) struct Said {
@@ -9,13 +11,18 @@ pub(crate) struct Said {
     pub(crate) sources: SourceMap,
 }
 
-/// Checks a text under a file name, which tells its language.
+/// Takes a text through all stages up to checked nets, under a file name, which tells its language.
 pub(crate) fn check(name: &str, text: &str) -> Said {
-    let mut sources = SourceMap::new();
-    let file = sources.add(name, text);
-    let findings = match name.ends_with(".rpinet") {
-        true => rpi_net::rpinet::read("net", file, text).1,
-        false => rpi_syntax::parse(file, text, Mode::of_path(name)).findings,
+    let path = PathBuf::from(name);
+    let kind = Kind::of(Path::new(name)).expect("the name tells the language");
+    let input = Input {
+        path,
+        kind,
+        bytes: text.as_bytes().to_vec(),
     };
-    Said { findings, sources }
+    let compiled = compile(&input).unwrap_or_else(|error| panic!("{error}"));
+    Said {
+        findings: compiled.findings,
+        sources: compiled.sources,
+    }
 }

@@ -4,9 +4,9 @@
 use rpi_house::{functions, source_files};
 
 /// Lines of a function from which on it must say in [`LONG`] why it is long.
-const LONG_FUNCTION: usize = 50;
+const LONG_FUNCTION: usize = 60;
 /// Lines of a file, unit tests apart, from which on it must say in [`LONG`] why it is long.
-const LONG_FILE: usize = 450;
+const LONG_FILE: usize = 600;
 
 /// What may be longer, and why: a file, or `file::function`.
 const LONG: &[(&str, &str)] = &[];

@@ -5,11 +5,15 @@
 
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
+use std::time::{Duration, Instant};
 
 use rpi_diag::{Style, render};
 use rpi_testkit::{files_below, workspace_root};
 
 use crate::compile::{Said, check};
+
+/// A check of a page of text takes microseconds; what takes this long makes no progress.
+const HANG: Duration = Duration::from_secs(2);
 
 const PROGRAMS: &[&str] = &[".rpi", ".lus", ".rpinet"];
 
@@ -49,15 +53,26 @@ fn there_are_programs_and_each_message_has_one() {
     assert!(stray.is_empty(), "messages without a program: {stray:?}");
 }
 
-/// Every start of every program here gives findings or none, and no panic.
+/// Every start of every program here and of every example gives findings or none, soon, and no panic.
 #[test]
-fn no_prefix_of_a_program_makes_the_compiler_panic() {
-    for path in files_below("tests/ui", PROGRAMS) {
+fn no_prefix_of_a_program_makes_the_compiler_panic_or_hang() {
+    let programs = [
+        files_below("tests/ui", PROGRAMS),
+        files_below("examples", PROGRAMS),
+    ]
+    .concat();
+    for path in programs {
         let text = std::fs::read_to_string(&path).expect("it is UTF-8");
         for (end, _) in text.char_indices() {
+            let start = Instant::now();
             let said = check(&name(&path), &text[..end]);
             let shown = render(&said.findings, &said.sources, Style::PLAIN);
             assert_eq!(shown.is_empty(), said.findings.is_empty());
+            assert!(
+                start.elapsed() < HANG,
+                "{} up to byte {end}",
+                path.display()
+            );
         }
     }
 }

@@ -28,6 +28,8 @@ pub(super) struct Body<'c, 'a> {
     pub(super) shares: Map<FlowId, FlowId>,
     /// Equations whose flows were read before their types were known.
     pub(super) missing: Vec<usize>,
+    /// Flows that a statement with a reported fault seems to define.
+    pub(super) broken: Vec<FlowId>,
     /// Whether types are being looked for: faults are reported later, when all are known.
     pub(super) inferring: bool,
     /// Whether a signature is being read, where frames need no declaration.
@@ -55,6 +57,7 @@ impl<'c, 'a> Body<'c, 'a> {
             defined_by: Vec::new(),
             shares: Map::default(),
             missing: Vec::new(),
+            broken: Vec::new(),
             inferring: false,
             in_signature: false,
             state_at: None,

@@ -15,7 +15,7 @@ impl Body<'_, '_> {
             let own = std::iter::from_fn(|| parts.next_if(|part| part.flow == id));
             let own: Vec<DefinedPart> = own.collect();
             let defined = matches!(flow.role, FlowRole::Output | FlowRole::Local);
-            if defined && !flow.ty.has_unknown() {
+            if defined && !flow.ty.has_unknown() && !self.broken.contains(&id) {
                 findings.extend(definition_fault(flow, &own));
             }
         }

@@ -142,9 +142,12 @@ impl<'a> Body<'_, 'a> {
             }
             StatementKind::Broken(names) => {
                 for name in names {
-                    if self.find_local(&name.name).is_none() {
-                        self.introduce_flow(name);
-                    }
+                    let flow = match self.find_local(&name.name) {
+                        None => Some(self.introduce_flow(name)),
+                        Some(Local::Flow(flow)) => Some(flow),
+                        Some(_) => None,
+                    };
+                    self.broken.extend(flow);
                 }
             }
         }
