@@ -2,13 +2,15 @@
 
 use std::path::Path;
 
-use rpi_diag::{Finding, Severity, SourceMap};
+use rpi_diag::{FileId, Finding, Severity, SourceMap};
 use rpi_image::Image;
 use rpi_lower::{LowerOptions, Plan};
 use rpi_net::Net;
+use rpi_syntax::Mode;
 
 use crate::input::{Input, InputError, Kind};
 use crate::source;
+use crate::task::{self, Task};
 
 /// What became of a file.
 #[derive(Debug)]
@@ -19,6 +21,8 @@ pub struct Compiled {
     pub findings: Vec<Finding>,
     /// What there is to run.
     pub program: Program,
+    /// Which command follows which, as the program's tasks say.
+    pub tasks: Vec<Task>,
 }
 
 /// What there is to run.
@@ -43,6 +47,7 @@ pub fn compile(input: &Input) -> Result<Compiled, InputError> {
 }
 
 fn program(input: &Input, text: &str) -> Compiled {
+    let mode = Mode::of_path(&display(&input.path));
     let mut sources = SourceMap::new();
     let built = source::build(
         &input.stem(),
@@ -55,6 +60,7 @@ fn program(input: &Input, text: &str) -> Compiled {
         sources,
         findings: built.findings,
         program: Program::Nets(built.nets),
+        tasks: task::tasks(&rpi_syntax::parse(FileId(0), text, mode).file),
     }
 }
 
@@ -65,17 +71,31 @@ fn image(input: &Input) -> Result<Compiled, InputError> {
         sources: SourceMap::new(),
         findings: Vec::new(),
         program: Program::Image(Box::new(image)),
+        tasks: Vec::new(),
     })
 }
 
 fn net(input: &Input, text: &str) -> Compiled {
     let mut sources = SourceMap::new();
     let file = sources.add(display(&input.path), text);
-    let (net, findings) = rpi_net::rpinet::read(&input.stem(), file, text);
+    let (net, mut findings) = rpi_net::rpinet::read(&input.stem(), file, text);
+    let net = net.and_then(|net| checked(net, &mut findings));
     Compiled {
         sources,
         findings,
         program: Program::Nets(net.into_iter().collect()),
+        tasks: Vec::new(),
+    }
+}
+
+/// The net as the passes left it, if they found nothing against it.
+fn checked(net: Net, findings: &mut Vec<Finding>) -> Option<Net> {
+    match rpi_net::passes::analyse(net, |_| false) {
+        Ok(analysis) => {
+            findings.extend(analysis.findings);
+            analysis.schedule.map(|_| analysis.net)
+        }
+        Err(violation) => panic!("the reader made a net that is not in order: {violation}"),
     }
 }
 

@@ -9,8 +9,10 @@ mod input;
 mod modules;
 mod period;
 mod source;
+mod task;
 
 pub use compile::{Compiled, Program, compile, lower_to_look, lower_to_run};
 pub use input::{Input, InputError, Kind, read};
 pub use modules::library_modules;
 pub use period::{parse_period, period_text};
+pub use task::{Task, TaskStep};

@@ -3,8 +3,8 @@
 use std::path::Path;
 use std::sync::Arc;
 
-use rpi_driver::{Compiled, Program};
-use rpi_host::run::Sequence;
+use rpi_driver::{Compiled, Program, Task, TaskStep};
+use rpi_host::run::{Item, Sequence};
 use rpi_image::Image;
 use rpi_net::Net;
 use rpi_sim::Cell;
@@ -26,19 +26,70 @@ pub(crate) struct Script {
     pub(crate) sequence: Sequence,
 }
 
-/// Makes images of what is to be run.
+/// Makes images of what is to be run: the command or task that was named, else the only task, else the only command.
 pub(crate) fn script(compiled: &Compiled, target: &Target, lower: Lower) -> Result<Script, String> {
-    let image = match &compiled.program {
-        Program::Image(image) => of_image(image, target)?,
-        Program::Nets(nets) => {
-            let net = program::choose(nets, target.command.as_deref())?;
-            lower(net, target.period.unwrap_or(PERIOD))?
-        }
-    };
+    if let Program::Image(image) = &compiled.program {
+        return once(of_image(image, target)?);
+    }
+    let (nets, period) = (compiled.nets(), target.period.unwrap_or(PERIOD));
+    if let Some(task) = task(&compiled.tasks, target.command.as_deref()) {
+        return of_task(task, nets, |net| lower(net, period));
+    }
+    let net = program::choose(nets, target.command.as_deref())?;
+    once(lower(net, period)?)
+}
+
+fn once(image: Image) -> Result<Script, String> {
     Ok(Script {
         images: vec![Arc::new(image)],
         sequence: Sequence::once(0),
     })
+}
+
+fn task<'a>(tasks: &'a [Task], name: Option<&str>) -> Option<&'a Task> {
+    match (tasks, name) {
+        ([only], None) => Some(only),
+        (_, Some(name)) => tasks.iter().find(|task| task.name == name),
+        (_, None) => None,
+    }
+}
+
+fn of_task(
+    task: &Task,
+    nets: &[Net],
+    lower: impl Fn(&Net) -> Result<Image, String>,
+) -> Result<Script, String> {
+    let name = &task.name;
+    let steps = task.steps.as_ref();
+    let steps = steps.map_err(|why| format!("task {name} needs what cannot be run yet: {why}"))?;
+    let mut used: Vec<String> = Vec::new();
+    let sequence = Sequence(items(steps, &mut used));
+    let images = used.iter().map(|command| {
+        let net = nets.iter().find(|net| net.name == *command);
+        lower(net.ok_or_else(|| format!("{command} cannot be run by itself"))?).map(Arc::new)
+    });
+    Ok(Script {
+        images: images.collect::<Result<_, _>>()?,
+        sequence,
+    })
+}
+
+/// The steps with commands as indices into `used`.
+fn items(steps: &[TaskStep], used: &mut Vec<String>) -> Vec<Item> {
+    let item = |step: &TaskStep| match step {
+        TaskStep::Repeat(times, body) => Item::Repeat {
+            times: *times,
+            body: items(body, used),
+        },
+        TaskStep::Run(name) => {
+            let known = used.iter().position(|u| u == name);
+            Item::Run(known.unwrap_or_else(|| {
+                used.push(name.clone());
+                used.len() - 1
+            }))
+        }
+    };
+    steps.iter().map(item).collect()
 }
 
 /// An image has the period that it was compiled for.
