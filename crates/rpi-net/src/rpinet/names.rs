@@ -40,13 +40,14 @@ impl<'t> Names<'t> {
     /// The definition that a name stands for.
     pub(super) fn definition(&self, scope: BodyId, name: &'t str) -> Option<DefinitionId> {
         let mut name = name;
-        for _ in 0..=self.aliases.len() {
+        // As many steps as there are second names: they may stand for each other in a circle.
+        for _ in 0..self.aliases.len() {
             match self.aliases.get(&(scope, name)) {
                 Some(other) => name = other.text,
-                None => return self.definitions.get(&(scope, name)).copied(),
+                None => break,
             }
         }
-        None
+        self.definitions.get(&(scope, name)).copied()
     }
 
     /// Index of an out-port of a fragment.
