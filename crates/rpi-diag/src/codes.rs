@@ -119,10 +119,15 @@ codes! {
     RPI3004 Error "optional part of a value";
     RPI3005 Error "function with state";
     RPI3006 Error "automaton without one initial state";
+    RPI3101 Warning "flow that nothing uses";
     RPI4001 Error "dependency cycle";
     RPI4002 Error "port that stands for itself";
     RPI6001 Error "device port used the wrong way";
     RPI6002 Error "actuator defined twice";
+    RPI6101 Error "two writers of one actuator";
+    RPI6102 Error "command that can never finish";
+    RPI6103 Warning "result that can never happen";
+    RPI7001 Error "budget exceeded";
     RPI8001 Error "end of a command in the wrong place";
 }
 

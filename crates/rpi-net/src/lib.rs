@@ -13,8 +13,8 @@ pub mod tree;
 mod violation;
 
 pub use net::{
-    Absent, Activation, Driver, ExportPort, Fragment, FragmentId, FragmentPort, Input, Net, Node,
-    NodeId, Origin, PortRef, Restart, ResultKind, ResultPort,
+    Absent, Activation, Alternatives, Driver, ExportPort, Fragment, FragmentId, FragmentPort,
+    Input, Net, Node, NodeId, Origin, PortRef, Restart, ResultKind, ResultPort,
 };
 pub use tree::{Item, Tree};
 pub use violation::Violation;

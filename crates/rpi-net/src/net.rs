@@ -201,6 +201,15 @@ pub enum Driver {
     },
 }
 
+/// Ports of one actuator of a device, of which a command drives at most one in a cycle.
+#[derive(Clone, PartialEq, Eq, Debug)]
+pub struct Alternatives {
+    /// The device.
+    pub device: String,
+    /// Its ports.
+    pub ports: Vec<String>,
+}
+
 /// A net: one command, ready for the passes.
 #[derive(Clone, PartialEq, Debug)]
 pub struct Net {
@@ -214,6 +223,8 @@ pub struct Net {
     pub driver: Driver,
     /// What it publishes besides the primitives with an export role.
     pub exports: Vec<ExportPort>,
+    /// Ports of devices that exclude each other.
+    pub alternatives: Vec<Alternatives>,
 }
 
 impl Net {
@@ -242,6 +253,7 @@ impl Net {
                 fail: None,
             },
             exports: Vec::new(),
+            alternatives: Vec::new(),
         }
     }
 

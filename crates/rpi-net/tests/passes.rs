@@ -191,3 +191,126 @@ fn each_pass_says_what_it_does() {
     assert_eq!(told, names);
     assert!(PASSES.iter().all(|p| !p.about.is_empty()));
 }
+
+/// Verdicts on the pairs of writers of a net.
+fn verdicts(text: &str) -> Vec<bool> {
+    analysed(text)
+        .writers
+        .pairs
+        .iter()
+        .map(|p| p.exclusive)
+        .collect()
+}
+
+/// A net with two writers of one output under these two activations.
+fn two_writers(conditions: &str, first: &str, second: &str) -> String {
+    let writer = "{w=IO::OutBool(inIO=parent.i,DeviceID='io',Port='1')}";
+    format!(
+        "{{v=Core::BooleanNetcommIn(Key='v'),n=Core::IntNetcommIn(Key='n'),t=Core::BooleanValue(Value='true'),\
+        {conditions},a={writer}(inActive={first}.outValue,i=v.outValue),b={writer}(inActive={second}.outValue,i=v.outValue)}}"
+    )
+    .replace("x.outValue", "x.outActive")
+    .replace("y.outValue", "y.outActive")
+}
+
+#[test]
+fn writers_are_exclusive_where_it_can_be_proved() {
+    let proved = [
+        ("p=Core::BooleanNot(inValue=v.outValue)", "v", "p"),
+        (
+            "p=Core::IntEquals(inFirst=n.outValue,Second='1'),q=Core::IntEquals(inFirst=n.outValue,Second='2')",
+            "p",
+            "q",
+        ),
+        (
+            "p=Core::IntGreater(inFirst=n.outValue,Second='3'),g=Core::IntGreater(inFirst=n.outValue,Second='1'),q=Core::BooleanNot(inValue=g.outValue)",
+            "p",
+            "q",
+        ),
+        (
+            "f=Core::EdgeDetection(inValue=t.outValue),o=Core::BooleanNot(inValue=v.outValue),\
+            k=Core::BooleanAnd(inFirst=f.outValue,inSecond=v.outValue),l=Core::BooleanAnd(inFirst=f.outValue,inSecond=o.outValue),\
+            x=Core::Trigger(inOn=k.outValue),y=Core::Trigger(inOn=l.outValue)",
+            "x",
+            "y",
+        ),
+        (
+            "f=Core::EdgeDetection(inValue=v.outValue),x=Core::Trigger(On='true',inOff=f.outValue),y=Core::Trigger(inOn=f.outValue)",
+            "x",
+            "y",
+        ),
+    ];
+    for (conditions, first, second) in proved {
+        assert_eq!(
+            verdicts(&two_writers(conditions, first, second)),
+            [true],
+            "{conditions}"
+        );
+    }
+}
+
+#[test]
+fn writers_that_may_meet_are_watched() {
+    let open = [
+        ("p=Core::BooleanNetcommIn(Key='p')", "v", "p"),
+        (
+            "p=Core::IntEquals(inFirst=n.outValue,Second='1'),q=Core::IntEquals(inFirst=n.outValue,Second='2',Epsilon='1')",
+            "p",
+            "q",
+        ),
+        (
+            "o=Core::BooleanNot(inValue=v.outValue),x=Core::Trigger(inOn=v.outValue),y=Core::Trigger(inOn=o.outValue)",
+            "x",
+            "y",
+        ),
+    ];
+    for (conditions, first, second) in open {
+        assert_eq!(
+            verdicts(&two_writers(conditions, first, second)),
+            [false],
+            "{conditions}"
+        );
+    }
+}
+
+#[test]
+fn joints_and_tool_of_one_arm_are_one_motion() {
+    let net = |robot: &str| {
+        format!(
+            "{{m=CartesianPosition::CartesianMonitor(Robot='a'),c=CartesianPosition::CartesianPosition(inPosition=m.outCommandedPosition,Robot='a'),\
+            d=Core::Clock(),j=RobotArm::JointPosition(inPosition=d.outValue,Robot='{robot}',Axis='0')}}"
+        )
+    };
+    assert_eq!(verdicts(&net("a")), [false]);
+    assert_eq!(verdicts(&net("b")), [false; 0]);
+}
+
+#[test]
+fn of_exclusive_fragments_the_largest_counts() {
+    let body = "{a=Core::DoubleAdd(),b=Core::DoubleAdd()}";
+    let work = |second: &str| {
+        let text = format!(
+            "{{v=Core::BooleanNetcommIn(Key='v'),p=Core::BooleanNot(inValue=v.outValue),\
+            f={body}(inActive=v.outValue),g={body}(inActive={second}.outValue)}}"
+        );
+        analysed(&text).work.of(rpi_net::FragmentId::ROOT)
+    };
+    assert_eq!(work("v") - work("p"), 2);
+}
+
+#[test]
+fn effects_reach_back_through_activations() {
+    let analysis = analysed(
+        "{v=Core::BooleanNetcommIn(Key='v'),p=Core::BooleanNot(inValue=v.outValue),dead=Core::Clock(),\
+        f={w=IO::OutBool(IO='true',DeviceID='io',Port='1'),idle=Core::Clock()}(inActive=p.outValue)}",
+    );
+    let live = rpi_net::passes::live::live(&analysis.net);
+    let names = analysis
+        .net
+        .nodes
+        .iter()
+        .zip(live)
+        .filter(|(_, l)| *l)
+        .map(|(n, _)| n.name.as_str());
+    assert_eq!(names.collect::<Vec<_>>(), ["v", "p", "w"]);
+}

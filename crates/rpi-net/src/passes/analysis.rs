@@ -1,8 +1,9 @@
 //! The list of passes and what they find.
 
-use super::{Dependencies, Presences, Schedule, Sureness, Users};
-use super::{causality, hoist, schedule, verify};
-use crate::net::{Net, PortRef};
+use super::proof::Background;
+use super::{Dependencies, Presences, Schedule, Sureness, Users, Work, Writers};
+use super::{causality, ends, hoist, live, schedule, verify, writers};
+use crate::net::{FragmentId, Net, PortRef};
 use crate::tree::Tree;
 use crate::violation::Violation;
 use rpi_diag::Finding;
@@ -24,6 +25,22 @@ pub struct Analysis {
     pub schedule: Option<Schedule>,
     /// Which flows can be absent.
     pub presences: Presences,
+    /// Who drives which actuator: the resources that the command takes.
+    pub writers: Writers,
+    /// Bounds on the work of a cycle.
+    pub work: Work,
+}
+
+impl Analysis {
+    /// What proofs look at.
+    fn background<'a>(&'a self, users: &'a Users) -> Background<'a> {
+        Background {
+            net: &self.net,
+            tree: &self.tree,
+            users,
+            presences: &self.presences,
+        }
+    }
 }
 
 /// One question that is asked of a net.
@@ -99,6 +116,53 @@ pub const PASSES: &[Pass] = &[
             ))
         },
     },
+    Pass {
+        name: "writers",
+        about: "no actuator is driven twice in a cycle; the resources that are taken",
+        run: |a, _| {
+            let users = Users::new(&a.net);
+            let writers = Writers::new(a.background(&users));
+            a.findings.extend(writers::check(&a.net, &writers));
+            let watched = writers.watched().count();
+            let proved = writers.pairs.len() - watched;
+            let told = format!(
+                "{} resources; of pairs of writers {proved} exclusive, {watched} watched",
+                writers.of.len()
+            );
+            a.writers = writers;
+            Ok(told)
+        },
+    },
+    Pass {
+        name: "ends",
+        about: "some `finish` can happen, and every result can",
+        run: |a, _| {
+            let users = Users::new(&a.net);
+            let findings = ends::check(a.background(&users));
+            let told = format!("{} faults", findings.len());
+            a.findings.extend(findings);
+            Ok(told)
+        },
+    },
+    Pass {
+        name: "effects",
+        about: "which nodes have an effect outside; flows that nothing uses",
+        run: |a, _| {
+            let live = live::live(&a.net);
+            a.findings.extend(live::check(&a.net, &live));
+            let count = live.iter().filter(|l| **l).count();
+            Ok(format!("{count} of {} nodes", live.len()))
+        },
+    },
+    Pass {
+        name: "work",
+        about: "a bound on the work of a cycle, of exclusive fragments the largest",
+        run: |a, _| {
+            let users = Users::new(&a.net);
+            a.work = Work::new(a.background(&users));
+            Ok(format!("{} operations", a.work.of(FragmentId::ROOT)))
+        },
+    },
 ];
 
 /// Runs all passes over a net. `forced` names ports that count as optional whatever their rule says: those on which a
@@ -114,6 +178,8 @@ pub fn analyse(net: Net, forced: impl Fn(PortRef) -> bool) -> Result<Analysis, V
         dependencies: Dependencies::none(),
         schedule: None,
         presences: Presences::unknown(&nothing),
+        writers: Writers::default(),
+        work: Work::default(),
         tree: Tree::new(&nothing),
         net,
     };

@@ -5,12 +5,17 @@
 mod analysis;
 pub mod causality;
 pub mod dependencies;
+mod ends;
 pub mod hoist;
+pub mod live;
 pub mod presence;
+mod proof;
 mod rings;
 pub mod schedule;
 pub mod users;
 pub mod verify;
+pub mod work;
+pub mod writers;
 
 pub use crate::tree::Item;
 pub use analysis::{Analysis, PASSES, Pass, analyse};
@@ -18,3 +23,5 @@ pub use dependencies::{Dependence, Dependencies, Reader};
 pub use presence::{Presences, Sureness, View};
 pub use schedule::Schedule;
 pub use users::Users;
+pub use work::Work;
+pub use writers::{Pair, Resource, Writers};

@@ -1,0 +1,55 @@
+//! Whether a command can end (M10): some `finish` must be reachable, and every result should be.
+
+use super::proof::{Background, never_true};
+use crate::net::{Driver, FragmentId, Input, ResultKind, ResultPort};
+use rpi_diag::{Code, Finding};
+
+/// What is wrong with the ends of a program. Imported nets may run until they are stopped from outside.
+pub(crate) fn check(background: Background<'_>) -> Vec<Finding> {
+    let Driver::Results(results) = &background.net.driver else {
+        return Vec::new();
+    };
+    let is_dead = |r: &&ResultPort| never(background, &r.condition);
+    let dead: Vec<&ResultPort> = results.iter().filter(is_dead).collect();
+    let mut findings: Vec<Finding> = dead.iter().map(|r| unreachable(r)).collect();
+    let finishes = |r: &&ResultPort| r.kind == ResultKind::Finish;
+    let all = results.iter().filter(finishes).count();
+    let lost = dead.iter().filter(|r| finishes(r)).count();
+    if lost == all {
+        findings.push(endless(background, results, all));
+    }
+    findings
+}
+
+fn never(background: Background<'_>, condition: &Input) -> bool {
+    match condition {
+        Input::Open => true,
+        Input::Const(value) => value.as_bool() == Some(false),
+        Input::Port(port) => never_true(background, FragmentId::ROOT, *port),
+    }
+}
+
+fn unreachable(result: &ResultPort) -> Finding {
+    let message = format!("result `{}` can never happen", result.name);
+    Finding::new(Code::RPI6103, message)
+        .at(result.origin.span, "this condition is never true")
+        .help("correct the condition, or delete the result")
+}
+
+fn endless(background: Background<'_>, results: &[ResultPort], finishes: usize) -> Finding {
+    let name = &background.net.name;
+    let message = format!("command `{name}` can never finish");
+    let finding = Finding::new(Code::RPI6102, message);
+    let place = results
+        .first()
+        .map_or(background.net.fragment(FragmentId::ROOT).origin.span, |r| {
+            r.origin.span
+        });
+    let what = match finishes {
+        0 => "there is no `finish` among its results",
+        _ => "the condition of no `finish` can be true",
+    };
+    finding
+        .at(place, what)
+        .help("a command must be able to end without a successor: add `finish r when c`")
+}

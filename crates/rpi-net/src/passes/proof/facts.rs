@@ -1,0 +1,288 @@
+//! Propagation of facts about one cycle: what follows from some flows being true and some fragments being active.
+//!
+//! Each flow has a set of what it can be; gates narrow the sets of their inputs and outputs until nothing changes, or
+//! a set is empty: then the facts contradict each other. Only nodes of fragments that are known to be active take part,
+//! for the others are not evaluated. Sound, not complete, and bounded.
+
+use super::numbers;
+use super::truth::{self, Set, by_rule, constant};
+use crate::net::{Absent, Activation, FragmentId, Input, Net, NodeId, PortRef};
+use crate::passes::presence::{Presences, Sureness};
+use crate::passes::users::Users;
+use crate::tree::Tree;
+use rpi_image::Role;
+use std::cell::Cell;
+use std::collections::{BTreeMap, BTreeSet};
+
+/// What proofs look at.
+#[derive(Clone, Copy)]
+pub(crate) struct Background<'a> {
+    pub(crate) net: &'a Net,
+    pub(crate) tree: &'a Tree,
+    pub(crate) users: &'a Users,
+    pub(crate) presences: &'a Presences,
+}
+
+/// The facts contradict each other.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub(crate) struct Contradiction;
+
+/// How many nodes may still be looked at.
+pub(crate) type Effort = Cell<u32>;
+
+/// Facts about one cycle.
+#[derive(Clone)]
+pub(crate) struct Facts<'a> {
+    background: Background<'a>,
+    known: BTreeMap<PortRef, Set>,
+    active: BTreeSet<FragmentId>,
+    queue: BTreeSet<NodeId>,
+    effort: &'a Effort,
+}
+
+type Held = Result<(), Contradiction>;
+
+impl<'a> Facts<'a> {
+    pub(crate) fn new(background: Background<'a>, effort: &'a Effort) -> Self {
+        Facts {
+            background,
+            known: BTreeMap::new(),
+            active: BTreeSet::from([FragmentId::ROOT]),
+            queue: BTreeSet::new(),
+            effort,
+        }
+    }
+
+    pub(crate) fn background(&self) -> Background<'a> {
+        self.background
+    }
+
+    /// Adds that a fragment is active, and with it all around it.
+    pub(crate) fn activate(&mut self, fragment: FragmentId) -> Held {
+        let chain: Vec<FragmentId> = self.background.net.enclosing(fragment).collect();
+        for id in chain.into_iter().rev() {
+            if self.active.insert(id) {
+                self.activated(id)?;
+            }
+        }
+        Ok(())
+    }
+
+    fn activated(&mut self, id: FragmentId) -> Held {
+        let fragment = self.background.net.fragment(id);
+        let (Activation::When { condition, absent }, Some(parent)) =
+            (&fragment.activation, fragment.parent)
+        else {
+            return Ok(());
+        };
+        let allowed = match absent {
+            Absent::Inactive => Set::TRUE,
+            Absent::Active => Set::TRUE.or(Set::ABSENT),
+        };
+        self.require(parent, *condition, allowed)
+    }
+
+    /// Adds that a flow, as seen from a fragment that is active, is one of `allowed`.
+    pub(crate) fn require(&mut self, reader: FragmentId, port: PortRef, allowed: Set) -> Held {
+        let gates = self.gates(reader, port);
+        if !allowed.has(Set::ABSENT) {
+            for gate in gates {
+                self.activate(gate)?;
+            }
+        } else if !gates.is_empty() {
+            // It may be absent because its fragment is inactive: then nothing follows for the flow itself.
+            return Ok(());
+        }
+        self.narrow(port, allowed)
+    }
+
+    /// Adds that a flow of an active fragment is one of `allowed`, and all that follows.
+    pub(crate) fn suppose(&mut self, port: PortRef, allowed: Set) -> Held {
+        self.narrow(port, allowed)?;
+        self.propagate()
+    }
+
+    /// These facts and others together.
+    pub(crate) fn joined(&self, other: &Facts<'a>) -> Result<Facts<'a>, Contradiction> {
+        let mut both = self.clone();
+        both.active.extend(&other.active);
+        for (port, set) in &other.known {
+            both.narrow(*port, *set)?;
+        }
+        Ok(both)
+    }
+
+    /// Follows all facts up to the end.
+    pub(crate) fn propagate(&mut self) -> Held {
+        while let Some(id) = self.queue.pop_first() {
+            let left = self.effort.get();
+            if left == 0 {
+                self.queue.clear();
+                return Ok(());
+            }
+            self.effort.set(left - 1);
+            self.revise(id)?;
+        }
+        self.check_numbers()
+    }
+
+    /// Compares what comparisons say of numbers.
+    pub(crate) fn check_numbers(&self) -> Held {
+        numbers::check(self.background.net, &self.known)
+    }
+
+    /// What a flow can be within its own fragment.
+    pub(crate) fn own(&self, port: PortRef) -> Set {
+        self.known
+            .get(&port)
+            .copied()
+            .unwrap_or_else(|| self.at_first(port))
+    }
+
+    /// Flows of which something is known that does not hold anyway.
+    pub(crate) fn known(&self) -> impl Iterator<Item = (PortRef, Set)> + '_ {
+        self.known.iter().map(|(port, set)| (*port, *set))
+    }
+
+    fn at_first(&self, port: PortRef) -> Set {
+        let node = self.background.net.node(port.node);
+        let is_boolean = truth::is_boolean(node.outputs[usize::from(port.port)]);
+        if let (Role::Constant, Some(value)) = (node.desc().role, node.params.first()) {
+            return constant(value);
+        }
+        let present = if is_boolean { Set::PRESENT } else { Set::TRUE };
+        match self.background.presences.own(port) {
+            Sureness::Total => present,
+            Sureness::Optional => present.or(Set::ABSENT),
+            Sureness::Never => Set::ABSENT,
+        }
+    }
+
+    /// Fragments that must be active for a flow to be seen, as far as it is not known that they are.
+    fn gates(&self, reader: FragmentId, port: PortRef) -> Vec<FragmentId> {
+        let Background {
+            net,
+            tree,
+            presences,
+            ..
+        } = self.background;
+        let mut gates = presences.view(net, tree, reader, port).through;
+        gates.retain(|g| !self.active.contains(g));
+        gates
+    }
+
+    fn narrow(&mut self, port: PortRef, allowed: Set) -> Held {
+        let before = self.own(port);
+        let after = before.and(allowed);
+        if after == Set::NONE {
+            return Err(Contradiction);
+        }
+        let is_new = self.known.insert(port, after).is_none();
+        if after != before || is_new {
+            self.queue.insert(port.node);
+            self.queue.extend(self.background.users.of(port.node));
+        }
+        Ok(())
+    }
+
+    /// What an input is seen as.
+    fn seen(&self, reader: FragmentId, input: &Input) -> Set {
+        match input {
+            Input::Open => Set::ABSENT,
+            Input::Const(value) => constant(value),
+            Input::Port(port) if self.gates(reader, *port).is_empty() => self.own(*port),
+            Input::Port(port) => self.own(*port).or(Set::ABSENT),
+        }
+    }
+
+    /// Narrows what a node's ports can be.
+    fn revise(&mut self, id: NodeId) -> Held {
+        let node = self.background.net.node(id);
+        let is_state = matches!(node.desc().role, Role::Delay | Role::Constant);
+        if is_state || !self.active.contains(&node.fragment) || node.outputs.is_empty() {
+            return Ok(());
+        }
+        let seen: Vec<Set> = node
+            .inputs
+            .iter()
+            .map(|i| self.seen(node.fragment, i))
+            .collect();
+        match truth::gate(node) {
+            Some(gate) => self.revise_gate(id, &seen, |inputs| gate(node, inputs)),
+            None => self.revise_by_rule(id, &seen),
+        }
+    }
+
+    /// Keeps of inputs and output what occurs in some combination that the gate allows.
+    fn revise_gate(&mut self, id: NodeId, seen: &[Set], gate: impl Fn(&[Set]) -> Set) -> Held {
+        let net = self.background.net;
+        let port = PortRef { node: id, port: 0 };
+        let output = self.own(port);
+        let (mut inputs, mut outputs) = (vec![Set::NONE; seen.len()], Set::NONE);
+        for combination in combinations(seen) {
+            let given = gate(&combination).and(output);
+            if given != Set::NONE {
+                outputs = outputs.or(given);
+                for (all, one) in inputs.iter_mut().zip(&combination) {
+                    *all = all.or(*one);
+                }
+            }
+        }
+        self.narrow_if(port, outputs)?;
+        let node = net.node(id);
+        for (input, (allowed, before)) in node.inputs.iter().zip(inputs.iter().zip(seen)) {
+            match input.port() {
+                Some(source) if allowed != before => {
+                    self.require(node.fragment, source, *allowed)?
+                }
+                None if *allowed == Set::NONE => return Err(Contradiction),
+                _ => {}
+            }
+        }
+        Ok(())
+    }
+
+    fn revise_by_rule(&mut self, id: NodeId, seen: &[Set]) -> Held {
+        let node = self.background.net.node(id);
+        let connected = node
+            .inputs
+            .iter()
+            .zip(seen)
+            .filter(|(i, _)| !matches!(i, Input::Open));
+        let sets: Vec<Set> = connected.map(|(_, s)| *s).collect();
+        for (k, output) in (0..).zip(node.desc().outputs) {
+            let port = PortRef { node: id, port: k };
+            let given = by_rule(output.presence, &sets, node.outputs[usize::from(k)]);
+            self.narrow_if(port, given)?;
+            let is_sure = !self.own(port).has(Set::ABSENT);
+            if is_sure && output.presence == rpi_image::Presence::Strict {
+                for source in node.inputs.iter().filter_map(Input::port) {
+                    self.require(node.fragment, source, Set::PRESENT)?;
+                }
+            }
+        }
+        Ok(())
+    }
+
+    /// [`Facts::narrow`] unless it says nothing new.
+    fn narrow_if(&mut self, port: PortRef, allowed: Set) -> Held {
+        match self.own(port).within(allowed) {
+            true => Ok(()),
+            false => self.narrow(port, allowed),
+        }
+    }
+}
+
+/// All ways to choose one member of each set.
+fn combinations(sets: &[Set]) -> Vec<Vec<Set>> {
+    sets.iter().fold(vec![Vec::new()], |done, set| {
+        let with = |chosen: &Vec<Set>, member| {
+            let mut longer = chosen.clone();
+            longer.push(member);
+            longer
+        };
+        done.iter()
+            .flat_map(|chosen| set.members().map(move |m| with(chosen, m)))
+            .collect()
+    })
+}

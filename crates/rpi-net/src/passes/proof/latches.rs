@@ -1,0 +1,318 @@
+//! Latches (`Core::Trigger`) that are never on together, because of what happened in earlier cycles.
+//!
+//! A latch without reset goes on at most once and off for good. So two exclude each other if whatever switches the one
+//! on, or had to be on before that, switches the other off; or if both are switched on by a signal that comes at most
+//! once, and not both in one cycle.
+
+use super::facts::{Background, Effort, Facts};
+use super::truth::Set;
+use crate::net::{Activation, FragmentId, Input, Node, NodeId, PortRef, Restart};
+use rpi_image::{Role, Value};
+use std::cell::RefCell;
+use std::collections::{BTreeMap, BTreeSet};
+
+/// Flows that one question looks at, at most.
+const EFFORT: usize = 400;
+/// Gates within each other that are followed; deeper ones count as unknown.
+const DEPTH: usize = 100;
+
+/// All latches of a net that go on at most once.
+pub(super) struct Latches {
+    /// Index of a latch by its node.
+    index: BTreeMap<NodeId, usize>,
+    /// For each latch those that it switches off for good when it goes on.
+    stops: Vec<BTreeSet<usize>>,
+    /// For each latch those that must have been on before or when it goes on.
+    needs: Vec<BTreeSet<usize>>,
+    /// For each latch the signals that come at most once and must be there when it goes on.
+    once: Vec<BTreeSet<PortRef>>,
+    /// Pairs of latches that cannot go on in the same cycle, as far as it was asked.
+    apart: RefCell<BTreeMap<(usize, usize), bool>>,
+    nodes: Vec<NodeId>,
+}
+
+impl Latches {
+    pub(super) fn new(background: Background<'_>) -> Self {
+        let net = background.net;
+        let nodes: Vec<NodeId> = net
+            .node_ids()
+            .filter(|id| goes_on_once(background, *id))
+            .collect();
+        let index: BTreeMap<NodeId, usize> = nodes.iter().copied().zip(0..).collect();
+        let mut finder = Finder {
+            background,
+            index: &index,
+            found: BTreeMap::new(),
+        };
+        let needs = nodes
+            .iter()
+            .map(|n| finder.needs_of(&net.node(*n).inputs[0], 0))
+            .collect();
+        let consequences: Vec<BTreeSet<PortRef>> = nodes
+            .iter()
+            .map(|n| closure(background, switch(background, *n, 0), "Core::BooleanAnd"))
+            .collect();
+        let once = consequences.iter().map(|all| {
+            all.iter()
+                .copied()
+                .filter(|p| comes_once(background, *p, &index, DEPTH))
+                .collect()
+        });
+        Latches {
+            stops: stops(background, &nodes, &consequences),
+            needs,
+            once: once.collect(),
+            apart: RefCell::default(),
+            index,
+            nodes,
+        }
+    }
+
+    /// Whether two latches that are on according to the facts exclude each other.
+    pub(super) fn exclude(&self, facts: &Facts<'_>, effort: &Effort) -> bool {
+        let on = facts.known().filter(|(_, set)| *set == Set::TRUE);
+        let on: Vec<usize> = on
+            .filter_map(|(p, _)| self.index.get(&p.node).copied())
+            .collect();
+        on.iter().any(|a| {
+            let before = self.on_before(*a);
+            let is_stopped = |b: &usize| before.iter().any(|c| self.stops[*c].contains(b));
+            on.iter()
+                .any(|b| is_stopped(b) || (a < b && self.decided_at_once(*a, *b, facts, effort)))
+        })
+    }
+
+    /// A latch and all that must have been on before it or with it.
+    fn on_before(&self, latch: usize) -> BTreeSet<usize> {
+        let mut all = BTreeSet::from([latch]);
+        let mut open = vec![latch];
+        while let Some(next) = open.pop() {
+            open.extend(self.needs[next].iter().filter(|n| all.insert(**n)));
+        }
+        all
+    }
+
+    fn decided_at_once(&self, a: usize, b: usize, facts: &Facts<'_>, effort: &Effort) -> bool {
+        let shares = self.once[a].intersection(&self.once[b]).next().is_some();
+        shares && self.never_go_on_together(a, b, facts.background(), effort)
+    }
+
+    fn never_go_on_together(
+        &self,
+        a: usize,
+        b: usize,
+        background: Background<'_>,
+        effort: &Effort,
+    ) -> bool {
+        if let Some(known) = self.apart.borrow().get(&(a, b)) {
+            return *known;
+        }
+        let mut facts = Facts::new(background, effort);
+        let assumed = [a, b].into_iter().try_for_each(|latch| {
+            let id = self.nodes[latch];
+            let fragment = background.net.node(id).fragment;
+            facts.activate(fragment)?;
+            match switch(background, id, 0) {
+                Some(port) => facts.require(fragment, port, Set::TRUE),
+                None => Ok(()),
+            }
+        });
+        let apart = assumed.and_then(|()| facts.propagate()).is_err();
+        self.apart.borrow_mut().insert((a, b), apart);
+        apart
+    }
+}
+
+/// Whether a node is a latch that nothing starts afresh.
+fn goes_on_once(background: Background<'_>, id: NodeId) -> bool {
+    let net = background.net;
+    let node = net.node(id);
+    let is_latch = node.desc().name == "Core::Trigger";
+    let no_reset = node
+        .inputs
+        .get(2)
+        .is_some_and(|i| is_constant(background, i, false));
+    is_latch && no_reset && never_restarts(background, node.fragment)
+}
+
+fn never_restarts(background: Background<'_>, fragment: FragmentId) -> bool {
+    let mut chain = background.net.enclosing(fragment);
+    chain.all(|f| background.net.fragment(f).restart == Restart::Never)
+}
+
+fn is_constant(background: Background<'_>, input: &Input, wanted: bool) -> bool {
+    let value = match input {
+        Input::Open => return !wanted,
+        Input::Const(value) => Some(value),
+        Input::Port(port) => {
+            let node = background.net.node(port.node);
+            node.params
+                .first()
+                .filter(|_| node.desc().role == Role::Constant)
+        }
+    };
+    value.and_then(Value::as_bool) == Some(wanted)
+}
+
+/// What is connected to a latch's `inOn` (0) or `inOff` (1).
+fn switch(background: Background<'_>, latch: NodeId, input: usize) -> Option<PortRef> {
+    background.net.node(latch).inputs.get(input)?.port()
+}
+
+/// A flow, the operands of the gates of this type that it comes from, theirs, and so on: of conjunctions what must be
+/// true with it, of disjunctions what makes it true.
+fn closure(background: Background<'_>, start: Option<PortRef>, gate: &str) -> BTreeSet<PortRef> {
+    let mut all: BTreeSet<PortRef> = start.into_iter().collect();
+    let mut open: Vec<PortRef> = all.iter().copied().collect();
+    while let Some(port) = open.pop().filter(|_| all.len() < EFFORT) {
+        let node = background.net.node(port.node);
+        if node.desc().name == gate {
+            let operands = node.inputs.iter().filter_map(Input::port);
+            open.extend(operands.filter(|p| all.insert(*p)));
+        }
+    }
+    all
+}
+
+/// For each latch those that it stops: what is true when it goes on makes their `inOff` true, and they stand in its
+/// fragment or around it, so that they are evaluated then.
+fn stops(
+    background: Background<'_>,
+    nodes: &[NodeId],
+    consequences: &[BTreeSet<PortRef>],
+) -> Vec<BTreeSet<usize>> {
+    let mut stopped_by: BTreeMap<PortRef, Vec<usize>> = BTreeMap::new();
+    for (k, latch) in nodes.iter().enumerate() {
+        for cause in closure(background, switch(background, *latch, 1), "Core::BooleanOr") {
+            stopped_by.entry(cause).or_default().push(k);
+        }
+    }
+    let fragment = |k: usize| background.net.node(nodes[k]).fragment;
+    let is_around = |outer, inner| background.tree.common(outer, inner) == outer;
+    let of = |(k, all): (usize, &BTreeSet<PortRef>)| {
+        let stopped = all
+            .iter()
+            .filter_map(|p| stopped_by.get(p))
+            .flatten()
+            .copied();
+        stopped
+            .filter(|other| is_around(fragment(*other), fragment(k)))
+            .collect()
+    };
+    consequences.iter().enumerate().map(of).collect()
+}
+
+/// Whether a flow is true in one cycle at most.
+fn comes_once(
+    background: Background<'_>,
+    port: PortRef,
+    latches: &BTreeMap<NodeId, usize>,
+    depth: usize,
+) -> bool {
+    let node = background.net.node(port.node);
+    if depth == 0 || !never_restarts(background, node.fragment) {
+        return false;
+    }
+    let input = node.inputs.first();
+    let source = input.and_then(Input::port);
+    match node.desc().role {
+        Role::First => true,
+        Role::Delay => source.is_some_and(|s| comes_once(background, s, latches, depth - 1)),
+        _ if node.desc().name == "Core::EdgeDetection" => {
+            let rising = node.params.first().and_then(Value::as_bool) == Some(true);
+            let latched = source.is_some_and(|s| latches.contains_key(&s.node));
+            let constant = input.is_some_and(|i| {
+                is_constant(background, i, true) || is_constant(background, i, false)
+            });
+            constant || (rising && latched)
+        }
+        _ => false,
+    }
+}
+
+/// Finds the latches that must have been on for a flow to be true.
+struct Finder<'a, 'b> {
+    background: Background<'a>,
+    index: &'b BTreeMap<NodeId, usize>,
+    found: BTreeMap<PortRef, BTreeSet<usize>>,
+}
+
+impl Finder<'_, '_> {
+    fn needs_of(&mut self, input: &Input, depth: usize) -> BTreeSet<usize> {
+        match input.port() {
+            Some(port) if depth < DEPTH => self.needs(port, depth),
+            _ => BTreeSet::new(),
+        }
+    }
+
+    fn needs(&mut self, port: PortRef, depth: usize) -> BTreeSet<usize> {
+        if let Some(found) = self.found.get(&port) {
+            return found.clone();
+        }
+        // While it is being found out nothing is known of it; less is sound.
+        self.found.insert(port, BTreeSet::new());
+        let node = self.background.net.node(port.node);
+        let mut all = self.by_gate(port.node, node, depth + 1);
+        for fragment in self.background.net.enclosing(node.fragment) {
+            all.extend(self.by_activation(fragment, depth + 1));
+        }
+        self.found.insert(port, all.clone());
+        all
+    }
+
+    fn by_gate(&mut self, id: NodeId, node: &Node, depth: usize) -> BTreeSet<usize> {
+        if let Some(latch) = self.index.get(&id) {
+            return BTreeSet::from([*latch]);
+        }
+        let rising = || node.params.first().and_then(Value::as_bool) == Some(true);
+        match node.desc().name {
+            "Core::BooleanAnd" => {
+                let inputs = node.inputs.iter();
+                inputs.flat_map(|i| self.needs_of(i, depth)).collect()
+            }
+            "Core::BooleanOr" => {
+                let background = self.background;
+                let live = node
+                    .inputs
+                    .iter()
+                    .filter(|i| !is_constant(background, i, false));
+                let all: Vec<BTreeSet<usize>> = live.map(|i| self.needs_of(i, depth)).collect();
+                let common = all
+                    .into_iter()
+                    .reduce(|a, b| a.intersection(&b).copied().collect());
+                common.unwrap_or_default()
+            }
+            "Core::EdgeDetection" if rising() => self.needs_of(&node.inputs[0], depth),
+            "Core::Trigger" => self.needs_of(&node.inputs[0], depth),
+            _ if node.desc().role == Role::Delay => self.needs_of(&node.inputs[0], depth),
+            _ => BTreeSet::new(),
+        }
+    }
+
+    fn by_activation(&mut self, fragment: FragmentId, depth: usize) -> BTreeSet<usize> {
+        let Activation::When { condition, .. } = self.background.net.fragment(fragment).activation
+        else {
+            return BTreeSet::new();
+        };
+        // An absent condition may activate, too; a latch is always present.
+        match self.index.get(&condition.node) {
+            Some(latch) => BTreeSet::from([*latch]),
+            None if depth < DEPTH && self.is_total(fragment, condition) => {
+                self.needs(condition, depth)
+            }
+            None => BTreeSet::new(),
+        }
+    }
+
+    fn is_total(&self, fragment: FragmentId, condition: PortRef) -> bool {
+        let Background {
+            net,
+            tree,
+            presences,
+            ..
+        } = self.background;
+        let parent = tree.parent(fragment).unwrap_or(FragmentId::ROOT);
+        let seen = presences.seen(net, tree, parent, &Input::Port(condition));
+        seen == crate::passes::presence::Sureness::Total
+    }
+}

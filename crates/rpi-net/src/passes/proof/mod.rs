@@ -1,0 +1,175 @@
+//! Proofs that two things never happen in the same cycle.
+//!
+//! Three ways, each sound and bounded: facts about one cycle that contradict each other ([`facts`]), the same in every
+//! case of one or two flows, and latches of which one switches the other off for good or that are
+//! decided in one and the same cycle ([`latches`]). What is not proved is watched at run time.
+
+pub(crate) mod facts;
+mod latches;
+mod numbers;
+pub(crate) mod truth;
+
+use crate::net::{FragmentId, Input, PortRef};
+use crate::passes::presence::Sureness;
+pub(crate) use facts::{Background, Effort};
+use facts::{Contradiction, Facts};
+use latches::Latches;
+use std::collections::BTreeMap;
+use std::rc::Rc;
+use truth::Set;
+
+/// Cases that are told apart within each other.
+const DEPTH: usize = 2;
+/// Flows on which cases are tried at each depth.
+const CASES: usize = 6;
+/// Nodes that all proofs for one net look at together, at most: without cases, and then with cases.
+const EFFORT: u32 = 10_000;
+const EFFORT_FOR_CASES: u32 = 2_000;
+
+/// What must hold for something to happen: fragments that are active, and flows that are seen present from one.
+#[derive(Clone, PartialEq, Eq, Debug)]
+pub(crate) struct Happening {
+    pub(crate) fragment: FragmentId,
+    pub(crate) present: Vec<PortRef>,
+}
+
+/// Proves things about one net, as long as its effort lasts.
+pub(crate) struct Prover<'a> {
+    background: Background<'a>,
+    effort: &'a Effort,
+    latches: Latches,
+    /// What follows from one fragment being active.
+    alone: BTreeMap<FragmentId, Result<Rc<Facts<'a>>, Contradiction>>,
+    /// What follows from two being active, for those that were asked.
+    together: BTreeMap<(FragmentId, FragmentId), Result<Rc<Facts<'a>>, Contradiction>>,
+}
+
+impl<'a> Prover<'a> {
+    pub(crate) fn new(background: Background<'a>, effort: &'a Effort) -> Self {
+        effort.set(EFFORT);
+        Prover {
+            background,
+            effort,
+            latches: Latches::new(background),
+            alone: BTreeMap::new(),
+            together: BTreeMap::new(),
+        }
+    }
+
+    /// For each pair of things whether they are proved never to happen in the same cycle. Easy proofs come first, so
+    /// that none of them is missed because a hard one took all the effort.
+    pub(crate) fn never_together(&mut self, pairs: &[[Happening; 2]]) -> Vec<bool> {
+        let easy: Vec<bool> = pairs
+            .iter()
+            .map(|[a, b]| self.is_refuted(a, b, 0))
+            .collect();
+        self.effort.set(EFFORT_FOR_CASES);
+        self.together.retain(|_, facts| facts.is_err());
+        let hard = pairs.iter().zip(easy);
+        hard.map(|([a, b], done)| done || self.is_refuted(a, b, DEPTH))
+            .collect()
+    }
+
+    /// Whether one pair is proved so, with cases told apart to this depth.
+    pub(crate) fn is_refuted(&mut self, a: &Happening, b: &Happening, depth: usize) -> bool {
+        let Ok(both) = self.both_active(a.fragment, b.fragment, depth) else {
+            return true;
+        };
+        if depth == 0 || self.effort.get() == 0 || [a, b].iter().all(|h| self.is_sure(h)) {
+            // Nothing more follows from what is present: all has been tried with the fragments.
+            return false;
+        }
+        let mut facts = Facts::clone(&both);
+        let all = [a, b].into_iter().try_for_each(|h| {
+            let mut present = h.present.iter();
+            present.try_for_each(|p| facts.require(h.fragment, *p, Set::PRESENT))
+        });
+        all.and_then(|()| facts.propagate()).is_err() || self.refuted(&facts, depth)
+    }
+
+    /// Whether all that must be present is so whenever the fragment is active.
+    fn is_sure(&self, happening: &Happening) -> bool {
+        let Background {
+            net,
+            tree,
+            presences,
+            ..
+        } = self.background;
+        let seen = |p: &PortRef| presences.seen(net, tree, happening.fragment, &Input::Port(*p));
+        happening.present.iter().all(|p| seen(p) == Sureness::Total)
+    }
+
+    /// What follows from two fragments being active; a contradiction if they never are.
+    fn both_active(
+        &mut self,
+        a: FragmentId,
+        b: FragmentId,
+        depth: usize,
+    ) -> Result<Rc<Facts<'a>>, Contradiction> {
+        let key = (a.min(b), a.max(b));
+        if let Some(known) = self.together.get(&key) {
+            return known.clone();
+        }
+        let (first, second) = (self.active(a)?, self.active(b)?);
+        let found = first
+            .joined(&second)
+            .and_then(|facts| self.examined(facts, depth));
+        self.together.insert(key, found.clone());
+        found
+    }
+
+    /// Facts that were put together, unless they contradict each other. At depth 0 only what meets directly is looked
+    /// at, so that many pairs are cheap.
+    fn examined(&self, mut facts: Facts<'a>, depth: usize) -> Result<Rc<Facts<'a>>, Contradiction> {
+        if depth > 0 {
+            facts.propagate()?;
+        }
+        facts.check_numbers()?;
+        match self.refuted(&facts, depth) {
+            true => Err(Contradiction),
+            false => Ok(Rc::new(facts)),
+        }
+    }
+
+    fn active(&mut self, fragment: FragmentId) -> Result<Rc<Facts<'a>>, Contradiction> {
+        let (background, effort) = (self.background, self.effort);
+        let known = self.alone.entry(fragment).or_insert_with(|| {
+            let mut facts = Facts::new(background, effort);
+            facts.activate(fragment)?;
+            facts.propagate()?;
+            Ok(Rc::new(facts))
+        });
+        known.clone()
+    }
+
+    fn refuted(&self, facts: &Facts<'_>, depth: usize) -> bool {
+        self.latches.exclude(facts, self.effort) || self.refuted_in_cases(facts, depth)
+    }
+
+    /// Whether the facts contradict each other whatever some flow is.
+    fn refuted_in_cases(&self, facts: &Facts<'_>, depth: usize) -> bool {
+        if depth == 0 || self.effort.get() == 0 {
+            return false;
+        }
+        let open = facts.known().filter(|(_, set)| set.members().count() == 2);
+        let open: Vec<(PortRef, Set)> = open.take(CASES).collect();
+        open.into_iter().any(|(port, set)| {
+            set.members().all(|case| {
+                let mut facts = facts.clone();
+                facts.suppose(port, case).is_err()
+                    || self.latches.exclude(&facts, self.effort)
+                    || self.refuted_in_cases(&facts, depth - 1)
+            })
+        })
+    }
+}
+
+/// Whether a flow is proved never to be true, seen from a fragment that is active.
+pub(crate) fn never_true(background: Background<'_>, reader: FragmentId, port: PortRef) -> bool {
+    let effort = Effort::new(EFFORT_FOR_CASES);
+    let mut facts = Facts::new(background, &effort);
+    let held = facts
+        .activate(reader)
+        .and_then(|()| facts.require(reader, port, Set::TRUE));
+    held.and_then(|()| facts.propagate()).is_err()
+}

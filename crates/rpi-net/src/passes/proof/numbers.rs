@@ -1,0 +1,128 @@
+//! Contradictions between comparisons of one number with constants: `x = 1` and `x = 2`, `x > 3` and `x <= 2`.
+
+use super::facts::Contradiction;
+use super::truth::Set;
+use crate::net::{Input, Net, Node, PortRef};
+use rpi_image::Value;
+use std::collections::BTreeMap;
+
+/// What comparisons say of one number.
+#[derive(Clone, Copy)]
+struct Range {
+    above: f64,
+    below: f64,
+    /// Whether the ends are excluded.
+    open: (bool, bool),
+    /// Whether one of the comparisons holds, so that it is a number at all.
+    is_number: bool,
+}
+
+impl Range {
+    const ALL: Range = Range {
+        above: f64::NEG_INFINITY,
+        below: f64::INFINITY,
+        open: (false, false),
+        is_number: false,
+    };
+
+    fn from(above: f64, open: bool) -> Range {
+        Range {
+            above,
+            open: (open, false),
+            ..Range::ALL
+        }
+    }
+
+    fn up_to(below: f64, open: bool) -> Range {
+        Range {
+            below,
+            open: (false, open),
+            ..Range::ALL
+        }
+    }
+
+    fn and(self, other: Range) -> Range {
+        let lower = if (other.above, other.open.0) > (self.above, self.open.0) {
+            other
+        } else {
+            self
+        };
+        let upper_first = other.below < self.below || (other.below == self.below && other.open.1);
+        let upper = if upper_first { other } else { self };
+        Range {
+            above: lower.above,
+            below: upper.below,
+            open: (lower.open.0, upper.open.1),
+            is_number: self.is_number || other.is_number,
+        }
+    }
+
+    fn is_empty(self) -> bool {
+        self.above > self.below || (self.above == self.below && (self.open.0 || self.open.1))
+    }
+}
+
+/// Looks for a number that cannot be all that is known of its comparisons.
+pub(super) fn check(net: &Net, known: &BTreeMap<PortRef, Set>) -> Result<(), Contradiction> {
+    let mut ranges: BTreeMap<PortRef, Range> = BTreeMap::new();
+    for (port, set) in known {
+        let holds = match *set {
+            Set::TRUE => true,
+            Set::FALSE => false,
+            _ => continue,
+        };
+        let Some((number, range)) = range(net.node(port.node), holds) else {
+            continue;
+        };
+        let range = Range {
+            is_number: holds,
+            ..range
+        };
+        let all = ranges.entry(number).or_insert(Range::ALL);
+        *all = all.and(range);
+        if all.is_number && all.is_empty() {
+            return Err(Contradiction);
+        }
+    }
+    Ok(())
+}
+
+/// What a comparison with a constant says of the number: which flow it is, and where it lies.
+fn range(node: &Node, holds: bool) -> Option<(PortRef, Range)> {
+    let name = node.desc().name;
+    let (first, second) = (node.inputs.first()?, node.inputs.get(1)?);
+    let (number, constant, is_first) = match (first, second) {
+        (Input::Port(port), Input::Const(value)) => (*port, as_number(value)?, true),
+        (Input::Const(value), Input::Port(port)) => (*port, as_number(value)?, false),
+        _ => return None,
+    };
+    let compared = |op: &str| {
+        [format!("Core::Int{op}"), format!("Core::Double{op}")].contains(&name.to_owned())
+    };
+    if compared("Equals") {
+        let slack = node.params.first().and_then(as_number)?;
+        let equal = Range::from(constant - slack, false).and(Range::up_to(constant + slack, false));
+        return holds.then_some((number, equal));
+    }
+    compared("Greater").then(|| {
+        let range = match (is_first, holds) {
+            (true, true) => Range::from(constant, true),
+            (true, false) => Range::up_to(constant, false),
+            (false, true) => Range::up_to(constant, true),
+            (false, false) => Range::from(constant, false),
+        };
+        (number, range)
+    })
+}
+
+/// A real or an integer that a real can hold.
+fn as_number(value: &Value) -> Option<f64> {
+    const EXACT: i64 = 1 << 53;
+    let int = || {
+        value
+            .as_int()
+            .filter(|i| i.abs() <= EXACT)
+            .map(|i| i as f64)
+    };
+    value.as_real().filter(|r| !r.is_nan()).or_else(int)
+}

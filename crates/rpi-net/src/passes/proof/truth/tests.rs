@@ -1,0 +1,165 @@
+//! The table of gates against the code of the primitives.
+
+use super::*;
+use crate::net::{FragmentId, Input, Origin};
+use rpi_device::{DeviceBank, PortId, PortName, Refusal, ResolveError};
+use rpi_diag::Span;
+use rpi_image::{PrimDesc, State};
+use rpi_prims::{Clock, Cx, Prim, PrimId};
+
+/// A bank without devices.
+struct NoDevices;
+
+impl DeviceBank for NoDevices {
+    fn resolve(&mut self, _: &PortName<'_>) -> Result<PortId, ResolveError> {
+        Err(ResolveError::NoDevice)
+    }
+    fn resource(&self, _: PortId) -> u32 {
+        0
+    }
+    fn read(&mut self, _: PortId, _: &mut [u64]) -> bool {
+        false
+    }
+    fn check(&mut self, _: PortId, _: &[u64]) -> Refusal {
+        Refusal::NONE
+    }
+    fn error(&self, _: PortId) -> i64 {
+        0
+    }
+    fn write(&mut self, _: PortId, _: &[u64]) {}
+    fn call(&mut self, _: PortId, _: &[u64], _: &mut [u64]) -> bool {
+        false
+    }
+    fn moving(&self, _: u32) -> bool {
+        false
+    }
+    fn stop(&mut self, _: u32) {}
+}
+
+/// A primitive with cells of its own: inputs, parameters, output, state, each with its presence behind it.
+struct Bench {
+    prim: &'static Prim,
+    cells: Vec<u64>,
+    words: Vec<u32>,
+    output: usize,
+    total: bool,
+}
+
+impl Bench {
+    fn new(prim: &'static Prim, params: &[Value]) -> Bench {
+        let desc: &PrimDesc = &prim.desc;
+        let total = prim.optional.is_none();
+        let mut bench = Bench {
+            prim,
+            cells: Vec::new(),
+            words: Vec::new(),
+            output: 0,
+            total,
+        };
+        for _ in desc.inputs {
+            bench.port();
+        }
+        for param in params {
+            bench.words.push(bench.cells.len() as u32);
+            bench.cells.extend(param.cells());
+        }
+        bench.output = bench.cells.len();
+        bench.port();
+        if let State::Cells(count) = desc.state {
+            bench.words.push(bench.cells.len() as u32);
+            bench.cells.extend(std::iter::repeat_n(0, count as usize));
+        }
+        bench
+    }
+
+    fn port(&mut self) {
+        let at = self.cells.len() as u32;
+        self.words.push(at);
+        if !self.total {
+            self.words.push(at + 1);
+        }
+        self.cells.extend([0, 1]);
+    }
+
+    /// Runs one cycle. A strict primitive is not run while an input is absent.
+    fn run(&mut self, inputs: &[Set]) -> Set {
+        if self.total && inputs.contains(&Set::ABSENT) {
+            return Set::ABSENT;
+        }
+        for (k, input) in inputs.iter().enumerate() {
+            self.cells[2 * k] = u64::from(*input == Set::TRUE);
+            self.cells[2 * k + 1] = u64::from(*input != Set::ABSENT);
+        }
+        let clock = Clock {
+            dt: 0.001,
+            cycle: 0,
+            net_ns: 0,
+            wall_ns: 0,
+        };
+        let code = self.prim.optional.or(self.prim.total).expect("it has code");
+        let mut cx = Cx {
+            cells: &mut self.cells,
+            clock,
+            devices: &mut NoDevices,
+            fault: None,
+        };
+        code(&mut cx, &self.words);
+        match self.total || self.cells[self.output + 1] != 0 {
+            true => Set::of(self.cells[self.output] != 0),
+            false => Set::ABSENT,
+        }
+    }
+}
+
+fn node(prim: PrimId, params: Vec<Value>) -> Node {
+    Node {
+        name: String::new(),
+        prim,
+        fragment: FragmentId::ROOT,
+        inputs: vec![Input::Open; prim.desc().inputs.len()],
+        params,
+        outputs: vec![Type::One(Scalar::Bool)],
+        origin: Origin {
+            span: Span::NONE,
+            flow: None,
+        },
+    }
+}
+
+/// All ways to set so many inputs, each true, false or absent.
+fn all_inputs(count: usize) -> Vec<Vec<Set>> {
+    let members = [Set::TRUE, Set::FALSE, Set::ABSENT];
+    (0..count).fold(vec![Vec::new()], |done, _| {
+        let longer = |so_far: &Vec<Set>| members.map(|m| [so_far.as_slice(), &[m]].concat());
+        done.iter().flat_map(longer).collect()
+    })
+}
+
+#[test]
+fn gates_give_what_the_code_gives() {
+    for (name, gate) in GATES {
+        let prim = PrimId::of(name).unwrap_or_else(|| panic!("{name} is no primitive"));
+        for direction in [true, false] {
+            let params = vec![Value::bool(direction); prim.desc().params.len()];
+            let node = node(prim, params.clone());
+            let has_state = !matches!(prim.desc().state, State::None);
+            let inputs = all_inputs(prim.desc().inputs.len());
+            let mut bench = Bench::new(prim.prim(), &params);
+            // Every pair of successive inputs, so that every state is met.
+            for second in inputs
+                .iter()
+                .flat_map(|a| inputs.iter().flat_map(move |b| [a, b]))
+            {
+                let (given, expected) = (bench.run(second), gate(&node, second));
+                assert!(
+                    given.within(expected),
+                    "{name} {second:?}: {given:?} not in {expected:?}"
+                );
+                assert!(
+                    has_state || given == expected,
+                    "{name} {second:?}: {given:?}"
+                );
+            }
+        }
+    }
+}

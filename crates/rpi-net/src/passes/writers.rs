@@ -1,0 +1,180 @@
+//! Who drives which actuator, and whether two ever do in one cycle (M9).
+//!
+//! A resource is one port of a device with its index; ports that a device declares as alternatives of one actuator
+//! exclude each other, too. Writers of one resource in a net are proved exclusive, or watched in each cycle by the
+//! device bank (imported nets), or refused (programs).
+
+use super::proof::{Background, Effort, Happening, Prover};
+use crate::net::{Driver, Input, Net, Node, NodeId};
+use rpi_diag::{Code, Finding};
+use rpi_image::{DevicePorts, Role, Value};
+use std::collections::BTreeMap;
+
+/// Pairs of writers that are looked at, at most; further ones count as not proved.
+const PAIRS: usize = 20_000;
+
+/// Ports of the reference's arms that set the same motion.
+const SAME_MOTION: [&str; 2] = ["joint.position", "tcp.position"];
+
+/// One port of a device, as a resource that a command takes.
+#[derive(Clone, PartialEq, Eq, PartialOrd, Ord, Hash, Debug)]
+pub struct Resource {
+    /// The device.
+    pub device: String,
+    /// Its port.
+    pub port: String,
+    /// Which of several equal ones.
+    pub index: i64,
+}
+
+/// Two writers of one resource, or of alternative ones.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub struct Pair {
+    /// The writers.
+    pub writers: [NodeId; 2],
+    /// Whether it is proved that they never write in the same cycle.
+    pub exclusive: bool,
+}
+
+/// All writers of a net.
+#[derive(Clone, PartialEq, Eq, Default, Debug)]
+pub struct Writers {
+    /// The writers of each resource, in declaration order.
+    pub of: BTreeMap<Resource, Vec<NodeId>>,
+    /// All pairs that may meet.
+    pub pairs: Vec<Pair>,
+}
+
+impl Writers {
+    /// Finds the writers of a net and tells them apart.
+    pub(crate) fn new(background: Background<'_>) -> Self {
+        let mut of: BTreeMap<Resource, Vec<NodeId>> = BTreeMap::new();
+        for id in background.net.node_ids() {
+            if let Some(resource) = resource(background.net.node(id)) {
+                of.entry(resource).or_default().push(id);
+            }
+        }
+        let pairs = judge(background, &meetings(background.net, &of));
+        Writers { of, pairs }
+    }
+
+    /// Pairs that are not proved exclusive.
+    pub fn watched(&self) -> impl Iterator<Item = [NodeId; 2]> + '_ {
+        self.pairs
+            .iter()
+            .filter(|p| !p.exclusive)
+            .map(|p| p.writers)
+    }
+}
+
+/// The resource that a node writes.
+#[must_use]
+pub fn resource(node: &Node) -> Option<Resource> {
+    let Role::Actuator(device) = node.desc().role else {
+        return None;
+    };
+    let param = |name: &str| node.params.get(node.desc().param(name)?);
+    let text = |name: &str| param(name).and_then(Value::as_str).unwrap_or("").to_owned();
+    Some(Resource {
+        device: text(device.device),
+        port: match device.ports {
+            DevicePorts::Fixed(names) => names.first().copied().unwrap_or("").to_owned(),
+            DevicePorts::Param(name) => text(name),
+        },
+        index: device
+            .index
+            .and_then(|name| param(name)?.as_int())
+            .unwrap_or(0),
+    })
+}
+
+/// All pairs of writers of one resource or of alternatives.
+fn meetings(net: &Net, of: &BTreeMap<Resource, Vec<NodeId>>) -> Vec<[NodeId; 2]> {
+    let mut pairs = Vec::new();
+    let all: Vec<(&Resource, &Vec<NodeId>)> = of.iter().collect();
+    for (k, (resource, writers)) in all.iter().enumerate() {
+        for (i, a) in writers.iter().enumerate() {
+            pairs.extend(writers[i + 1..].iter().map(|b| [*a, *b]));
+        }
+        let others = all[k + 1..]
+            .iter()
+            .filter(|(other, _)| alternative(net, resource, other));
+        for (_, others) in others {
+            pairs.extend(writers.iter().flat_map(|a| others.iter().map(|b| [*a, *b])));
+        }
+    }
+    pairs
+}
+
+/// Whether two ports set the same actuator in different ways.
+fn alternative(net: &Net, a: &Resource, b: &Resource) -> bool {
+    let same_motion = |r: &Resource| SAME_MOTION.contains(&r.port.as_str());
+    let declared = net.alternatives.iter().any(|group| {
+        let holds = |r: &Resource| group.device == r.device && group.ports.contains(&r.port);
+        holds(a) && holds(b)
+    });
+    a.device == b.device && a.port != b.port && (declared || (same_motion(a) && same_motion(b)))
+}
+
+fn judge(background: Background<'_>, pairs: &[[NodeId; 2]]) -> Vec<Pair> {
+    if pairs.is_empty() {
+        return Vec::new();
+    }
+    let effort = Effort::default();
+    let mut prover = Prover::new(background, &effort);
+    let judged = &pairs[..pairs.len().min(PAIRS)];
+    let happenings: Vec<[Happening; 2]> = judged
+        .iter()
+        .map(|pair| pair.map(|w| happening(background.net, w)))
+        .collect();
+    let exclusive = prover.never_together(&happenings);
+    let exclusive = exclusive.into_iter().chain(std::iter::repeat(false));
+    let pair = |(writers, exclusive): (&[NodeId; 2], bool)| Pair {
+        writers: *writers,
+        exclusive,
+    };
+    pairs.iter().zip(exclusive).map(pair).collect()
+}
+
+/// When a writer writes: its fragment is active and its inputs are present.
+fn happening(net: &Net, writer: NodeId) -> Happening {
+    let node = net.node(writer);
+    Happening {
+        fragment: node.fragment,
+        present: node.inputs.iter().filter_map(Input::port).collect(),
+    }
+}
+
+/// Programs have one writer per actuator; a finding per resource that may have two in one cycle.
+pub(crate) fn check(net: &Net, writers: &Writers) -> Vec<Finding> {
+    if matches!(net.driver, Driver::Ports { .. }) {
+        return Vec::new();
+    }
+    let mut first: BTreeMap<[Resource; 2], [NodeId; 2]> = BTreeMap::new();
+    for pair in writers.watched() {
+        if let [Some(a), Some(b)] = pair.map(|w| resource(net.node(w))) {
+            let whole = |r: Resource| Resource { index: 0, ..r };
+            first.entry([whole(a), whole(b)]).or_insert(pair);
+        }
+    }
+    first
+        .iter()
+        .map(|(resources, pair)| finding(net, resources, *pair))
+        .collect()
+}
+
+fn finding(net: &Net, [a, b]: &[Resource; 2], [first, second]: [NodeId; 2]) -> Finding {
+    let name = |r: &Resource| format!("`{}.{}`", r.device, r.port);
+    let message = match a == b {
+        true => format!("{} may get two set-points in the same cycle", name(a)),
+        false => format!(
+            "{} and {} may both get a set-point in the same cycle",
+            name(a),
+            name(b)
+        ),
+    };
+    Finding::new(Code::RPI6101, message)
+        .at(net.node(second).origin.span, "a second set-point")
+        .also(net.node(first).origin.span, "the first one")
+        .help("merge the alternatives with `??`, or let conditions exclude each other")
+}
