@@ -215,6 +215,20 @@ pub(super) const PORTS: &[Line] = &[
     // The device type of `.rpi`.
     actuator("tcp", POSE, false, Act::Move(Target::Tool)),
     actuator("joints", JOINTS, false, Act::Move(Target::Joints)),
+    // A program's arrays come one element at a time.
+    actuator("joints", REAL, true, Act::Move(Target::Joint)),
+    of_axis("joints", REAL, |arm, axis, out| {
+        out.real(arm.commanded(|s| s.position)[axis])
+    }),
+    of_axis("position", REAL, |arm, axis, out| {
+        out.real(arm.measured(|s| s.position)[axis])
+    }),
+    of_axis("velocity", REAL, |arm, axis, out| {
+        out.real(arm.measured(|s| s.velocity)[axis])
+    }),
+    of_axis("torque", REAL, |arm, axis, out| {
+        out.real(arm.external_torques()[axis])
+    }),
     sense("pose", POSE, |arm, _, out| out.pose(&arm.pose())),
     sense("twist", TWIST, commanded_twist),
     sense("measured", POSE, measured_pose),
