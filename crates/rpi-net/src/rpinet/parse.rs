@@ -7,7 +7,9 @@ use super::text::{
     Argument, Body, BodyId, Definition, DefinitionId, Given, Kind, Output, Place, Source, Subject,
     Text, Word,
 };
-use rpi_diag::{Code, FileId, Finding, Span};
+use rpi_diag::{Code, FileId, Finding};
+
+mod cursor;
 
 /// Deepest nesting of fragments and primitives within each other. The reference's nets have at most 5.
 pub const MAX_DEPTH: usize = 100;
@@ -297,138 +299,5 @@ impl<'t> Parser<'t> {
             .at(self.span(start, self.at), "not a time")
             .help("delete the brackets: recordings are asked for when a net is run");
         Err(self.fault(finding))
-    }
-}
-
-/// Characters.
-impl<'t> Parser<'t> {
-    fn peek(&self) -> Option<u8> {
-        self.out.text.as_bytes().get(self.at).copied()
-    }
-
-    /// Steps over one character.
-    fn bump(&mut self) {
-        let next = self.out.text[self.at..].chars().next();
-        self.at += next.map_or(0, char::len_utf8);
-    }
-
-    fn eat(&mut self, sign: u8) -> bool {
-        let found = self.peek() == Some(sign);
-        self.at += usize::from(found);
-        found
-    }
-
-    fn space(&mut self) {
-        self.at = after_space(self.out.text.as_bytes(), self.at);
-    }
-
-    fn expect(&mut self, sign: u8, why: &str) -> Parsed<()> {
-        self.space();
-        if self.eat(sign) {
-            return Ok(());
-        }
-        self.unexpected(&format!("`{}`", char::from(sign)));
-        if let Some(finding) = self.findings.last_mut() {
-            finding.help.push(why.to_owned());
-        }
-        Err(Stop)
-    }
-
-    fn word(&mut self, what: &str) -> Parsed<Word<'t>> {
-        self.space();
-        let at = self.at;
-        self.at = after_word(self.out.text.as_bytes(), at);
-        if self.at == at {
-            return Err(self.unexpected(what));
-        }
-        let text = &self.out.text[at..self.at];
-        Ok(Word { text, at })
-    }
-
-    /// A text in quotes. `\'` and `\\` stand for the sign itself. The reference writes quotes inside a text as they
-    /// are; so a quote ends the text only if something follows that can follow a text.
-    fn quoted(&mut self) -> Parsed<Word<'t>> {
-        let bytes = self.out.text.as_bytes();
-        let start = self.at;
-        self.at += 1;
-        while let Some(&byte) = bytes.get(self.at) {
-            match byte {
-                b'\\' => self.at = (self.at + 2).min(bytes.len()),
-                b'\'' if ends_text(bytes, self.at + 1) => {
-                    self.at += 1;
-                    let at = start + 1;
-                    return Ok(Word {
-                        text: &self.out.text[at..self.at - 1],
-                        at,
-                    });
-                }
-                _ => self.at += 1,
-            }
-        }
-        self.at = bytes.len();
-        let finding = Finding::new(Code::RPI0102, "this text has no closing `'`")
-            .at(self.span(start, start + 1), "it begins here")
-            .help("close it with `'`, followed by `,` or `)`");
-        Err(self.fault(finding))
-    }
-}
-
-/// Findings.
-impl Parser<'_> {
-    fn span(&self, start: usize, end: usize) -> Span {
-        self.out.span(Place { start, end })
-    }
-
-    fn fault(&mut self, finding: Finding) -> Stop {
-        self.findings.push(finding);
-        Stop
-    }
-
-    fn unexpected(&mut self, expected: &str) -> Stop {
-        let found = self.out.text[self.at..].chars().next();
-        let end = self.at + found.map_or(0, char::len_utf8);
-        let found = found.map_or("the end of the text".into(), |c| format!("`{c}`"));
-        let message = format!("expected {expected}, found {found}");
-        let place = self.span(self.at, end);
-        self.fault(Finding::new(Code::RPI0101, message).at(place, "not expected here"))
-    }
-
-    fn unclosed(&mut self, list: List) -> Stop {
-        let close = char::from(list.close);
-        let end = self.span(self.at, self.at);
-        let finding = Finding::new(
-            Code::RPI0101,
-            format!("expected `{close}`, found the end of the text"),
-        )
-        .at(end, "the text ends here")
-        .also(self.span(list.open, list.open + 1), "opened here")
-        .help("the text may have been cut off");
-        self.fault(finding)
-    }
-}
-
-fn after_space(bytes: &[u8], at: usize) -> usize {
-    let rest = bytes.get(at..).unwrap_or(&[]);
-    at + rest.iter().take_while(|b| b.is_ascii_whitespace()).count()
-}
-
-fn after_word(bytes: &[u8], at: usize) -> usize {
-    let inside = |b: &&u8| b.is_ascii_alphanumeric() || matches!(b, b':' | b'_');
-    let rest = bytes.get(at..).unwrap_or(&[]);
-    at + rest.iter().take_while(inside).count()
-}
-
-/// Whether what follows a quote says that the text ends there: `)`, or a comma that is not part of the text because a
-/// next argument (`name=`) or nothing sensible follows it.
-fn ends_text(bytes: &[u8], after_quote: usize) -> bool {
-    let at = after_space(bytes, after_quote);
-    match bytes.get(at) {
-        None | Some(b')') => true,
-        Some(b',') => {
-            let word = after_space(bytes, at + 1);
-            let next = after_space(bytes, after_word(bytes, word));
-            word == next || matches!(bytes.get(next), None | Some(b'=' | b'['))
-        }
-        Some(_) => false,
     }
 }
