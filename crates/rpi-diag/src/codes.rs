@@ -85,7 +85,6 @@ codes! {
     RPI1003 Error "name of another kind of thing";
     RPI1004 Error "part that is not there";
     RPI1005 Error "module that is not there";
-    RPI1006 Error "name of several modules";
     RPI1007 Error "declaration that needs itself";
     RPI1008 Error "flow defined twice";
     RPI1009 Error "flow that is never defined";
@@ -122,6 +121,7 @@ codes! {
     RPI3101 Warning "flow that nothing uses";
     RPI4001 Error "dependency cycle";
     RPI4002 Error "port that stands for itself";
+    RPI5001 Error "`pre` without a first value";
     RPI6001 Error "device port used the wrong way";
     RPI6002 Error "actuator defined twice";
     RPI6101 Error "two writers of one actuator";

@@ -83,7 +83,10 @@ fn one(
     } = elaborate(&checked.units, facts, unit, &args);
     if found.is_empty() {
         match rpi_net::passes::analyse(net.clone(), |_| false) {
-            Ok(analysis) => found.extend(analysis.findings),
+            Ok(analysis) => {
+                found.extend(analysis.findings);
+                found.extend(rpi_sema::init::check(&net));
+            }
             Err(violation) => {
                 panic!("the elaboration made a net that is not in order: {violation}")
             }

@@ -5,7 +5,8 @@
 //! 1. [`program`]: the table of declarations, by module and name;
 //! 2. [`check()`]: every callable becomes a [`typed::Unit`];
 //! 3. [`facts`]: which flows can be absent;
-//! 4. [`elab`]: a unit that is run becomes an [`rpi_net::Net`].
+//! 4. [`elab`]: a unit that is run becomes an [`rpi_net::Net`];
+//! 5. [`init`]: nothing in the net is read before it has a value.
 //!
 //! This crate must not know files, memory layout or devices.
 
@@ -13,6 +14,7 @@ mod check;
 pub mod elab;
 pub mod facts;
 mod hash;
+pub mod init;
 pub mod program;
 pub mod ty;
 pub mod typed;

@@ -177,10 +177,6 @@ impl<'a> Body<'_, 'a> {
         }
         match self.c.program.lookup(self.module, name) {
             Lookup::Found(id) => self.callee_decl(id, name, span),
-            Lookup::Ambiguous(ids) => {
-                self.ambiguous(name, span, &ids);
-                Callee::Nothing(std::marker::PhantomData)
-            }
             Lookup::Missing => self.callee_predeclared(name, span),
         }
     }

@@ -20,6 +20,34 @@ impl Body<'_, '_> {
             }
         }
         self.findings.append(&mut findings);
+        self.check_actuators();
+    }
+
+    /// An actuator is defined once, through one of its ports.
+    fn check_actuators(&mut self) {
+        let mut defined: Vec<((FlowId, u32), Span)> = Vec::new();
+        let targets = self
+            .unit
+            .blocks
+            .iter()
+            .flat_map(|b| &b.equations)
+            .flat_map(|e| &e.targets);
+        let mut findings = Vec::new();
+        for target in targets {
+            let Place::Port { device, port } = target.place else {
+                continue;
+            };
+            let ports = self.unit.device(device).map(|ty| &ty.ports);
+            let Some(port) = ports.and_then(|ports| ports.get(port as usize)) else {
+                continue;
+            };
+            let actuator = (device, port.actuator);
+            match defined.iter().find(|(known, _)| *known == actuator) {
+                Some((_, first)) => findings.push(actuator_twice(&port.name, target.span, *first)),
+                None => defined.push((actuator, target.span)),
+            }
+        }
+        self.findings.append(&mut findings);
     }
 
     fn defined_parts(&self) -> Vec<DefinedPart> {
@@ -79,6 +107,16 @@ fn definition_fault(flow: &typed::Flow, parts: &[DefinedPart]) -> Option<Finding
     }
     let defined: usize = parts.iter().map(|part| part.count as usize).sum();
     (defined < flow.ty.leaf_count()).then(|| undefined(flow, parts))
+}
+
+fn actuator_twice(port: &str, again: Span, first: Span) -> Finding {
+    Finding::new(
+        Code::RPI6002,
+        format!("the actuator behind `{port}` is defined twice"),
+    )
+    .at(again, "defined again here")
+    .also(first, "first defined here")
+    .help("merge the alternatives into one definition by `??`")
 }
 
 fn defined_twice(flow: &typed::Flow, again: Span, first: Span) -> Finding {

@@ -49,8 +49,11 @@ impl<'a> Body<'_, 'a> {
             };
             return self.add(Kind::Literal(Leaf::real(value)), Ty::REAL, span);
         }
-        let value = number.int().and_then(|value| signed(value, negative));
-        match value {
+        let Some(value) = number.int() else {
+            // The parser has reported it.
+            return self.fault(span);
+        };
+        match signed(value, negative) {
             Some(value) => self.add(Kind::Literal(Leaf::int(value)), Ty::Int, span),
             None => self.fault_with(
                 Finding::new(Code::RPI2010, "the integer does not fit into 64 bits")

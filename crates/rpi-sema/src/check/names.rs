@@ -65,10 +65,6 @@ impl<'a> Body<'_, 'a> {
         }
         match self.c.program.lookup(self.module, name) {
             Lookup::Found(id) => self.declared(id, span),
-            Lookup::Ambiguous(ids) => {
-                self.ambiguous(name, span, &ids);
-                self.fault(span)
-            }
             Lookup::Missing => self.predeclared(name, span),
         }
     }
@@ -160,25 +156,6 @@ impl<'a> Body<'_, 'a> {
         let predeclared = PREDECLARED.iter().map(|flow| flow.name);
         let near = near.or_else(|| rpi_diag::suggest(name, predeclared));
         self.fault_with(unknown("flow", name, span, near), span)
-    }
-
-    /// Reports a name that several modules declare.
-    pub(super) fn ambiguous(&mut self, name: &Name, span: Span, ids: &[DeclId]) {
-        let module = |id: &DeclId| self.c.program.decl(*id).module;
-        let names: Vec<String> = ids
-            .iter()
-            .map(|id| format!("{}::{name}", self.c.program.module(module(id)).name))
-            .collect();
-        let finding = Finding::new(
-            Code::RPI1006,
-            format!("`{name}` is declared by several modules"),
-        )
-        .at(span, "which one?")
-        .help(format!(
-            "write {}",
-            listed(names.iter().map(String::as_str))
-        ));
-        self.report(finding);
     }
 
     /// `MoveToC.at_b`: how a command ended.

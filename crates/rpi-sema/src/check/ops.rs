@@ -8,7 +8,7 @@ use crate::units::{Dim, Ratio};
 use rpi_diag::{Code, Finding, Span};
 use rpi_image::Scalar;
 use rpi_syntax::ast::{self, Binary, ExprKind};
-use rpi_syntax::ops::{BinaryOp, UnaryOp};
+use rpi_syntax::ops::{BinaryOp, Grouping, UnaryOp};
 use std::rc::Rc;
 
 /// How the type of a result follows from those of the operands.
@@ -188,6 +188,9 @@ impl<'a> Body<'_, 'a> {
             BinaryOp::Fby => self.fby(binary, span),
             op => {
                 let (left, right) = (self.expr(&binary.lhs), self.expr(&binary.rhs));
+                if is_chained(binary) {
+                    return self.add(Kind::Fault, Ty::Bool, span);
+                }
                 self.binary_prim(op, left, right, span)
             }
         }
@@ -397,6 +400,15 @@ impl<'a> Body<'_, 'a> {
             _ => finding,
         };
         self.fault_with(finding, span)
+    }
+}
+
+/// `a < b < c`, which the parser has reported.
+fn is_chained(binary: &Binary) -> bool {
+    let single = |op: BinaryOp| op.grouping() == Grouping::None;
+    match &binary.lhs.kind {
+        ExprKind::Binary(inner) => single(binary.op) && single(inner.op),
+        _ => false,
     }
 }
 

@@ -112,10 +112,6 @@ impl<'a> Body<'_, 'a> {
         }
         match self.c.program.lookup(self.module, name) {
             Lookup::Found(id) => self.declared_ty(id, named),
-            Lookup::Ambiguous(ids) => {
-                self.ambiguous(name, named.name.span, &ids);
-                Ty::Unknown
-            }
             Lookup::Missing => self.builtin_ty(named),
         }
     }

@@ -95,7 +95,7 @@ impl<'u> Inference<'u> {
     fn has_source(&self) -> bool {
         let of_expr = |kind: &Kind| match kind {
             Kind::None | Kind::When { .. } | Kind::Merge { .. } | Kind::Current(_) => true,
-            Kind::Sensor { .. } => true,
+            Kind::Sensor { .. } | Kind::Each(Each::Coalesce, _) => true,
             Kind::Prim(call) => {
                 let outputs = call.prim.desc().outputs;
                 outputs

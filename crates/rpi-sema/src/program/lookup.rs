@@ -9,8 +9,6 @@ use rpi_syntax::{Mode, Name};
 pub enum Lookup {
     /// One declaration.
     Found(DeclId),
-    /// Declarations of several modules that are used.
-    Ambiguous(Vec<DeclId>),
     /// Nothing.
     Missing,
 }
@@ -30,10 +28,9 @@ impl Program<'_> {
     fn imported(&self, module: &Module<'_>, name: &Name) -> Lookup {
         let names = |id: &ModuleId| self.module(*id).names.get(name).copied();
         let found: Vec<DeclId> = module.uses.iter().filter_map(names).collect();
-        match found[..] {
-            [] => self.implied(module, name),
-            [one] => Lookup::Found(one),
-            _ => Lookup::Ambiguous(found),
+        match found.first() {
+            None => self.implied(module, name),
+            Some(first) => Lookup::Found(*first),
         }
     }
 

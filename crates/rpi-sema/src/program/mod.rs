@@ -1,6 +1,6 @@
 //! The declarations of all modules of a program, and how names find them.
 //!
-//! A module is one file, with the files that it includes. Its own names come before those of the modules that it uses,
+//! A module is one file, with the files that it includes. Its own names come before those of the modules that it uses, which come in the order of their `use`,
 //! and these before the
 //! modules that are there without being used. This part knows which declarations there are; it must not know what they mean.
 
