@@ -122,9 +122,10 @@ fn read_early(net: &Net, levels: &Levels) -> Vec<NodeId> {
     let mut roots: Vec<NodeId> = sinks(net)
         .filter_map(|port| levels.root[port.node.index()])
         .collect();
-    let acting = net.nodes.iter().filter(|node| {
-        matches!(node.desc().role, Role::Actuator(_) | Role::Export)
-    });
+    let acting = net
+        .nodes
+        .iter()
+        .filter(|node| matches!(node.desc().role, Role::Actuator(_) | Role::Export));
     for node in acting {
         let seen = node
             .inputs

@@ -129,11 +129,10 @@ impl Elab<'_> {
     }
 
     fn settle_driver(&mut self) {
-        let Driver::Results(mut results) =
-            std::mem::replace(&mut self.net.driver, Driver::Results(Vec::new()))
-        else {
+        let Driver::Results(results) = &mut self.net.driver else {
             return;
         };
+        let mut results = std::mem::take(results);
         for result in &mut results {
             if let Input::Port(port) = result.condition {
                 let port = self.settled_port(port, At::ROOT, result.origin.span);
