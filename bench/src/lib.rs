@@ -7,6 +7,8 @@ pub mod build;
 pub mod generate;
 pub mod puppet;
 pub mod rng;
+pub mod twin;
+pub mod yardstick;
 
 pub use build::Build;
 pub use puppet::Puppet;

@@ -1,17 +1,18 @@
 //! Regular and serial: a chain of second-order filters.
 
 use crate::build::{Build, real};
-use rpi_image::Scalar;
+use rpi_image::{Scalar, Value};
 use rpi_net::{FragmentId, Input, Net, NodeId, PortRef};
 
 const ROOT: FragmentId = FragmentId::ROOT;
 
-/// A chain of `stages` filters in transposed direct form II, 11 primitives each, driven by a clock.
+/// A chain of `stages` filters in transposed direct form II, 11 primitives each, driven by the
+/// input `x`.
 /// The last output is exported as `y`. Each filter's gain at rest is 1, so that no value becomes subnormal.
 #[must_use]
 pub fn biquad(stages: usize) -> Net {
     let mut b = Build::new("biquad");
-    let mut x = b.add(ROOT, "Core::Clock", &[]);
+    let mut x = input(&mut b);
     for k in 0..stages {
         let wobble = (k % 7) as f64 * 1e-3;
         x = stage(&mut b, x, [0.4 + wobble, 0.3, 0.1, -0.4 + wobble, 0.2]);
@@ -46,6 +47,12 @@ pub(super) fn delayed(b: &mut Build) -> (PortRef, NodeId) {
     let null = b.add(ROOT, "Core::DoubleIsNull", &[Input::Port(pre)]);
     let inputs = [Input::Port(null), real(0.0), Input::Port(pre)];
     (b.add(ROOT, "Core::DoubleConditional", &inputs), pre.node)
+}
+
+/// The input `x`.
+pub(super) fn input(b: &mut Build) -> PortRef {
+    let key = ("Key", Value::Str("x".into()));
+    b.add_with(ROOT, "Core::DoubleNetcommIn", &[], &[key])
 }
 
 pub(super) fn scaled(b: &mut Build, x: PortRef, by: f64) -> PortRef {

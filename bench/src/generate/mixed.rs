@@ -1,6 +1,6 @@
 //! Irregular: a random graph of primitives of all kinds, such as no repetition helps to predict.
 
-use super::biquad::delayed;
+use super::biquad::{delayed, input};
 use crate::build::{Build, real};
 use crate::rng::Rng;
 use rpi_net::{FragmentId, Input, Net, NodeId, PortRef};
@@ -9,7 +9,7 @@ const ROOT: FragmentId = FragmentId::ROOT;
 
 /// About `size` primitives: a third sums and differences, a third products, the rest choices, comparisons, logic and
 /// delays, in random order. Inputs prefer what was made lately, so that chains are long; everything is used. Values stay
-/// bounded. The sum of what is left over is exported as `y`.
+/// bounded for an input `x` between -1 and 1. The sum of what is left over is exported as `y`.
 #[must_use]
 pub fn mixed(size: usize, seed: u64) -> Net {
     let mut net = Mixed::new(seed);
@@ -31,8 +31,7 @@ struct Mixed {
 impl Mixed {
     fn new(seed: u64) -> Self {
         let mut build = Build::new("mixed");
-        let clock = build.add(ROOT, "Core::Clock", &[real(0.0)]);
-        let wave = build.add(ROOT, "Core::DoubleSin", &[Input::Port(clock)]);
+        let wave = input(&mut build);
         let first = build.add(ROOT, "Core::DoubleGreater", &[Input::Port(wave), real(0.3)]);
         Mixed {
             build,
@@ -77,7 +76,7 @@ impl Mixed {
         self.unused.push(port);
     }
 
-    /// a + b, halved by a factor on one side so that values stay bounded.
+    /// A sum or a difference, with a factor on one side and one for both so that values stay bounded.
     fn add_scaled(&mut self) {
         let (a, b) = (self.real(), self.real());
         let factor = self.rng.real(-0.5, 0.5);
@@ -86,11 +85,9 @@ impl Mixed {
             "Core::DoubleMultiply",
             &[Input::Port(a), real(factor)],
         );
-        let sum = self.build.add(
-            ROOT,
-            "Core::DoubleAdd",
-            &[Input::Port(half), Input::Port(b)],
-        );
+        let name = ["Core::DoubleAdd", "Rpi::DoubleSubtract"][self.rng.below(2)];
+        let inputs = [Input::Port(half), Input::Port(b)];
+        let sum = self.build.add(ROOT, name, &inputs);
         let bounded = self.build.add(
             ROOT,
             "Core::DoubleMultiply",
@@ -124,7 +121,13 @@ impl Mixed {
 
     fn logic(&mut self) {
         let (a, b) = (self.boolean(), self.boolean());
-        let name = ["Core::BooleanAnd", "Core::BooleanOr", "Core::BooleanNot"][self.rng.below(3)];
+        let names = [
+            "Core::BooleanAnd",
+            "Core::BooleanOr",
+            "Core::BooleanNot",
+            "Rpi::BooleanXor",
+        ];
+        let name = names[self.rng.below(4)];
         let inputs = [Input::Port(a), Input::Port(b)];
         let inputs = if name == "Core::BooleanNot" {
             &inputs[..1]
@@ -142,11 +145,9 @@ impl Mixed {
     }
 
     fn largest(&mut self) {
-        let (a, b) = (self.real(), self.real());
-        let inputs = [Input::Port(a), Input::Port(b)];
-        let greater = self.build.add(ROOT, "Core::DoubleGreater", &inputs);
-        let inputs = [greater, a, b].map(Input::Port);
-        let largest = self.build.add(ROOT, "Core::DoubleConditional", &inputs);
+        let inputs = [self.real(), self.real()].map(Input::Port);
+        let name = ["Rpi::DoubleMaximum", "Rpi::DoubleMinimum"][self.rng.below(2)];
+        let largest = self.build.add(ROOT, name, &inputs);
         self.made(largest);
     }
 

@@ -1,20 +1,20 @@
 //! Regular and parallel: independent control loops.
 
-use super::biquad::{delayed, scaled, sum};
+use super::biquad::{delayed, input, scaled, sum};
 use crate::build::{Build, boolean, real};
 use rpi_net::{FragmentId, Input, Net, PortRef};
 
 const ROOT: FragmentId = FragmentId::ROOT;
 
 /// `loops` independent loops of 26 primitives each: controller with saturation and anti-windup, and the plant that it
-/// controls. The sum of all outputs is exported as `y`.
+/// controls, with the target `x`. The sum of all outputs is exported as `y`.
 #[must_use]
 pub fn pid(loops: usize) -> Net {
     let mut b = Build::new("pid");
-    let time = b.add(ROOT, "Core::Clock", &[]);
+    let target = input(&mut b);
     let mut total = None;
     for k in 0..loops {
-        let y = control_loop(&mut b, time, 0.5 + (k % 11) as f64 * 0.05);
+        let y = control_loop(&mut b, target, 0.5 + (k % 11) as f64 * 0.05);
         total = Some(match total {
             Some(t) => sum(&mut b, t, y),
             None => y,
@@ -26,11 +26,11 @@ pub fn pid(loops: usize) -> Net {
     b.net
 }
 
-fn control_loop(b: &mut Build, time: PortRef, gain: f64) -> PortRef {
+fn control_loop(b: &mut Build, target: PortRef, gain: f64) -> PortRef {
     let (y, plant) = delayed(b);
     let (sum_before, integrator) = delayed(b);
     let (error_before, derivative) = delayed(b);
-    let target = scaled(b, time, gain);
+    let target = scaled(b, target, gain);
     let back = scaled(b, y, -1.0);
     let error = sum(b, target, back);
     let p = scaled(b, error, 1.2);

@@ -124,3 +124,41 @@ pub trait DeviceBank {
     /// Lets the device bring itself to a stop on its own limits.
     fn stop(&mut self, resource: u32);
 }
+
+/// A cell without devices.
+#[derive(Clone, Copy, PartialEq, Eq, Default, Debug)]
+pub struct NoDevices;
+
+impl DeviceBank for NoDevices {
+    fn resolve(&mut self, _: &PortName<'_>) -> Result<PortId, ResolveError> {
+        Err(ResolveError::NoDevice)
+    }
+
+    fn resource(&self, port: PortId) -> u32 {
+        port.0
+    }
+
+    fn read(&mut self, _: PortId, _: &mut [u64]) -> bool {
+        false
+    }
+
+    fn check(&mut self, _: PortId, _: &[u64]) -> Refusal {
+        Refusal::DEVICE_FAILED
+    }
+
+    fn error(&self, _: PortId) -> i64 {
+        0
+    }
+
+    fn write(&mut self, _: PortId, _: &[u64]) {}
+
+    fn call(&mut self, _: PortId, _: &[u64], _: &mut [u64]) -> bool {
+        false
+    }
+
+    fn moving(&self, _: u32) -> bool {
+        false
+    }
+
+    fn stop(&mut self, _: u32) {}
+}

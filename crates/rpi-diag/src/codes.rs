@@ -129,6 +129,7 @@ codes! {
     RPI6103 Warning "result that can never happen";
     RPI7001 Error "budget exceeded";
     RPI8001 Error "end of a command in the wrong place";
+    RPI9101 Error "primitive without a form in C";
 }
 
 impl Code {

@@ -6,6 +6,7 @@ use rpi_diag::{FileId, Finding, Severity, SourceMap};
 use rpi_image::Image;
 use rpi_lower::{LowerOptions, Plan};
 use rpi_net::Net;
+use rpi_net::passes::analyse;
 use rpi_syntax::Mode;
 
 use crate::input::{Input, InputError, Kind};
@@ -139,7 +140,7 @@ pub fn lower_to_look(net: &Net, period_ns: u64) -> Result<Image, String> {
 }
 
 fn lower(net: &Net, options: &LowerOptions<'_>) -> Result<Image, String> {
-    let plan = Plan::new(net, options.may_be_absent);
-    let plan = plan.ok_or("something in the net depends on itself")?;
-    rpi_lower::lower(net, &plan, options)
+    let analysis = analyse(net.clone(), options.may_be_absent).map_err(|v| v.to_string())?;
+    let plan = Plan::of(&analysis).ok_or("something in the net depends on itself")?;
+    rpi_lower::lower(&analysis.net, &plan, options)
 }

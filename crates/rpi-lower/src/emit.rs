@@ -9,7 +9,7 @@ use crate::options::LowerOptions;
 use crate::slots::Slot;
 use cells::Layouts;
 use rpi_image::Image;
-use rpi_image::image::{Cells, End, MAX_CELLS, Signal};
+use rpi_image::image::{End, MAX_CELLS, Signal};
 use rpi_net::Net;
 
 /// Writes the image of a net that was taken apart.
@@ -37,48 +37,28 @@ pub(crate) fn emit(net: &Net, flat: &Flat, options: &LowerOptions<'_>) -> Result
 /// Tables, with cells in place of slots.
 fn tables(flat: &Flat, layouts: &Layouts, image: &mut Image) {
     let t = flat.tables.clone();
-    (image.fragments, image.sensors, image.actuators) = (t.fragments, t.sensors, t.actuators);
-    (image.functions, image.inputs, image.exports) = (t.functions, t.inputs, t.exports);
+    image.sensors = t.sensors.into_iter().map(|s| s.0).collect();
+    (image.fragments, image.inputs, image.exports) = (t.fragments, t.inputs, t.exports);
     (image.flows, image.end) = (t.flows, t.end);
     for (fragment, state) in image.fragments.iter_mut().zip(&layouts.states) {
         fragment.active = layouts.cell(Slot(fragment.active));
         fragment.state = *state;
     }
-    let (cells, cell, signal) = relocators(layouts);
+    let signal = |s: &mut Signal| {
+        s.at = layouts.cell(Slot(s.at));
+        s.present = layouts.cell(Slot(s.present));
+    };
     image.sensors.iter_mut().for_each(|s| signal(&mut s.value));
-    for a in &mut image.actuators {
-        a.inputs.iter_mut().for_each(&cells);
-        a.answers.iter_mut().for_each(|(_, at)| cell(at));
-    }
-    for f in &mut image.functions {
-        f.arguments
-            .iter_mut()
-            .chain(&mut f.results)
-            .for_each(&cells);
-        cell(&mut f.present);
-    }
     for i in &mut image.inputs {
         signal(&mut i.value);
-        i.updated.iter_mut().for_each(&signal);
+        i.updated.iter_mut().for_each(signal);
     }
     image.exports.iter_mut().for_each(|e| signal(&mut e.value));
     image.flows.iter_mut().for_each(|f| signal(&mut f.value));
     match &mut image.end {
         End::Results(results) => results.iter_mut().for_each(|r| signal(&mut r.condition)),
         End::Ports { terminate, fail } => {
-            terminate.iter_mut().chain(fail).for_each(&signal);
+            terminate.iter_mut().chain(fail).for_each(signal);
         }
     }
-}
-
-/// Replace slots by cells in place.
-fn relocators(layouts: &Layouts) -> (impl Fn(&mut Cells), impl Fn(&mut u32), impl Fn(&mut Signal)) {
-    (
-        |c: &mut Cells| c.at = layouts.cell(Slot(c.at)),
-        |at: &mut u32| *at = layouts.cell(Slot(*at)),
-        |s: &mut Signal| {
-            s.at = layouts.cell(Slot(s.at));
-            s.present = layouts.cell(Slot(s.present));
-        },
-    )
 }

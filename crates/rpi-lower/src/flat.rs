@@ -1,9 +1,9 @@
 //! The net taken apart: operations on slots in a tree of scopes. What the passes work on.
 
+use crate::access::Shapes;
 use crate::slots::{Slot, Slots};
-use rpi_image::image::{
-    Actuator, End, Export, Flow, Form, Fragment, Function, InputPort, Sensor, Signal,
-};
+use rpi_image::Answer;
+use rpi_image::image::{DevicePort, End, Export, Flow, Form, Fragment, InputPort, Sensor, Signal};
 use rpi_prims::PrimId;
 
 /// Number of a scope; 0 is the root, always active.
@@ -19,16 +19,16 @@ impl ScopeId {
 }
 
 /// What an operation does.
-#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+#[derive(Clone, Copy, PartialEq, Eq, Hash, Debug)]
 pub(crate) enum Work {
     /// One primitive; words as [`rpi_image::operands`] tells, with slots in place of cells.
     Run(PrimId, Form),
     /// One value: words from, to.
     Copy,
-    /// Index into [`Tables::actuators`].
-    Actuate(u32),
-    /// Index into [`Tables::functions`].
-    Call(u32),
+    /// Index into [`Tables::actuators`], and how many of the words are inputs; the others are answers.
+    Actuate(u32, u32),
+    /// Index into [`Tables::functions`], and how many of the words are arguments; the others are results.
+    Call(u32, u32),
 }
 
 /// One operation.
@@ -67,7 +67,8 @@ pub(crate) struct Scope {
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Tables {
     pub(crate) fragments: Vec<Fragment>,
-    pub(crate) sensors: Vec<Sensor>,
+    /// Sensors with the node for which each is read.
+    pub(crate) sensors: Vec<(Sensor, u32)>,
     pub(crate) actuators: Vec<Actuator>,
     pub(crate) functions: Vec<Function>,
     pub(crate) inputs: Vec<InputPort>,
@@ -78,10 +79,26 @@ pub(crate) struct Tables {
     pub(crate) probes: Vec<(u32, u8, Signal)>,
 }
 
+/// An actuator port; inputs and answers are words of its operation.
+#[derive(Clone, Debug)]
+pub(crate) struct Actuator {
+    pub(crate) port: DevicePort,
+    pub(crate) answers: &'static [Answer],
+}
+
+/// A device function; arguments and results are words of its operation.
+#[derive(Clone, Debug)]
+pub(crate) struct Function {
+    pub(crate) port: DevicePort,
+    /// The last of its words tells whether there was a result.
+    pub(crate) maybe: bool,
+}
+
 /// A net taken apart.
 #[derive(Clone, Debug)]
 pub(crate) struct Flat {
     pub(crate) slots: Slots,
+    pub(crate) shapes: Shapes,
     pub(crate) words: Vec<u32>,
     pub(crate) ops: Vec<Op>,
     pub(crate) scopes: Vec<Scope>,
@@ -102,6 +119,7 @@ impl Flat {
         };
         Flat {
             slots: Slots::new(),
+            shapes: Shapes::default(),
             words: Vec::new(),
             ops: Vec::new(),
             scopes: vec![root],
@@ -131,6 +149,9 @@ impl Flat {
 
     /// Adds an operation at the end of a scope.
     pub(crate) fn push(&mut self, scope: ScopeId, work: Work, words: &[u32], node: u32) {
+        if let Work::Run(prim, form) = work {
+            self.shapes.of(prim, form);
+        }
         let op = Op {
             work,
             at: index(self.words.len()),

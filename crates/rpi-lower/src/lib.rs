@@ -6,25 +6,55 @@
 //! [`mod@build`] decides what runs under which guard, the passes make it faster without changing a bit, [`mod@emit`] gives
 //! every slot its cells. Nothing here knows a source text or a device; nothing here runs a net.
 
+mod access;
 mod build;
+mod c;
 mod emit;
 mod flat;
 mod logic;
 mod options;
+mod passes;
 mod plan;
 mod slots;
 
+pub use c::emit_c;
 pub use options::{LowerOptions, Observe};
 pub use plan::Plan;
 
+use flat::Flat;
 use rpi_image::Image;
 use rpi_net::Net;
+use rpi_prims::PrimId;
 
 /// Lowers a net that has passed the checks.
 ///
 /// # Errors
 /// What makes the command too large to run, in words for its author.
-pub fn lower(net: &Net, plan: &Plan, options: &LowerOptions<'_>) -> Result<Image, String> {
-    let flat = build::build(net, plan, options);
+pub fn lower(net: &Net, plan: &Plan<'_>, options: &LowerOptions<'_>) -> Result<Image, String> {
+    let mut flat = build::build(net, plan, options);
+    if options.observe == Observe::Exports {
+        passes::run(&mut flat, options.dt(), |flat, pass| {
+            if cfg!(debug_assertions) {
+                check(net, flat, options, pass.name);
+            }
+        });
+    }
     emit::emit(net, &flat, options)
+}
+
+/// Names of the passes and what each is for, in order.
+pub fn passes() -> impl Iterator<Item = (&'static str, &'static str)> {
+    passes::PASSES.iter().map(|p| (p.name, p.what))
+}
+
+/// Verifies what a pass has left, as an image.
+fn check(net: &Net, flat: &Flat, options: &LowerOptions<'_>, pass: &str) {
+    let catalogue = |name: &str| PrimId::of(name).map(PrimId::desc);
+    let Ok(image) = emit::emit(net, flat, options) else {
+        return;
+    };
+    if let Err(errors) = rpi_image::verify(&image, &catalogue) {
+        let print = rpi_image::print::print(&image, &catalogue);
+        panic!("after pass {pass}: {}\n{print}", errors[0]);
+    }
 }

@@ -1,30 +1,27 @@
 //! What the passes over the net found out and the lowering needs.
 
-use rpi_net::passes::{Dependencies, Presences, Schedule, Users};
-use rpi_net::{Net, PortRef, Tree};
+use rpi_net::Tree;
+use rpi_net::passes::{Analysis, Presences, Schedule};
 
 /// Order and presence of a net.
-#[derive(Clone, Debug)]
-pub struct Plan {
+#[derive(Clone, Copy, Debug)]
+pub struct Plan<'a> {
     /// Its fragments as a tree.
-    pub tree: Tree,
+    pub tree: &'a Tree,
     /// The order of evaluation.
-    pub schedule: Schedule,
+    pub schedule: &'a Schedule,
     /// Which flows may be absent.
-    pub presences: Presences,
+    pub presences: &'a Presences,
 }
 
-impl Plan {
-    /// Runs the passes over a net; none if something in it depends on itself.
+impl<'a> Plan<'a> {
+    /// What was found out about a net; none if something in it depends on itself.
     #[must_use]
-    pub fn new(net: &Net, may_be_absent: impl Fn(PortRef) -> bool) -> Option<Plan> {
-        let tree = Tree::new(net);
-        let schedule = Schedule::new(&Dependencies::new(net, &tree))?;
-        let presences = Presences::infer(net, &tree, &Users::new(net), may_be_absent);
+    pub fn of(analysis: &'a Analysis) -> Option<Plan<'a>> {
         Some(Plan {
-            tree,
-            schedule,
-            presences,
+            tree: &analysis.tree,
+            schedule: analysis.schedule.as_ref()?,
+            presences: &analysis.presences,
         })
     }
 }

@@ -2,7 +2,7 @@
 
 use rpi_image::Value;
 use rpi_net::FragmentId;
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, HashMap};
 
 /// A place for one value: some cells side by side.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Debug)]
@@ -34,9 +34,14 @@ pub(crate) enum Region {
 pub(crate) struct Slots {
     cells: Vec<u32>,
     regions: Vec<Region>,
-    /// Initial contents that are not zero.
-    pub(crate) init: Vec<(Slot, Vec<u64>)>,
-    constants: BTreeMap<Vec<u64>, Slot>,
+    /// For each slot of one cell its initial content.
+    bits: Vec<u64>,
+    /// Initial contents of larger slots, unless they are all zero.
+    wide: BTreeMap<Slot, Vec<u64>>,
+    /// Constants of one cell, which are most, by content.
+    constants: HashMap<u64, Slot>,
+    /// Larger constants.
+    wide_constants: HashMap<Vec<u64>, Slot>,
 }
 
 impl Slots {
@@ -45,8 +50,10 @@ impl Slots {
         let mut slots = Slots {
             cells: Vec::new(),
             regions: Vec::new(),
-            init: Vec::new(),
-            constants: BTreeMap::new(),
+            bits: Vec::new(),
+            wide: BTreeMap::new(),
+            constants: HashMap::new(),
+            wide_constants: HashMap::new(),
         };
         slots.constant(&[0]);
         slots.constant(&[1]);
@@ -70,6 +77,7 @@ impl Slots {
         let slot = Slot(u32::try_from(self.cells.len()).expect("fewer than 2^32 slots"));
         self.cells.push(cells);
         self.regions.push(region);
+        self.bits.push(0);
         slot
     }
 
@@ -77,19 +85,33 @@ impl Slots {
     pub(crate) fn add_with(&mut self, region: Region, content: &[u64]) -> Slot {
         let cells = u32::try_from(content.len()).expect("fewer than 2^32 cells");
         let slot = self.add(region, cells);
-        if content.iter().any(|&bits| bits != 0) {
-            self.init.push((slot, content.to_vec()));
-        }
+        self.start(slot, content);
         slot
+    }
+
+    /// Lets a slot start with this content.
+    pub(crate) fn start(&mut self, slot: Slot, content: &[u64]) {
+        if let [bits] = content {
+            self.bits[slot.index()] = *bits;
+        } else if content.iter().any(|&bits| bits != 0) {
+            self.wide.insert(slot, content.to_vec());
+        }
     }
 
     /// The slot of a constant; equal constants share one.
     pub(crate) fn constant(&mut self, content: &[u64]) -> Slot {
-        if let Some(slot) = self.constants.get(content) {
+        let known = match content {
+            [bits] => self.constants.get(bits),
+            _ => self.wide_constants.get(content),
+        };
+        if let Some(slot) = known {
             return *slot;
         }
         let slot = self.add_with(Region::Constant, content);
-        self.constants.insert(content.to_vec(), slot);
+        match content {
+            [bits] => _ = self.constants.insert(*bits, slot),
+            _ => _ = self.wide_constants.insert(content.to_vec(), slot),
+        }
         slot
     }
 
@@ -99,5 +121,22 @@ impl Slots {
             Value::Cells { cells, .. } => self.constant(cells),
             Value::Str(_) => Slot::FALSE,
         }
+    }
+
+    /// Appends the initial content of a slot.
+    pub(crate) fn content(&self, slot: Slot, into: &mut Vec<u64>) {
+        match (self.cells(slot), self.wide.get(&slot)) {
+            (1, _) => into.push(self.bits[slot.index()]),
+            (_, Some(content)) => into.extend(content),
+            (cells, None) => into.extend(std::iter::repeat_n(0, cells as usize)),
+        }
+    }
+
+    /// Every initial content that is not zero: slot, cell in it, bits.
+    pub(crate) fn contents(&self) -> impl Iterator<Item = (Slot, u32, u64)> + '_ {
+        let single = (0..).zip(&self.bits).map(|(k, bits)| (Slot(k), 0, *bits));
+        let wide = self.wide.iter();
+        let wide = wide.flat_map(|(slot, all)| (0..).zip(all).map(|(k, bits)| (*slot, k, *bits)));
+        single.chain(wide).filter(|c| c.2 != 0)
     }
 }

@@ -25,3 +25,4 @@ mod window;
 pub use cx::{Clock, Cx, Fault, FaultCode};
 pub use fold::fold;
 pub use registry::{Prim, PrimId, RunFn, registry};
+pub use rpi_device::NoDevices;

@@ -2,6 +2,7 @@
 
 use rpi_core::{Machine, Moment};
 use rpi_lower::{LowerOptions, Observe};
+use rpi_net::passes::analyse;
 use rpi_net::{Net, PortRef};
 
 use super::bank::ReplayBank;
@@ -42,16 +43,20 @@ pub fn replay(net: &Net, trace: &Trace, options: &Options) -> Result<Report, Rep
 /// The net, lowered to be looked at, with a presence for everything that the trace may make absent.
 fn machine(net: &Net, options: &Options, bank: &mut ReplayBank) -> Result<Machine, ReplayError> {
     let may_be_absent = |port: PortRef| {
-        let desc = net.node(port.node).desc();
-        is_input(desc) || explain::concerns(desc, usize::from(port.port))
+        // The passes may have added delays behind the nodes that the trace knows.
+        net.nodes.get(port.node.index()).is_some_and(|node| {
+            is_input(node.desc()) || explain::concerns(node.desc(), usize::from(port.port))
+        })
     };
-    let plan = rpi_lower::Plan::new(net, may_be_absent).ok_or(ReplayError::Cyclic)?;
+    let analysis = analyse(net.clone(), may_be_absent);
+    let analysis = analysis.map_err(|v| ReplayError::Lowering(v.to_string()))?;
+    let plan = rpi_lower::Plan::of(&analysis).ok_or(ReplayError::Cyclic)?;
     let lowering = LowerOptions {
         period_ns: options.period_ns,
         observe: Observe::All,
         may_be_absent: &may_be_absent,
     };
-    let image = rpi_lower::lower(net, &plan, &lowering).map_err(ReplayError::Lowering)?;
+    let image = rpi_lower::lower(&analysis.net, &plan, &lowering).map_err(ReplayError::Lowering)?;
     Machine::load(image, bank).map_err(ReplayError::Loading)
 }
 

@@ -35,10 +35,35 @@ impl<'a> Check<'a> {
     /// A Boolean that decides: written on every path that leads here.
     pub(super) fn decides(&mut self, cell: u32) {
         let scope = self.writer.get(cell as usize).copied();
-        let open = scope.and_then(|s| self.open.get(s as usize)) == Some(&true);
-        self.demand(open, || {
+        let written = scope.is_some_and(|scope| self.is_taken(scope));
+        self.demand(written, || {
             format!("cell {cell} decides, but is not written on every path")
         });
+    }
+
+    /// True if the steps of a scope have run on every path that leads here: all its guards are known to hold.
+    fn is_taken(&self, scope: u32) -> bool {
+        let mut at = scope;
+        while at != 0 {
+            let Some(scope) = self.scopes.get(at as usize) else {
+                return false;
+            };
+            let stays = scope.guard >= self.image.layout.state;
+            let holds = self.holds.get(scope.guard as usize).is_some_and(|&n| n > 0);
+            if !(stays && holds || self.is_open(at)) {
+                return false;
+            }
+            at = scope.outer;
+        }
+        true
+    }
+
+    fn is_open(&self, scope: u32) -> bool {
+        let mut at = self.scope;
+        while at != scope && at != 0 {
+            at = self.scopes.get(at as usize).map_or(0, |s| s.outer);
+        }
+        at == scope
     }
 
     /// A Boolean that decides in the commit phase: the evaluation has a step that writes it.

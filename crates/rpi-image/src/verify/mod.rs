@@ -6,7 +6,8 @@
 //! - all indices are in range, operand words fit the declarations of this build's primitives;
 //! - constants and external cells are never written, every state and value cell has at most one writer;
 //! - every value is written by an earlier step than reads it, and what decides about control (skips, resets, presence)
-//!   is written on every path to its reader; only plain values may be stale where a fragment is inactive;
+//!   is written on every path to its reader (skips of one guard are taken or not taken together); only plain values may
+//!   be stale where a fragment is inactive;
 //! - skips jump forward and nest; a commit copy reads nothing that the commit phase has already overwritten.
 
 mod access;
@@ -16,7 +17,7 @@ mod tables;
 
 use crate::desc::PrimDesc;
 use crate::hash::signature;
-use crate::image::Image;
+use crate::image::{Image, TRUE};
 use alloc::string::String;
 use alloc::vec;
 use alloc::vec::Vec;
@@ -82,6 +83,13 @@ const ENOUGH: usize = 100;
 /// The scope of a cell that nobody has written yet.
 const UNWRITTEN: u32 = u32::MAX;
 
+/// Steps that a skip jumps over.
+#[derive(Clone, Copy)]
+struct Scope {
+    outer: u32,
+    guard: u32,
+}
+
 /// The image, what was found so far, and what is known of each cell.
 struct Check<'a> {
     image: &'a Image,
@@ -92,10 +100,12 @@ struct Check<'a> {
     writer: Vec<u32>,
     /// For each state cell whether something owns it.
     owned: Vec<bool>,
-    /// For each scope whether it is open.
-    open: Vec<bool>,
+    /// The root and every skip so far: what is around it and the cell that opens it.
+    scopes: Vec<Scope>,
     /// The innermost open scope.
     scope: u32,
+    /// For each cell how many open scopes it opens: it is true here if there is one.
+    holds: Vec<u32>,
 }
 
 impl<'a> Check<'a> {
@@ -106,8 +116,12 @@ impl<'a> Check<'a> {
             at: At::Table("layout", 0),
             writer: Vec::new(),
             owned: Vec::new(),
-            open: vec![true],
+            scopes: vec![Scope {
+                outer: 0,
+                guard: TRUE,
+            }],
             scope: 0,
+            holds: Vec::new(),
         }
     }
 

@@ -1,6 +1,6 @@
 //! The two step lists: jumps, who writes what, and what may be read when.
 
-use super::{At, Check, UNWRITTEN};
+use super::{At, Check, Scope};
 use crate::desc::PrimDesc;
 use crate::image::{Cells, Form, Step, TRUE};
 use crate::operands::{Field, fields, group};
@@ -46,7 +46,7 @@ impl Check<'_> {
                 Step::Copy { at, len } => self.copies(Cells { at, len }),
                 Step::Skip { unless, to } => {
                     self.decides(unless);
-                    self.enter(&mut ends, pc, to, self.image.steps.len());
+                    self.enter(&mut ends, pc, to, unless, self.image.steps.len());
                 }
                 Step::Reset { unless, fragment } => {
                     self.decides(unless);
@@ -71,7 +71,7 @@ impl Check<'_> {
                 Step::Copy { at, len } => self.latches(Cells { at, len }, &mut gone),
                 Step::Skip { unless, to } => {
                     self.decided(unless);
-                    self.enter(&mut ends, pc, to, self.image.commit.len());
+                    self.enter(&mut ends, pc, to, unless, self.image.commit.len());
                 }
                 Step::Run { .. }
                 | Step::Reset { .. }
@@ -84,25 +84,27 @@ impl Check<'_> {
         self.close(&mut ends, self.image.commit.len());
     }
 
-    fn enter(&mut self, ends: &mut Vec<(usize, u32)>, pc: usize, to: u32, len: usize) {
-        let outer = ends.last().map_or(len, |e| e.0);
+    fn enter(&mut self, ends: &mut Vec<usize>, pc: usize, to: u32, guard: u32, len: usize) {
+        let outer = ends.last().map_or(len, |e| *e);
         let to = to as usize;
         if to <= pc || to > outer {
             return self.fail(format!("a skip to {to} does not stay in front of {outer}"));
         }
-        ends.push((to, self.scope));
-        self.scope = u32::try_from(self.open.len()).unwrap_or(UNWRITTEN);
-        self.open.push(true);
+        ends.push(to);
+        if let Some(count) = self.holds.get_mut(guard as usize) {
+            *count += 1;
+        }
+        let outer = core::mem::replace(&mut self.scope, self.scopes.len() as u32);
+        self.scopes.push(Scope { outer, guard });
     }
 
-    fn close(&mut self, ends: &mut Vec<(usize, u32)>, pc: usize) {
-        while let Some(&(end, outer)) = ends.last() {
-            if end > pc {
-                return;
+    fn close(&mut self, ends: &mut Vec<usize>, pc: usize) {
+        while ends.pop_if(|end| *end <= pc).is_some() {
+            let Scope { outer, guard } = self.scopes[self.scope as usize];
+            if let Some(count) = self.holds.get_mut(guard as usize) {
+                *count -= 1;
             }
-            self.open[self.scope as usize] = false;
             self.scope = outer;
-            ends.pop();
         }
     }
 

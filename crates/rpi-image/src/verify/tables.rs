@@ -23,6 +23,7 @@ impl Check<'_> {
         if self.errors.is_empty() {
             self.writer = vec![UNWRITTEN; l.cells as usize];
             self.writer[..l.state as usize].fill(0);
+            self.holds = vec![0; l.cells as usize];
             self.owned = vec![false; (l.state - l.external) as usize];
             self.init();
         }

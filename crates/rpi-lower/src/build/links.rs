@@ -71,7 +71,7 @@ impl Builder<'_> {
         let view = self
             .plan
             .presences
-            .view(self.net, &self.plan.tree, reader, port);
+            .view(self.net, self.plan.tree, reader, port);
         let own = self.flows[self.first[port.node.index()] as usize + usize::from(port.port)];
         let origin = self.net.node(port.node).fragment;
         let scope = self.scope[self.plan.tree.common(reader, origin).index()];

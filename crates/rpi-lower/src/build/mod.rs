@@ -26,7 +26,7 @@ use std::collections::BTreeMap;
 use std::rc::Rc;
 
 /// Takes a net apart.
-pub(crate) fn build(net: &Net, plan: &Plan, options: &LowerOptions<'_>) -> Flat {
+pub(crate) fn build(net: &Net, plan: &Plan<'_>, options: &LowerOptions<'_>) -> Flat {
     let mut builder = Builder::new(net, plan, options);
     builder.fragments_table();
     builder.items(FragmentId::ROOT);
@@ -38,7 +38,7 @@ pub(crate) fn build(net: &Net, plan: &Plan, options: &LowerOptions<'_>) -> Flat 
 
 struct Builder<'a> {
     net: &'a Net,
-    plan: &'a Plan,
+    plan: &'a Plan<'a>,
     options: &'a LowerOptions<'a>,
     flat: Flat,
     logic: Logic,
@@ -58,7 +58,7 @@ struct Builder<'a> {
 }
 
 impl<'a> Builder<'a> {
-    fn new(net: &'a Net, plan: &'a Plan, options: &'a LowerOptions<'a>) -> Self {
+    fn new(net: &'a Net, plan: &'a Plan<'a>, options: &'a LowerOptions<'a>) -> Self {
         let mut first = Vec::with_capacity(net.nodes.len());
         let mut ports = 0;
         for node in &net.nodes {

@@ -3,9 +3,9 @@
 use super::Builder;
 use super::compute::ports;
 use super::links::{Flow, Link};
-use crate::flat::{NO_NODE, Work, index};
+use crate::flat::{self, NO_NODE, Work, index};
 use crate::slots::{Region, Slot};
-use rpi_image::image::{self, Cells, DevicePort, Signal};
+use rpi_image::image::{self, DevicePort, Signal};
 use rpi_image::{CommandFlow, DevicePorts, DeviceUse, Presence, Scalar, Type, Value};
 use rpi_net::passes::Sureness;
 use rpi_net::{NodeId, PortRef};
@@ -96,7 +96,8 @@ impl Builder<'_> {
             let flow = self.external(port);
             let value = self.signal(flow, self.ty(port));
             let port = self.device_port(id, device, k, value.ty);
-            self.flat.tables.sensors.push(image::Sensor { port, value });
+            let sensor = image::Sensor { port, value };
+            self.flat.tables.sensors.push((sensor, id.0));
         }
     }
 
@@ -106,7 +107,7 @@ impl Builder<'_> {
         for (k, port) in ports(id, self.desc(id)).enumerate() {
             let flow = self.external(port);
             if let (0, Some(content)) = (k, &start) {
-                self.flat.slots.init.push((flow.value, content.clone()));
+                self.flat.slots.start(flow.value, content);
             }
             signals.push(self.signal(flow, self.ty(port)));
         }
@@ -150,20 +151,15 @@ impl Builder<'_> {
             return;
         };
         let port = self.device_port(id, device, 0, one_type(connected_types(&links)));
-        let inputs = connected(&links);
         let outputs = self.outputs(id, present);
-        let answers = device.answers.iter().zip(&outputs);
-        let answers = answers
-            .map(|(answer, flow)| (*answer, flow.value.0))
-            .collect();
+        let words = words(&links, &outputs);
         let actuators = &mut self.flat.tables.actuators;
         let number = index(actuators.len());
-        actuators.push(image::Actuator {
-            port,
-            inputs,
-            answers,
-        });
-        self.flat.push(scope, Work::Actuate(number), &[], id.0);
+        let answers = device.answers;
+        actuators.push(flat::Actuator { port, answers });
+        let inputs = index(words.len() - outputs.len());
+        self.flat
+            .push(scope, Work::Actuate(number, inputs), &words, id.0);
         self.unguard(id, scope);
     }
 
@@ -178,26 +174,22 @@ impl Builder<'_> {
             .outputs
             .iter()
             .any(|o| o.presence == Presence::Maybe);
-        let found = match maybe {
-            true => self.flat.slots.add(Region::Value, 1),
-            false => Slot::TRUE,
-        };
-        let types = &self.net.node(id).outputs;
-        let results = outputs.iter().zip(types);
-        let function = image::Function {
-            port: self.device_port(id, device, 0, one_type(types.iter().copied())),
-            arguments: connected(&links),
-            results: results
-                .map(|(f, ty)| Cells {
-                    at: f.value.0,
-                    len: ty.cells(),
-                })
-                .collect(),
-            present: found.0,
-        };
+        let types = self.net.node(id).outputs.iter().copied();
+        let port = self.device_port(id, device, 0, one_type(types));
+        let mut words = words(&links, &outputs);
+        let inputs = index(words.len() - outputs.len());
+        let mut found = Slot::TRUE;
+        if maybe {
+            found = self.flat.slots.add(Region::Value, 1);
+            words.push(found.0);
+        }
         let number = index(self.flat.tables.functions.len());
-        self.flat.tables.functions.push(function);
-        self.flat.push(scope, Work::Call(number), &[], id.0);
+        self.flat
+            .tables
+            .functions
+            .push(flat::Function { port, maybe });
+        self.flat
+            .push(scope, Work::Call(number, inputs), &words, id.0);
         self.unguard(id, scope);
         self.present_if(id, &outputs, found);
     }
@@ -275,13 +267,12 @@ impl Builder<'_> {
     }
 }
 
-fn connected(links: &[Link]) -> Vec<Cells> {
-    let parts = links.iter().filter(|l| !l.open);
-    parts
-        .map(|l| Cells {
-            at: l.flow.value.0,
-            len: l.ty.cells(),
-        })
+/// Connected inputs, then outputs.
+fn words(links: &[Link], outputs: &[Flow]) -> Vec<u32> {
+    let inputs = links.iter().filter(|l| !l.open).map(|l| l.flow);
+    inputs
+        .chain(outputs.iter().copied())
+        .map(|f| f.value.0)
         .collect()
 }
 

@@ -65,9 +65,11 @@ impl Layouts {
 
     /// Initial contents, ascending.
     pub(super) fn init(&self, flat: &Flat) -> Vec<(u32, u64)> {
-        let content = flat.slots.init.iter();
-        let cells = content.flat_map(|(slot, bits)| (self.cell(*slot)..).zip(bits.iter().copied()));
-        let mut init: Vec<(u32, u64)> = cells.filter(|(_, bits)| *bits != 0).collect();
+        let cells = flat
+            .slots
+            .contents()
+            .map(|(slot, k, bits)| (self.cell(slot) + k, bits));
+        let mut init: Vec<(u32, u64)> = cells.collect();
         init.sort_unstable();
         init
     }

@@ -1,13 +1,13 @@
 //! Steps and operand words.
 
 use super::cells::Layouts;
+use crate::access::Access;
 use crate::flat::{Flat, Item, Op, ScopeId, Work, index};
 use crate::options::{LowerOptions, Observe};
 use crate::slots::Slot;
 use rpi_image::Image;
 use rpi_image::hash::signature;
-use rpi_image::image::{Form, PrimUse, Step};
-use rpi_image::operands::{Field, fields};
+use rpi_image::image::{Actuator, Cells, Form, Function, PrimUse, Step, TRUE};
 use rpi_prims::PrimId;
 use std::collections::BTreeMap;
 
@@ -17,9 +17,9 @@ pub(super) fn write(flat: &Flat, layouts: &Layouts, options: &LowerOptions<'_>, 
         flat,
         layouts,
         rows: options.observe == Observe::Exports,
+        border: 0,
         image,
         prims: BTreeMap::new(),
-        fields: BTreeMap::new(),
     };
     writer.scope(ScopeId::ROOT);
     writer.commit(ScopeId::ROOT);
@@ -30,9 +30,10 @@ struct Writer<'a> {
     layouts: &'a Layouts,
     /// Equal neighbours become one row.
     rows: bool,
+    /// The first step behind the last jump or landing.
+    border: usize,
     image: &'a mut Image,
     prims: BTreeMap<PrimId, u16>,
-    fields: BTreeMap<(PrimId, Form), Vec<Field>>,
 }
 
 impl Writer<'_> {
@@ -50,7 +51,19 @@ impl Writer<'_> {
                 Item::Scope(inner) => self.scope(*inner),
             }
         }
-        land(&mut self.image.steps, skip);
+        self.land(skip);
+    }
+
+    /// Lets an open skip jump behind what was written since; if that is nothing, there is no skip.
+    fn land(&mut self, skip: Option<usize>) {
+        let steps = &mut self.image.steps;
+        if skip.is_some_and(|at| at + 1 == steps.len()) {
+            steps.pop();
+            self.image.trace.pop();
+        } else {
+            land(steps, skip);
+        }
+        self.border = self.image.steps.len();
     }
 
     /// Opens a skip; gives its place, unless it is none.
@@ -91,29 +104,60 @@ impl Writer<'_> {
                 let len = index(self.image.code.len()) - at;
                 Step::Copy { at, len }
             }
-            Work::Actuate(actuator) => Step::Actuate { actuator },
-            Work::Call(function) => Step::Call { function },
+            Work::Actuate(number, inputs) => self.actuate(number, inputs, self.flat.words(op)),
+            Work::Call(number, inputs) => self.call(number, inputs, self.flat.words(op)),
         };
-        if !(self.rows && joined(self.image.steps.last_mut(), step)) {
+        // A row does not reach over the end of a skip.
+        let last = self.image.steps.get_mut(self.border..);
+        if !(self.rows && joined(last.and_then(<[Step]>::last_mut), step)) {
             self.step(step, op.node);
         }
     }
 
+    fn actuate(&mut self, number: u32, inputs: u32, words: &[u32]) -> Step {
+        let table = &self.flat.tables.actuators[number as usize];
+        let (inputs, answers) = words.split_at(inputs as usize);
+        let answers = table.answers.iter().zip(answers);
+        let actuator = Actuator {
+            port: table.port.clone(),
+            inputs: inputs.iter().map(|s| self.cells(Slot(*s))).collect(),
+            answers: answers
+                .map(|(a, s)| (*a, self.layouts.cell(Slot(*s))))
+                .collect(),
+        };
+        self.image.actuators.push(actuator);
+        let actuator = index(self.image.actuators.len() - 1);
+        Step::Actuate { actuator }
+    }
+
+    fn call(&mut self, number: u32, inputs: u32, words: &[u32]) -> Step {
+        let table = &self.flat.tables.functions[number as usize];
+        let (arguments, results) = words.split_at(inputs as usize);
+        let (results, found) = results.split_at(results.len() - usize::from(table.maybe));
+        let function = Function {
+            port: table.port.clone(),
+            arguments: arguments.iter().map(|s| self.cells(Slot(*s))).collect(),
+            results: results.iter().map(|s| self.cells(Slot(*s))).collect(),
+            present: found.first().map_or(TRUE, |s| self.layouts.cell(Slot(*s))),
+        };
+        self.image.functions.push(function);
+        let function = index(self.image.functions.len() - 1);
+        Step::Call { function }
+    }
+
+    fn cells(&self, slot: Slot) -> Cells {
+        let (at, len) = (self.layouts.cell(slot), self.flat.slots.cells(slot));
+        Cells { at, len }
+    }
+
     /// Operand words with cells in place of slots.
     fn words(&mut self, prim: PrimId, form: Form, words: &[u32]) {
-        let made = self.fields.entry((prim, form));
-        let fields = made.or_insert_with(|| fields(prim.desc(), form));
-        let mut words = words;
-        for field in fields.iter() {
-            let (mine, rest) = words.split_at(field.words());
-            words = rest;
-            let code = &mut self.image.code;
-            code.push(self.layouts.cell(Slot(mine[0])));
-            code.extend(&mine[1..=field.sizes]);
-            if field.presence {
-                code.push(self.layouts.cell(Slot(mine[field.sizes + 1])));
-            }
-        }
+        let shape = self.flat.shapes.get(prim, form);
+        let cell = |(word, access): (&u32, &Access)| match access {
+            Access::Number => *word,
+            _ => self.layouts.cell(Slot(*word)),
+        };
+        self.image.code.extend(words.iter().zip(shape).map(cell));
     }
 
     fn pairs(&mut self, from: Slot, to: Slot) {

@@ -1,13 +1,12 @@
 //! Where nodes come from: places, origins of faults, probes, and which step computes which node.
 
 use super::cells::Layouts;
-use crate::flat::{Flat, NO_NODE, Work};
+use crate::flat::{Flat, NO_NODE, Op, Work};
 use crate::options::{LowerOptions, Observe};
 use crate::slots::Slot;
 use rpi_diag::Span;
 use rpi_image::Image;
 use rpi_image::image::{Place, Probe, Signal, TextRange};
-use rpi_image::operands::{Part, fields};
 use rpi_net::{Net, NodeId};
 use std::collections::BTreeMap;
 
@@ -86,45 +85,23 @@ fn probes(net: &Net, flat: &Flat, layouts: &Layouts, image: &mut Image) {
 fn origins(flat: &Flat, layouts: &Layouts, places: &mut Places<'_>, image: &mut Image) {
     let mut found = BTreeMap::new();
     for op in flat.ops.iter().filter(|op| op.node != NO_NODE) {
-        if let Some(slot) = fault_slot(flat, op.work, flat.words(*op)) {
+        if let Some(slot) = fault_slot(flat, *op) {
             found.entry(layouts.cell(slot)).or_insert(op.node);
         }
     }
-    for sensor in &flat.tables.sensors {
-        let probe = flat
-            .tables
-            .probes
-            .iter()
-            .find(|p| p.2.at == sensor.value.at);
-        if let Some((node, ..)) = probe {
-            found
-                .entry(layouts.cell(Slot(sensor.value.at)))
-                .or_insert(*node);
-        }
+    for (sensor, node) in &flat.tables.sensors {
+        let cell = layouts.cell(Slot(sensor.value.at));
+        found.entry(cell).or_insert(*node);
     }
-    let origins = found
-        .into_iter()
-        .map(|(cell, node)| (cell, places.of(NodeId(node))));
-    image.origins = origins.collect();
+    let place = |(cell, node)| (cell, places.of(NodeId(node)));
+    image.origins = found.into_iter().map(place).collect();
 }
 
-fn fault_slot(flat: &Flat, work: Work, words: &[u32]) -> Option<Slot> {
-    match work {
-        Work::Run(prim, form) if prim.desc().may_fault => {
-            let mut at = 0;
-            for field in fields(prim.desc(), form) {
-                if matches!(field.part, Part::Output(_)) {
-                    return Some(Slot(words[at]));
-                }
-                at += field.words();
-            }
-            None
-        }
-        Work::Actuate(number) => {
-            let a = &flat.tables.actuators[number as usize];
-            let answer = a.answers.first().map(|a| a.1);
-            answer.or(a.inputs.first().map(|c| c.at)).map(Slot)
-        }
-        Work::Run(..) | Work::Copy | Work::Call(_) => None,
+/// The slot by which a fault of an operation is known: the first that it writes, or else reads.
+fn fault_slot(flat: &Flat, op: Op) -> Option<Slot> {
+    match op.work {
+        Work::Run(prim, _) if prim.desc().may_fault => flat.writes(op).next(),
+        Work::Actuate(..) => flat.writes(op).next().or(flat.reads(op).next()),
+        Work::Run(..) | Work::Copy | Work::Call(..) => None,
     }
 }

@@ -5,7 +5,7 @@ use rpi_core::{Machine, Moment};
 use rpi_device::{DeviceBank, PortId, PortName, Refusal, ResolveError};
 use rpi_diag::Span;
 use rpi_image::{Image, Need, Type, Value, desc::ShapeArgs};
-use rpi_lower::{LowerOptions, Plan, lower};
+use rpi_lower::LowerOptions;
 use rpi_net::{
     Absent, Activation, Fragment, FragmentId, Input, Net, Node, NodeId, Origin, PortRef, Restart,
 };
@@ -154,8 +154,7 @@ impl Build {
 }
 
 pub fn image(net: &Net, options: &LowerOptions<'_>) -> Image {
-    let plan = Plan::new(net, options.may_be_absent).expect("no cycles");
-    let image = lower(net, &plan, options).expect("it fits");
+    let image = rpi_bench::twin::image(net, options).expect("it can be lowered");
     if let Err(errors) = rpi_image::verify(&image, &rpi_core::catalogue) {
         let text: Vec<String> = errors.iter().map(ToString::to_string).collect();
         let print = rpi_image::print::print(&image, &rpi_core::catalogue);

@@ -13,6 +13,7 @@ mod events;
 pub(crate) mod frame;
 pub(crate) mod frame_otg;
 mod functions;
+mod fused;
 mod generic;
 mod int;
 mod interpolation;
@@ -47,6 +48,7 @@ const FAMILIES: &[&[Prim]] = &[
     frame::ALL,
     frame_otg::ALL,
     functions::ALL,
+    fused::ALL,
     generic::boolean::ALL,
     generic::double::ALL,
     generic::frame::ALL,

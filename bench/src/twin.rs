@@ -1,0 +1,128 @@
+//! Two images of one net, looked at and rearranged, must do the same.
+
+use crate::puppet::Puppet;
+use rpi_core::{Machine, Moment, Verdict};
+use rpi_image::Image;
+use rpi_image::image::Signal;
+use rpi_lower::{LowerOptions, Plan, lower};
+use rpi_net::Net;
+use rpi_net::passes::analyse;
+
+/// Runs the observed and the rearranged form of a net side by side and compares all that leaves them.
+///
+/// # Errors
+/// Says what differs first, and when; or what kept the net from running.
+pub fn compare(net: &Net, cycles: u64, period_ns: u64) -> Result<(), String> {
+    let mut plain = Runner::new(net, &LowerOptions::observed(period_ns))?;
+    let mut fast = Runner::new(net, &LowerOptions::running(period_ns))?;
+    for cycle in 0..cycles {
+        let (a, b) = (plain.cycle(cycle), fast.cycle(cycle));
+        a.compare(&b)
+            .map_err(|what| format!("cycle {cycle}: {what}"))?;
+        if a.verdict.is_some() {
+            return Ok(());
+        }
+    }
+    Ok(())
+}
+
+/// Runs the passes over a net and lowers it.
+///
+/// # Errors
+/// What kept it from it.
+pub fn image(net: &Net, options: &LowerOptions<'_>) -> Result<Image, String> {
+    let analysis = analyse(net.clone(), options.may_be_absent).map_err(|v| v.to_string())?;
+    let plan = Plan::of(&analysis).ok_or("it depends on itself")?;
+    lower(&analysis.net, &plan, options)
+}
+
+/// A machine in a cell of its own.
+pub struct Runner {
+    machine: Machine,
+    bank: Puppet,
+}
+
+/// What leaves a command in a cycle.
+#[derive(Clone, PartialEq, Debug)]
+pub struct Left {
+    /// How it ends with this cycle.
+    pub verdict: Option<Verdict>,
+    /// Exports by key, absent ones too.
+    pub exports: Vec<(String, Option<Vec<u64>>)>,
+    /// All set-points so far.
+    pub written: u64,
+}
+
+impl Runner {
+    /// Lowers, verifies and loads.
+    ///
+    /// # Errors
+    /// What kept it from it.
+    pub fn new(net: &Net, options: &LowerOptions<'_>) -> Result<Runner, String> {
+        let image = image(net, options)?;
+        let mut bank = Puppet::new();
+        let machine = Machine::load(image, &mut bank);
+        let machine = machine.map_err(|faults| {
+            let text: Vec<String> = faults.iter().map(ToString::to_string).collect();
+            text.join("; ")
+        })?;
+        Ok(Runner { machine, bank })
+    }
+
+    /// Runs one cycle. Now and then it is asked to cancel or told of a successor, by the cycle's number.
+    pub fn cycle(&mut self, cycle: u64) -> Left {
+        let since = cycle * self.machine.image().period_ns;
+        let moment = Moment {
+            net_ns: since.cast_signed(),
+            wall_ns: since.cast_signed() + 17,
+            cancel: cycle > 60,
+            takeover: cycle % 7 == 3,
+            predecessor: (cycle > 2).then_some(5),
+        };
+        let (machine, bank) = (&mut self.machine, &mut self.bank);
+        bank.advance();
+        machine.read(bank, &moment);
+        machine.evaluate(bank);
+        machine.commit();
+        machine.hand_over(bank);
+        let value = |s: Signal| machine.value(s).map(<[u64]>::to_vec);
+        let exports = machine.image().exports.iter();
+        Left {
+            verdict: machine.verdict(&[true; 64]),
+            exports: exports.map(|e| (e.key.clone(), value(e.value))).collect(),
+            written: bank.written(),
+        }
+    }
+
+    /// The machine, to look at.
+    #[must_use]
+    pub fn machine(&self) -> &Machine {
+        &self.machine
+    }
+}
+
+impl Left {
+    /// What differs first.
+    ///
+    /// # Errors
+    /// In words.
+    pub fn compare(&self, other: &Left) -> Result<(), String> {
+        let ends = |l: &Left| {
+            l.verdict.map(|v| match v {
+                Verdict::Fault(fault) => format!("fault {:?}", fault.code),
+                other => format!("{other:?}"),
+            })
+        };
+        if ends(self) != ends(other) {
+            return Err(format!("ends {:?} or {:?}", self.verdict, other.verdict));
+        }
+        for (a, b) in self.exports.iter().zip(&other.exports) {
+            if a != b {
+                return Err(format!("export {}: {:x?} or {:x?}", a.0, a.1, b.1));
+            }
+        }
+        let same = self.written == other.written;
+        same.then_some(())
+            .ok_or_else(|| "set-points differ".to_owned())
+    }
+}

@@ -1,0 +1,228 @@
+//! How primitives are written in C: one row each.
+//!
+//! In a row, `a`, `b`, `c`, ... in braces stand for the inputs and then the parameters, `{a?}` for the presence of an
+//! input, `{s}` for the state, `{dt}` for the period. A form for values of several cells is written once and holds cell
+//! by cell; single cells are named by a number, `{a2}`.
+
+use rpi_image::image::Form;
+
+/// The C form of a primitive.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct CForm {
+    /// Registered name; a leading `*` stands for any type (`*Conditional`).
+    name: &'static str,
+    form: Form,
+    /// C types of the state's cells.
+    pub(super) state: &'static [&'static str],
+    /// Statements before the outputs are set.
+    pub(super) before: &'static str,
+    /// One expression for every output cell, or one that holds for all of them.
+    pub(super) cells: &'static [&'static str],
+    /// The presence of the output, in the optional form.
+    pub(super) present: &'static str,
+}
+
+const fn total(name: &'static str, cells: &'static [&'static str]) -> CForm {
+    CForm {
+        name,
+        form: Form::Total,
+        state: &[],
+        before: "",
+        cells,
+        present: "",
+    }
+}
+
+const fn optional(
+    name: &'static str,
+    cells: &'static [&'static str],
+    present: &'static str,
+) -> CForm {
+    CForm {
+        form: Form::Optional,
+        present,
+        ..total(name, cells)
+    }
+}
+
+const fn state(
+    name: &'static str,
+    state: &'static [&'static str],
+    before: &'static str,
+    cells: &'static [&'static str],
+) -> CForm {
+    CForm {
+        state,
+        before,
+        ..total(name, cells)
+    }
+}
+
+static FORMS: &[CForm] = &[
+    total("Core::BooleanAnd", &["{a} && {b}"]),
+    total("Core::BooleanOr", &["{a} || {b}"]),
+    total("Core::BooleanNot", &["!{a}"]),
+    total("Core::DoubleAdd", &["{a} + {b}"]),
+    total("Core::DoubleMultiply", &["{a} * {b}"]),
+    total("Core::DoubleDivide", &["{a} / {b}"]),
+    total("Core::DoubleModulo", &["fmod({a}, {b})"]),
+    total("Core::DoubleGreater", &["{a} > {b}"]),
+    total("Core::DoubleEquals", &["fabs({a} - {b}) <= {c}"]),
+    total("Rpi::DoubleSubtract", &["{a} - {b}"]),
+    total("Rpi::DoubleNegate", &["-{a}"]),
+    total("Rpi::DoubleAbsolute", &["fabs({a})"]),
+    total("Rpi::DoubleMinimum", &["fmin({a}, {b})"]),
+    total("Rpi::DoubleMaximum", &["fmax({a}, {b})"]),
+    total("Rpi::DoubleGreaterOrEqual", &["{a} >= {b}"]),
+    total("Rpi::DoubleFloor", &["floor({a})"]),
+    total("Rpi::DoubleCeiling", &["ceil({a})"]),
+    total("Rpi::DoubleRound", &["round({a})"]),
+    total("Rpi::DoubleExponential", &["exp({a})"]),
+    total("Rpi::DoubleAtan", &["atan({a})"]),
+    total("Rpi::BooleanXor", &["{a} != {b}"]),
+    total("Rpi::BooleanEquals", &["{a} == {b}"]),
+    total("Rpi::IntSubtract", &["subtract_int({a}, {b}, &fault)"]),
+    total("Rpi::IntMinimum", &["{a} < {b} ? {a} : {b}"]),
+    total("Rpi::IntMaximum", &["{a} > {b} ? {a} : {b}"]),
+    total("Rpi::IntGreaterOrEqual", &["{a} >= {b}"]),
+    total("Core::DoubleSquareRoot", &["sqrt({a})"]),
+    total("Core::DoubleSin", &["sin({a})"]),
+    total("Core::DoubleCos", &["cos({a})"]),
+    total("Core::DoubleTan", &["tan({a})"]),
+    total("Core::DoubleAsin", &["asin({a})"]),
+    total("Core::DoubleAcos", &["acos({a})"]),
+    total("Core::DoubleAtan2", &["atan2({a}, {b})"]),
+    total("Core::DoublePower", &["pow({a}, {b})"]),
+    total("Core::DoubleLog", &["log({a})"]),
+    total("Core::DoubleFromInt", &["(double){a}"]),
+    total("Core::IntGreater", &["{a} > {b}"]),
+    total("Core::IntAdd", &["add_int({a}, {b}, &fault)"]),
+    total("Core::IntMultiply", &["multiply_int({a}, {b}, &fault)"]),
+    total("Core::IntDivide", &["divide_int({a}, {b}, &fault)"]),
+    total("Core::Lerp", &["{a} + ({b} - {a}) * {c}"]),
+    total("Core::TimeDiff", &["(double)({b} - {a}) / 1e9"]),
+    total("World::VectorAdd", &["{a} + {b}"]),
+    total("World::VectorScale", &["{a} * {b0}"]),
+    total("World::VectorFromXYZ", &["{a}", "{b}", "{c}"]),
+    total("World::VectorToXYZ", &["{a0}", "{a1}", "{a2}"]),
+    total(
+        "World::VectorDot",
+        &["{a0} * {b0} + {a1} * {b1} + {a2} * {b2}"],
+    ),
+    total(
+        "World::VectorCross",
+        &[
+            "{a1} * {b2} - {a2} * {b1}",
+            "{a2} * {b0} - {a0} * {b2}",
+            "{a0} * {b1} - {a1} * {b0}",
+        ],
+    ),
+    total(
+        "World::FrameFromPosRot",
+        &["{a0}", "{a1}", "{a2}", "{b0}", "{b1}", "{b2}", "{b3}"],
+    ),
+    total(
+        "World::FrameToPosRot",
+        &["{a0}", "{a1}", "{a2}", "{a3}", "{a4}", "{a5}", "{a6}"],
+    ),
+    total(
+        "World::RotationInvert",
+        &["-{a0}", "-{a1}", "-{a2}", "{a3}"],
+    ),
+    total("World::TwistAdd", &["{a} + {b}"]),
+    total(
+        "World::TwistFromVelocities",
+        &["{a0}", "{a1}", "{a2}", "{b0}", "{b1}", "{b2}"],
+    ),
+    total(
+        "World::TwistToVelocities",
+        &["{a0}", "{a1}", "{a2}", "{a3}", "{a4}", "{a5}"],
+    ),
+    total("*Conditional", &["{a0} ? {b} : {c}"]),
+    optional(
+        "Core::BooleanAnd",
+        &["{a?} && {b?} && {a} && {b}"],
+        "({a?} && {b?}) || ({a?} && !{a}) || ({b?} && !{b})",
+    ),
+    optional(
+        "Core::BooleanOr",
+        &["({a?} && {a}) || ({b?} && {b})"],
+        "({a?} && {b?}) || ({a?} && {a}) || ({b?} && {b})",
+    ),
+    optional(
+        "*Conditional",
+        &["{a0} ? {b} : {c}"],
+        "{a?} && ({a} ? {b?} : {c?})",
+    ),
+    optional("*SetNull", &["{a}"], "{a?} && {b?} && !{b0}"),
+    state(
+        "Core::Clock",
+        &["double"],
+        "{s} = ({a} ? 0.0 : {s}) + {b} * {dt};",
+        &["{s}"],
+    ),
+];
+
+/// The C form of a primitive, if there is one.
+pub(super) fn form(name: &str, form: Form) -> Option<&'static CForm> {
+    let fits = |row: &&CForm| {
+        row.form == form
+            && match row.name.strip_prefix('*') {
+                Some(end) => name.ends_with(end) && !name.contains("Array"),
+                None => row.name == name,
+            }
+    };
+    FORMS.iter().find(fits)
+}
+
+impl CForm {
+    /// The expression of an output cell, counted over all outputs.
+    pub(super) fn cell(&self, k: usize) -> &'static str {
+        self.cells.get(k).copied().unwrap_or(self.cells[0])
+    }
+}
+
+/// What the expressions use: integers whose overflow is a fault.
+pub(super) const PRELUDE: &str = "\
+static int64_t add_int(int64_t a, int64_t b, bool *fault) {
+  bool over = (b > 0 && a > INT64_MAX - b) || (b < 0 && a < INT64_MIN - b);
+  *fault |= over;
+  return over ? 0 : a + b;
+}
+
+static int64_t subtract_int(int64_t a, int64_t b, bool *fault) {
+  bool over = (b < 0 && a > INT64_MAX + b) || (b > 0 && a < INT64_MIN + b);
+  *fault |= over;
+  return over ? 0 : a - b;
+}
+
+static int64_t multiply_int(int64_t a, int64_t b, bool *fault) {
+  bool over = a != 0 && b != 0 &&
+    (a > 0 ? (b > 0 ? a > INT64_MAX / b : b < INT64_MIN / a)
+           : (b > 0 ? a < INT64_MIN / b : a < INT64_MAX / b));
+  *fault |= over;
+  return over ? 0 : a * b;
+}
+
+static int64_t divide_int(int64_t a, int64_t b, bool *fault) {
+  bool bad = b == 0 || (a == INT64_MIN && b == -1);
+  *fault |= bad;
+  return bad ? 0 : a / b;
+}
+";
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use rpi_prims::registry;
+
+    #[test]
+    fn every_row_belongs_to_a_primitive() {
+        for row in FORMS {
+            let known = registry()
+                .iter()
+                .any(|p| form(p.desc.name, row.form).is_some_and(|found| std::ptr::eq(found, row)));
+            assert!(known, "{}", row.name);
+        }
+    }
+}

@@ -1,0 +1,80 @@
+//! Names of slots in C: the author's where there is one.
+
+use crate::flat::Flat;
+use crate::slots::{Region, Slot};
+use rpi_net::{Net, NodeId};
+use std::collections::{HashMap, HashSet};
+
+/// Names of slots.
+pub(super) struct Names {
+    names: HashMap<Slot, String>,
+}
+
+impl Names {
+    /// Names from the ports of nodes; two equal ones are told apart by numbers.
+    pub(super) fn new(net: &Net, flat: &Flat) -> Self {
+        let mut taken = HashSet::new();
+        let mut names = HashMap::new();
+        for (node, port, signal) in &flat.tables.probes {
+            let slot = Slot(signal.at);
+            if flat.slots.region(slot) == Region::Constant || names.contains_key(&slot) {
+                continue;
+            }
+            let node = net.node(NodeId(*node));
+            let path = net.path(node.fragment, &node.name);
+            let name = match node.outputs.len() {
+                0 | 1 => identifier(&path),
+                _ => identifier(&format!(
+                    "{path}_{}",
+                    node.desc().outputs[usize::from(*port)].name
+                )),
+            };
+            let name = unique(name, &mut taken);
+            names.insert(slot, name);
+        }
+        Names { names }
+    }
+
+    /// The variable of one cell.
+    pub(super) fn cell(&self, flat: &Flat, slot: Slot, k: u32) -> String {
+        let name = match self.names.get(&slot) {
+            Some(name) => name.clone(),
+            None => format!("t{}", slot.0),
+        };
+        let name = match flat.slots.region(slot) {
+            Region::Constant | Region::Value => name,
+            Region::External => format!("in->{name}"),
+            Region::State(_) => format!("state->s{}", slot.0),
+        };
+        match flat.slots.cells(slot) {
+            1 => name,
+            _ => format!("{name}_{k}"),
+        }
+    }
+}
+
+/// Letters, digits and underscores; never a word of C, because it ends in an underscore if it could be one.
+pub(super) fn identifier(text: &str) -> String {
+    let plain = text
+        .chars()
+        .map(|c| if c.is_ascii_alphanumeric() { c } else { '_' });
+    let plain: String = plain.collect();
+    let starts_well = plain.starts_with(|c: char| c.is_ascii_alphabetic());
+    let prefix = if starts_well { "" } else { "v" };
+    let suffix = if plain.contains('_') || plain.ends_with(|c: char| c.is_ascii_digit()) {
+        ""
+    } else {
+        "_"
+    };
+    format!("{prefix}{plain}{suffix}")
+}
+
+fn unique(name: String, taken: &mut HashSet<String>) -> String {
+    let mut candidate = name.clone();
+    let mut k = 2;
+    while !taken.insert(candidate.clone()) {
+        candidate = format!("{name}_{k}");
+        k += 1;
+    }
+    candidate
+}

@@ -1,0 +1,100 @@
+//! A value is computed where the delay of it is kept, so that nothing is left to copy.
+//!
+//! A latch from x to s is not needed if x can be written to s right away: all that still wants the old content of s is
+//! read before, and x is computed whenever the latch would act, in the same scope.
+
+use super::delays::read_late;
+use super::order::ops;
+use super::rename::Renames;
+use crate::access::Access;
+use crate::flat::{Flat, Op, ScopeId, Work};
+use crate::slots::{Region, Slot};
+
+pub(super) fn coalesce(flat: &mut Flat, _: f64) {
+    let facts = Facts::new(flat);
+    let mut renames = Renames::new(flat);
+    let mut moved = vec![false; flat.slots.len()];
+    for k in 0..flat.scopes.len() {
+        let scope = ScopeId(k as u32);
+        let latches = std::mem::take(&mut flat.scopes[k].latches);
+        let kept = latches.into_iter().filter(|&(from, to)| {
+            let fits = !moved[from.index()] && facts.fits(flat, scope, from, to);
+            if fits {
+                moved[from.index()] = true;
+                renames.set(from, to);
+            }
+            !fits
+        });
+        flat.scopes[k].latches = kept.collect();
+    }
+    writes(flat, &renames);
+    renames.apply(flat);
+}
+
+/// Writers write to the new place, too.
+fn writes(flat: &mut Flat, renames: &Renames) {
+    for number in 0..flat.ops.len() {
+        let op = flat.ops[number];
+        for k in 0..op.len as usize {
+            if flat.access(op, k) == Access::Write {
+                let word = &mut flat.words[op.at as usize + k];
+                *word = renames.get(Slot(*word)).0;
+            }
+        }
+    }
+}
+
+/// Who writes and who reads a slot, in the order in which operations run.
+struct Facts {
+    /// For each slot the place of its writer, its scope, and the operation.
+    writer: Vec<Option<(u32, ScopeId, Op)>>,
+    /// For each slot the place of its last reader.
+    last_read: Vec<u32>,
+    read_late: Vec<bool>,
+}
+
+impl Facts {
+    fn new(flat: &Flat) -> Self {
+        let mut facts = Facts {
+            writer: vec![None; flat.slots.len()],
+            last_read: vec![0; flat.slots.len()],
+            read_late: vec![false; flat.slots.len()],
+        };
+        for slot in read_late(flat) {
+            facts.read_late[slot.index()] = true;
+        }
+        for (place, (number, scope)) in (0..).zip(ops(flat)) {
+            let op = flat.ops[number as usize];
+            for slot in flat.reads(op) {
+                facts.last_read[slot.index()] = place;
+            }
+            for slot in flat.writes(op) {
+                facts.writer[slot.index()] = Some((place, scope, op));
+            }
+        }
+        facts
+    }
+
+    fn fits(&self, flat: &Flat, scope: ScopeId, from: Slot, to: Slot) -> bool {
+        let Some((place, written_in, op)) = self.writer[from.index()] else {
+            return false;
+        };
+        flat.slots.region(from) == Region::Value
+            && written_in == scope
+            && self.last_read[to.index()] <= place
+            && !self.read_late[to.index()]
+            && writes_at_the_end(flat, op)
+    }
+}
+
+/// The operation has read all its inputs before it writes, and is not told of by the cell that it writes.
+fn writes_at_the_end(flat: &Flat, op: Op) -> bool {
+    match op.work {
+        Work::Run(prim, _) => {
+            let arrays = (0..op.len as usize).any(|k| flat.access(op, k) == Access::Number);
+            !prim.desc().may_fault && !arrays
+        }
+        Work::Copy => true,
+        Work::Actuate(..) | Work::Call(..) => false,
+    }
+}

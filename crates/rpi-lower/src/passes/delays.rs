@@ -1,0 +1,196 @@
+//! Delays: where they start, and where what they give is read.
+
+use super::laws::{self, Law};
+use super::order::ops;
+use super::rename::{Renames, drop_ops};
+use crate::flat::{Flat, Op, Work};
+use crate::slots::{Region, Slot};
+use rpi_image::State;
+use rpi_image::image::{End, Form};
+use rpi_prims::PrimId;
+use std::collections::{BTreeSet, HashMap};
+
+/// A delay whose start is chosen by a constant starts with it.
+///
+/// `first ? k : pre x` and the reference's `null(pre x) ? k : pre x` are `pre x` that starts as `k`: the choice takes
+/// the constant exactly in those cycles in which the delay's cells still have their initial content.
+pub(super) fn start(flat: &mut Flat, _: f64) {
+    let known = Known::new(flat);
+    let mut renames = Renames::new(flat);
+    let mut dropped = vec![false; flat.ops.len()];
+    let mut started: HashMap<Slot, Slot> = HashMap::new();
+    for (number, _) in ops(flat) {
+        let op = flat.ops[number as usize];
+        let Some(choice) = known.choice(flat, op) else {
+            continue;
+        };
+        let kept = known.kept[&choice.delayed];
+        if *started.entry(kept).or_insert(choice.constant) != choice.constant {
+            continue;
+        }
+        let mut content = Vec::new();
+        flat.slots.content(choice.constant, &mut content);
+        flat.slots.start(kept, &content);
+        let written: Vec<Slot> = flat.writes(op).collect();
+        renames.set(written[0], choice.delayed);
+        if let Some(presence) = written.get(1) {
+            renames.set(*presence, Slot::TRUE);
+        }
+        dropped[number as usize] = true;
+    }
+    renames.apply(flat);
+    drop_ops(flat, &dropped);
+}
+
+/// What a delay gives is read where it is kept, as long as it is read by operations only: they run before the commit
+/// phase overwrites it.
+pub(super) fn direct(flat: &mut Flat, _: f64) {
+    let read_late = read_late(flat);
+    let mut renames = Renames::new(flat);
+    let mut dropped = vec![false; flat.ops.len()];
+    for (number, _) in ops(flat) {
+        let op = flat.ops[number as usize];
+        if let Some((kept, given)) = delay(flat, op)
+            && !read_late.contains(&given)
+        {
+            renames.set(given, kept);
+            dropped[number as usize] = true;
+        }
+    }
+    renames.apply(flat);
+    drop_ops(flat, &dropped);
+}
+
+/// Slots that are read otherwise than by operations: after the evaluation, by guards in both phases, by resets.
+pub(super) fn read_late(flat: &Flat) -> BTreeSet<Slot> {
+    let scopes = flat.scopes.iter();
+    let mut late: BTreeSet<Slot> = scopes.clone().map(|s| s.guard).collect();
+    late.extend(scopes.clone().flat_map(|s| s.latches.iter().map(|l| l.0)));
+    late.extend(scopes.filter_map(|s| s.reset.map(|r| r.0)));
+    let exports = flat.tables.exports.iter().map(|e| e.value);
+    let ends: Vec<_> = match &flat.tables.end {
+        End::Results(results) => results.iter().map(|r| r.condition).collect(),
+        End::Ports { terminate, fail } => terminate.iter().chain(fail).copied().collect(),
+    };
+    late.extend(
+        exports
+            .chain(ends)
+            .flat_map(|s| [Slot(s.at), Slot(s.present)]),
+    );
+    late
+}
+
+/// The slots (kept, given) of a delay's operation.
+fn delay(flat: &Flat, op: Op) -> Option<(Slot, Slot)> {
+    let words = flat.words(op);
+    let (from, to) = (Slot(*words.first()?), Slot(*words.get(1)?));
+    let kept = matches!(flat.slots.region(from), Region::State(_));
+    (op.work == Work::Copy && kept).then_some((from, to))
+}
+
+/// `pre x` behind a choice of how it starts.
+struct Choice {
+    delayed: Slot,
+    constant: Slot,
+}
+
+/// What is known about slots as long as the net is not changed.
+struct Known {
+    /// Where what a delay gives is kept.
+    kept: HashMap<Slot, Slot>,
+    /// What is latched into a slot.
+    latched: HashMap<Slot, Slot>,
+    /// What a slot is the opposite of.
+    opposite: HashMap<Slot, Slot>,
+    /// Slots that are read otherwise than as the alternative to a constant in a choice that depends on `first`.
+    read_plainly: BTreeSet<Slot>,
+}
+
+impl Known {
+    fn new(flat: &Flat) -> Self {
+        let mut known = Known {
+            kept: HashMap::new(),
+            latched: HashMap::new(),
+            opposite: HashMap::new(),
+            read_plainly: read_late(flat),
+        };
+        for scope in &flat.scopes {
+            known
+                .latched
+                .extend(scope.latches.iter().map(|l| (l.1, l.0)));
+        }
+        let order = ops(flat);
+        for &(number, _) in &order {
+            let op = flat.ops[number as usize];
+            known
+                .kept
+                .extend(delay(flat, op).map(|(kept, given)| (given, kept)));
+            if let Work::Run(prim, Form::Total) = op.work
+                && laws::of(prim) == Some(Law::Opposite)
+            {
+                let words = flat.words(op);
+                known.opposite.insert(Slot(words[1]), Slot(words[0]));
+            }
+        }
+        for &(number, _) in &order {
+            let op = flat.ops[number as usize];
+            let behind = known.behind_first(flat, op).map(|c| c.delayed);
+            let others = flat.reads(op).filter(|s| Some(*s) != behind);
+            known.read_plainly.extend(others);
+        }
+        known
+    }
+
+    fn choice(&self, flat: &Flat, op: Op) -> Option<Choice> {
+        let sure = |c: &Choice| !self.read_plainly.contains(&c.delayed);
+        self.behind_first(flat, op)
+            .filter(sure)
+            .or_else(|| self.behind_null(flat, op))
+    }
+
+    /// `first ? k : pre x`. Good only if nobody else reads the `pre`, who would see its own start.
+    fn behind_first(&self, flat: &Flat, op: Op) -> Option<Choice> {
+        let Work::Run(prim, Form::Total) = op.work else {
+            return None;
+        };
+        let (condition, choice) = self.alternative(flat, op, prim, [0, 1, 2])?;
+        let first = *self.kept.get(&condition)?;
+        let kept = *self.kept.get(&choice.delayed)?;
+        let mut content = Vec::new();
+        flat.slots.content(first, &mut content);
+        let is_first = content == [1] && self.latched.get(&first) == Some(&Slot::FALSE);
+        (is_first && flat.slots.region(first) == flat.slots.region(kept)).then_some(choice)
+    }
+
+    /// `null(pre x) ? k : pre x` for a total x: the `pre` is absent exactly as long as it has its initial content.
+    fn behind_null(&self, flat: &Flat, op: Op) -> Option<Choice> {
+        let Work::Run(prim, Form::Optional) = op.work else {
+            return None;
+        };
+        let (condition, choice) = self.alternative(flat, op, prim, [0, 2, 4])?;
+        let words = flat.words(op);
+        let (sure, other, present) = (Slot(words[1]), Slot(words[3]), Slot(words[5]));
+        let was = *self.kept.get(&present)?;
+        let null = self.opposite.get(&condition) == Some(&present);
+        let total = self.latched.get(&was) == Some(&Slot::TRUE);
+        (sure == Slot::TRUE && other == Slot::TRUE && null && total).then_some(choice)
+    }
+
+    /// A choice between a constant and a delay; `at` are the words of condition, constant and delay.
+    fn alternative(
+        &self,
+        flat: &Flat,
+        op: Op,
+        prim: PrimId,
+        at: [usize; 3],
+    ) -> Option<(Slot, Choice)> {
+        let stateless = matches!(prim.desc().state, State::None);
+        if laws::of(prim) != Some(Law::Choice) || !stateless {
+            return None;
+        }
+        let [condition, constant, delayed] = at.map(|k| Slot(flat.words(op)[k]));
+        let fits =
+            flat.slots.region(constant) == Region::Constant && self.kept.contains_key(&delayed);
+        fits.then_some((condition, Choice { delayed, constant }))
+    }
+}

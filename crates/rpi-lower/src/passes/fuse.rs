@@ -1,0 +1,151 @@
+//! Two primitives of which one feeds only the other become one: one dispatch and one value less.
+
+use super::order::ops;
+use super::rename::drop_ops;
+use crate::access::Access;
+use crate::flat::{Flat, Op, ScopeId, Work, index};
+use crate::slots::{Region, Slot};
+use rpi_image::image::{End, Form, Signal};
+use rpi_prims::PrimId;
+use std::collections::HashMap;
+use std::sync::LazyLock;
+
+/// What is fused: a primitive, what it feeds and through which in-port, and what does both. The inputs of the fused one
+/// are those of the outer one, with those of the inner one in the place of what it feeds.
+const FUSED: &[(&str, &str, usize, &str)] = &[
+    (
+        "Core::DoubleMultiply",
+        "Core::DoubleAdd",
+        0,
+        "Rpi::FusedProductPlus",
+    ),
+    (
+        "Core::DoubleMultiply",
+        "Core::DoubleAdd",
+        1,
+        "Rpi::FusedPlusProduct",
+    ),
+    (
+        "Core::DoubleMultiply",
+        "Rpi::DoubleSubtract",
+        0,
+        "Rpi::FusedProductMinus",
+    ),
+    (
+        "Core::DoubleMultiply",
+        "Rpi::DoubleSubtract",
+        1,
+        "Rpi::FusedMinusProduct",
+    ),
+    (
+        "Core::DoubleGreater",
+        "Core::DoubleConditional",
+        0,
+        "Rpi::FusedGreaterChoice",
+    ),
+    (
+        "Core::DoubleAdd",
+        "Core::DoubleMultiply",
+        0,
+        "Rpi::FusedSumTimes",
+    ),
+    (
+        "Core::DoubleAdd",
+        "Core::DoubleMultiply",
+        1,
+        "Rpi::FusedTimesSum",
+    ),
+];
+
+/// The table by outer primitive, in-port and inner primitive.
+static BY_PARTS: LazyLock<HashMap<(PrimId, usize, PrimId), PrimId>> = LazyLock::new(|| {
+    let row = |&(inner, outer, port, both): &(&str, &str, usize, &str)| {
+        let id = PrimId::of;
+        Some(((id(outer)?, port, id(inner)?), id(both)?))
+    };
+    FUSED.iter().filter_map(row).collect()
+});
+
+pub(super) fn fuse(flat: &mut Flat, _: f64) {
+    let order = ops(flat);
+    let uses = uses(flat, &order);
+    let mut writer: Vec<Option<(u32, ScopeId)>> = vec![None; flat.slots.len()];
+    let mut dropped = vec![false; flat.ops.len()];
+    for (number, scope) in order {
+        let found = (0..2).find_map(|port| {
+            let op = flat.ops[number as usize];
+            let fed = fed(flat, op, port)?;
+            let (inner, place) = writer[fed.index()]?;
+            let alone = uses[fed.index()] == 1 && place == scope && !dropped[inner as usize];
+            let both = both(flat, op, port, flat.ops[inner as usize])?;
+            alone.then_some((port, inner, both))
+        });
+        if let Some((port, inner, both)) = found {
+            join(flat, number, port, inner, both);
+            dropped[inner as usize] = true;
+        }
+        let op = flat.ops[number as usize];
+        let written: Vec<Slot> = flat.writes(op).collect();
+        for slot in written {
+            writer[slot.index()] = Some((number, scope));
+        }
+    }
+    drop_ops(flat, &dropped);
+}
+
+/// What an operation reads through an in-port, if it is a value that another one computes.
+fn fed(flat: &Flat, op: Op, port: usize) -> Option<Slot> {
+    let Work::Run(_, Form::Total) = op.work else {
+        return None;
+    };
+    let slot = Slot(*flat.words(op).get(port)?);
+    let value = flat.access(op, port) == Access::Read && flat.slots.region(slot) == Region::Value;
+    value.then_some(slot)
+}
+
+fn both(flat: &Flat, outer: Op, port: usize, inner: Op) -> Option<PrimId> {
+    let (Work::Run(outer, _), Work::Run(prim, Form::Total)) = (outer.work, inner.work) else {
+        return None;
+    };
+    // All of the table have one out-port, so an inner one that feeds is its only word that is written.
+    debug_assert!(flat.writes(inner).count() >= 1);
+    BY_PARTS.get(&(outer, port, prim)).copied()
+}
+
+/// Replaces an operation by one that does the inner one's work, too.
+fn join(flat: &mut Flat, number: u32, port: usize, inner: u32, both: PrimId) {
+    let (outer, inner) = (flat.ops[number as usize], flat.ops[inner as usize]);
+    let inputs = flat.words(inner);
+    let mut words = flat.words(outer).to_vec();
+    words.splice(port..=port, inputs[..inputs.len() - 1].iter().copied());
+    flat.shapes.of(both, Form::Total);
+    let op = &mut flat.ops[number as usize];
+    op.work = Work::Run(both, Form::Total);
+    op.at = index(flat.words.len());
+    op.len = index(words.len());
+    flat.words.extend(words);
+}
+
+/// How often each slot is read, by whomever.
+fn uses(flat: &Flat, order: &[(u32, ScopeId)]) -> Vec<u32> {
+    let mut uses = vec![0; flat.slots.len()];
+    let mut count = |slot: Slot| uses[slot.index()] += 1;
+    for (number, _) in order {
+        flat.reads(flat.ops[*number as usize]).for_each(&mut count);
+    }
+    for scope in &flat.scopes {
+        count(scope.guard);
+        scope.reset.iter().for_each(|r| count(r.0));
+        scope.latches.iter().for_each(|l| count(l.0));
+    }
+    let mut signal = |s: Signal| {
+        count(Slot(s.at));
+        count(Slot(s.present));
+    };
+    flat.tables.exports.iter().for_each(|e| signal(e.value));
+    match &flat.tables.end {
+        End::Results(results) => results.iter().for_each(|r| signal(r.condition)),
+        End::Ports { terminate, fail } => terminate.iter().chain(fail).for_each(|s| signal(*s)),
+    }
+    uses
+}

@@ -1,0 +1,127 @@
+//! The few laws of primitives that the passes make use of. What a primitive means stands in its declaration; a test runs
+//! the primitives' own code against every law told here.
+
+use crate::slots::Slot;
+use rpi_prims::PrimId;
+
+/// What is known of a primitive besides its declaration.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub(super) enum Law {
+    /// Two Booleans to one: with one side `neutral` it is the other side, with one side `absorbing` it is that.
+    Gate { neutral: Slot, absorbing: Slot },
+    /// A Boolean to its opposite.
+    Opposite,
+    /// The second input where the first is true, else the third.
+    Choice,
+}
+
+/// The law of a primitive, if there is one.
+pub(super) fn of(prim: PrimId) -> Option<Law> {
+    match prim.desc().name {
+        "Core::BooleanAnd" => Some(Law::Gate {
+            neutral: Slot::TRUE,
+            absorbing: Slot::FALSE,
+        }),
+        "Core::BooleanOr" => Some(Law::Gate {
+            neutral: Slot::FALSE,
+            absorbing: Slot::TRUE,
+        }),
+        "Core::BooleanNot" => Some(Law::Opposite),
+        name if name.ends_with("Conditional") => Some(Law::Choice),
+        _ => None,
+    }
+}
+
+/// What a gate amounts to, if one side decides or both are the same.
+pub(super) fn gate(a: Slot, b: Slot, neutral: Slot, absorbing: Slot) -> Option<Slot> {
+    match (a, b) {
+        _ if a == absorbing || b == absorbing => Some(absorbing),
+        _ if a == neutral || a == b => Some(b),
+        _ if b == neutral => Some(a),
+        _ => None,
+    }
+}
+
+/// What a choice amounts to, if its condition is constant or does not matter.
+pub(super) fn choice(condition: Slot, yes: Slot, no: Slot) -> Option<Slot> {
+    match condition {
+        Slot::TRUE => Some(yes),
+        Slot::FALSE => Some(no),
+        _ => (yes == no).then_some(yes),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use rpi_image::{PortType, Scalar};
+    use rpi_prims::{Clock, Cx, NoDevices, registry};
+
+    /// Runs the total form on single cells and gives the first output cell.
+    fn run(prim: PrimId, inputs: &[Vec<u64>], cells_out: usize) -> Vec<u64> {
+        let (mut cells, mut words) = (Vec::new(), Vec::new());
+        for input in inputs {
+            words.push(cells.len() as u32);
+            cells.extend(input);
+        }
+        let out = cells.len();
+        words.push(out as u32);
+        cells.resize(out + cells_out, 7);
+        let clock = Clock {
+            dt: 0.001,
+            cycle: 0,
+            net_ns: 0,
+            wall_ns: 0,
+        };
+        let mut cx = Cx {
+            cells: &mut cells,
+            clock,
+            devices: &mut NoDevices,
+            fault: None,
+        };
+        prim.prim().total.expect("a total form")(&mut cx, &words);
+        cells.split_off(out)
+    }
+
+    #[test]
+    fn the_laws_hold_for_the_code() {
+        let mut seen = 0;
+        for k in 0..registry().len() {
+            let prim = PrimId(u16::try_from(k).unwrap());
+            let Some(law) = of(prim) else { continue };
+            seen += 1;
+            match law {
+                Law::Gate { neutral, absorbing } => {
+                    for x in [0, 1] {
+                        let (n, a) = (u64::from(neutral.0), u64::from(absorbing.0));
+                        assert_eq!(run(prim, &[vec![n], vec![x]], 1), [x]);
+                        assert_eq!(run(prim, &[vec![x], vec![n]], 1), [x]);
+                        assert_eq!(run(prim, &[vec![a], vec![x]], 1), [a]);
+                        assert_eq!(run(prim, &[vec![x], vec![a]], 1), [a]);
+                        assert_eq!(run(prim, &[vec![x], vec![x]], 1), [x]);
+                    }
+                }
+                Law::Opposite => {
+                    assert_eq!(run(prim, &[vec![0]], 1), [1]);
+                    assert_eq!(run(prim, &[vec![1]], 1), [0]);
+                }
+                Law::Choice => {
+                    let PortType::One(scalar) = prim.desc().outputs[0].ty else {
+                        panic!("a choice of {:?}", prim.desc().outputs[0].ty);
+                    };
+                    let width = scalar.cells() as usize;
+                    let is_bool = scalar == Scalar::Bool;
+                    let yes: Vec<u64> = (0..width as u64)
+                        .map(|k| if is_bool { 1 } else { k + 3 })
+                        .collect();
+                    let no: Vec<u64> = (0..width as u64)
+                        .map(|k| if is_bool { 0 } else { k + 9 })
+                        .collect();
+                    assert_eq!(run(prim, &[vec![1], yes.clone(), no.clone()], width), yes);
+                    assert_eq!(run(prim, &[vec![0], yes.clone(), no.clone()], width), no);
+                }
+            }
+        }
+        assert!(seen > 10, "the primitives have other names now");
+    }
+}

@@ -1,0 +1,53 @@
+//! Walking through a net in the order in which it runs.
+
+use crate::flat::{Flat, Item, ScopeId};
+
+/// One stop of a walk.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub(super) enum Stop {
+    /// A scope begins.
+    Enter(ScopeId),
+    /// An operation of the scope that was entered last and not left.
+    Op(u32, ScopeId),
+    /// A scope ends.
+    Leave(ScopeId),
+}
+
+/// All stops in order. Scopes nest as deep as fragments do, so the stack is kept on the heap.
+pub(super) fn walk(flat: &Flat) -> Vec<Stop> {
+    let mut stops = Vec::with_capacity(flat.ops.len() + 2 * flat.scopes.len());
+    let mut open = vec![(ScopeId::ROOT, 0)];
+    stops.push(Stop::Enter(ScopeId::ROOT));
+    while let Some((scope, at)) = open.last_mut() {
+        let scope = *scope;
+        let item = flat.scopes[scope.index()].items.get(*at).copied();
+        *at += 1;
+        match item {
+            Some(Item::Op(op)) => stops.push(Stop::Op(op, scope)),
+            Some(Item::Scope(inner)) => {
+                stops.push(Stop::Enter(inner));
+                open.push((inner, 0));
+            }
+            None => {
+                stops.push(Stop::Leave(scope));
+                open.pop();
+            }
+        }
+    }
+    stops
+}
+
+/// The operations in order, each with its scope.
+pub(crate) fn ops(flat: &Flat) -> Vec<(u32, ScopeId)> {
+    let ops = walk(flat).into_iter().filter_map(|stop| match stop {
+        Stop::Op(op, scope) => Some((op, scope)),
+        Stop::Enter(_) | Stop::Leave(_) => None,
+    });
+    ops.collect()
+}
+
+/// True if `inner` is `outer` or stands in it.
+pub(super) fn encloses(flat: &Flat, outer: ScopeId, inner: ScopeId) -> bool {
+    let parent = |s: &ScopeId| flat.scopes[s.index()].parent;
+    std::iter::successors(Some(inner), parent).any(|s| s == outer)
+}

@@ -1,0 +1,85 @@
+//! Replaces slots by others everywhere at once.
+
+use crate::access::Access;
+use crate::flat::{Flat, Item};
+use crate::slots::Slot;
+use rpi_image::image::{End, Signal};
+
+/// For each slot the one that stands in for it.
+pub(super) struct Renames {
+    to: Vec<Slot>,
+}
+
+impl Renames {
+    /// Every slot stands for itself.
+    pub(super) fn new(flat: &Flat) -> Self {
+        Renames {
+            to: (0..).map(Slot).take(flat.slots.len()).collect(),
+        }
+    }
+
+    /// What stands in for a slot; slots that were made since stand for themselves.
+    pub(super) fn get(&self, slot: Slot) -> Slot {
+        let mut at = slot;
+        while let Some(&next) = self.to.get(at.index()).filter(|n| **n != at) {
+            at = next;
+        }
+        at
+    }
+
+    /// Lets `to` stand in for `from`.
+    pub(super) fn set(&mut self, from: Slot, to: Slot) {
+        self.to[from.index()] = self.get(to);
+    }
+
+    /// Replaces the slots that an operation reads.
+    pub(super) fn reads(&self, flat: &mut Flat, op: u32) {
+        let op = flat.ops[op as usize];
+        for k in 0..op.len as usize {
+            if matches!(flat.access(op, k), Access::Read | Access::Decide) {
+                let word = &mut flat.words[op.at as usize + k];
+                *word = self.get(Slot(*word)).0;
+            }
+        }
+    }
+
+    /// Replaces what is read anywhere.
+    pub(super) fn apply(&self, flat: &mut Flat) {
+        for op in 0..flat.ops.len() as u32 {
+            self.reads(flat, op);
+        }
+        for scope in &mut flat.scopes {
+            scope.guard = self.get(scope.guard);
+            if let Some((unless, _)) = &mut scope.reset {
+                *unless = self.get(*unless);
+            }
+            scope.latches.iter_mut().for_each(|l| l.0 = self.get(l.0));
+        }
+        let t = &mut flat.tables;
+        let signal = |s: &mut Signal| {
+            s.at = self.get(Slot(s.at)).0;
+            s.present = self.get(Slot(s.present)).0;
+        };
+        t.fragments
+            .iter_mut()
+            .for_each(|f| f.active = self.get(Slot(f.active)).0);
+        t.exports.iter_mut().for_each(|e| signal(&mut e.value));
+        match &mut t.end {
+            End::Results(results) => results.iter_mut().for_each(|r| signal(&mut r.condition)),
+            End::Ports { terminate, fail } => {
+                terminate.iter_mut().chain(fail).for_each(signal);
+            }
+        }
+    }
+}
+
+/// Takes operations out of all scopes.
+pub(super) fn drop_ops(flat: &mut Flat, dropped: &[bool]) {
+    let keep = |item: &Item| match item {
+        Item::Op(op) => !dropped.get(*op as usize).copied().unwrap_or(false),
+        Item::Scope(_) => true,
+    };
+    for scope in &mut flat.scopes {
+        scope.items.retain(keep);
+    }
+}

@@ -1,0 +1,273 @@
+//! Equal primitives stand side by side, so that one dispatch serves many.
+//!
+//! Within a scope any order is good that keeps dependencies. Of all that is ready, one kind is chosen and run until none
+//! of it is ready any more, what becomes ready meanwhile included; then the next kind: list scheduling (Graham 1966) where
+//! what costs is the change of kind. The kind is chosen on which the longest chain of changes still waits. On irregular
+//! nets an interpreter loses most of its time to dispatches that the processor cannot foresee, so few changes count for
+//! more than anything else.
+//! Scopes under the same guard are a kind, too: neighbours become one scope.
+
+use crate::flat::{Flat, Item, ScopeId, Work, index};
+use crate::slots::Slot;
+use rpi_image::image::Form;
+use rpi_prims::PrimId;
+use std::cmp::Reverse;
+use std::collections::{BTreeMap, VecDeque};
+
+pub(super) fn arrange(flat: &mut Flat, _: f64) {
+    let mut writer = vec![NONE; flat.slots.len()];
+    // Scopes that are merged into an earlier one are empty when their turn comes.
+    let mut waiting = vec![ScopeId::ROOT];
+    while let Some(scope) = waiting.pop() {
+        let order = Graph::new(flat, scope, &mut writer).order();
+        let items = std::mem::take(&mut flat.scopes[scope.index()].items);
+        let mut arranged: Vec<Item> = Vec::with_capacity(items.len());
+        for at in order {
+            place(flat, &mut arranged, items[at as usize]);
+        }
+        waiting.extend(arranged.iter().filter_map(|item| match item {
+            Item::Scope(inner) => Some(*inner),
+            Item::Op(_) => None,
+        }));
+        flat.scopes[scope.index()].items = arranged;
+    }
+}
+
+const NONE: u32 = u32::MAX;
+
+/// Appends an item; a scope under the same guard as the one before it goes into that.
+fn place(flat: &mut Flat, arranged: &mut Vec<Item>, item: Item) {
+    if let (Some(Item::Scope(last)), Item::Scope(next)) = (arranged.last().copied(), item) {
+        let kinds = [last, next].map(|s| Kind::of_scope(flat, s));
+        if kinds[0].is_some() && kinds[0] == kinds[1] {
+            let mut items = std::mem::take(&mut flat.scopes[next.index()].items);
+            for moved in &items {
+                if let Item::Scope(inner) = moved {
+                    flat.scopes[inner.index()].parent = Some(last);
+                }
+            }
+            flat.scopes[last.index()].items.append(&mut items);
+            return;
+        }
+    }
+    arranged.push(item);
+}
+
+/// What can stand in one row.
+#[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Debug)]
+enum Kind {
+    Run(PrimId, Form),
+    Copy,
+    Guarded(Slot),
+    /// Stands alone.
+    Alone,
+}
+
+impl Kind {
+    fn of(flat: &Flat, item: Item) -> Kind {
+        match item {
+            Item::Scope(inner) => Kind::of_scope(flat, inner).unwrap_or(Kind::Alone),
+            Item::Op(op) => match flat.ops[op as usize].work {
+                Work::Run(prim, form) => Kind::Run(prim, form),
+                Work::Copy => Kind::Copy,
+                Work::Actuate(..) | Work::Call(..) => Kind::Alone,
+            },
+        }
+    }
+
+    /// Scopes that exist for their guard only can be merged.
+    fn of_scope(flat: &Flat, scope: ScopeId) -> Option<Kind> {
+        let scope = &flat.scopes[scope.index()];
+        let plain = scope.reset.is_none() && scope.latches.is_empty();
+        plain.then_some(Kind::Guarded(scope.guard))
+    }
+}
+
+/// The dependencies of a scope's items.
+struct Graph {
+    /// For each item the number of its kind.
+    kinds: Vec<u32>,
+    kind_count: usize,
+    /// How many items each one waits for.
+    waits: Vec<u32>,
+    /// Where each item's readers start in `readers`; one more entry than items.
+    start: Vec<u32>,
+    readers: Vec<u32>,
+}
+
+impl Graph {
+    fn new(flat: &Flat, scope: ScopeId, writer: &mut [u32]) -> Self {
+        let items = &flat.scopes[scope.index()].items;
+        let mut edges = Vec::with_capacity(3 * items.len());
+        let mut device = NONE;
+        for (at, item) in (0..).zip(items) {
+            visit(flat, *item, &mut |slot, written| match written {
+                true => writer[slot.index()] = at,
+                false if writer[slot.index()] != NONE && writer[slot.index()] != at => {
+                    edges.push((writer[slot.index()], at));
+                }
+                false => {}
+            });
+            if reaches_device(flat, *item) {
+                if device != NONE {
+                    edges.push((device, at));
+                }
+                device = at;
+            }
+        }
+        for item in items {
+            visit(flat, *item, &mut |slot, _| writer[slot.index()] = NONE);
+        }
+        let (kinds, kind_count) = kinds(flat, items);
+        let (start, readers, waits) = compress(items.len(), edges);
+        Graph {
+            kinds,
+            kind_count,
+            waits,
+            start,
+            readers,
+        }
+    }
+
+    /// An order in which each item comes after all that it waits for.
+    fn order(mut self) -> Vec<u32> {
+        let mut ready = Ready::new(self.kind_count, self.heights());
+        for at in (0..).take(self.kinds.len()) {
+            if self.waits[at as usize] == 0 {
+                ready.push(self.kinds[at as usize], at);
+            }
+        }
+        let mut order = Vec::with_capacity(self.kinds.len());
+        while let Some(kind) = ready.next_kind() {
+            while let Some(at) = ready.pop(kind) {
+                order.push(at);
+                for k in self.start[at as usize]..self.start[at as usize + 1] {
+                    let reader = self.readers[k as usize];
+                    self.waits[reader as usize] -= 1;
+                    if self.waits[reader as usize] == 0 {
+                        ready.push(self.kinds[reader as usize], reader);
+                    }
+                }
+            }
+        }
+        order
+    }
+
+    /// For each item how often the kind must change at least until all that waits for it is done.
+    fn heights(&self) -> Vec<u32> {
+        let mut heights = vec![0; self.kinds.len()];
+        // Items stand in an order of evaluation, so readers come later.
+        for at in (0..self.kinds.len()).rev() {
+            let readers = &self.readers[self.start[at] as usize..self.start[at + 1] as usize];
+            let above = readers.iter().map(|&r| {
+                let changes = self.kinds[r as usize] != self.kinds[at];
+                heights[r as usize] + u32::from(changes)
+            });
+            heights[at] = above.max().unwrap_or(0);
+        }
+        heights
+    }
+}
+
+/// What is ready, by kind.
+struct Ready {
+    queues: Vec<VecDeque<u32>>,
+    /// The greatest height in each queue.
+    tops: Vec<u32>,
+    heights: Vec<u32>,
+}
+
+impl Ready {
+    fn new(kinds: usize, heights: Vec<u32>) -> Self {
+        Ready {
+            queues: vec![VecDeque::new(); kinds],
+            tops: vec![0; kinds],
+            heights,
+        }
+    }
+
+    fn push(&mut self, kind: u32, item: u32) {
+        let top = &mut self.tops[kind as usize];
+        *top = self.heights[item as usize].max(*top);
+        self.queues[kind as usize].push_back(item);
+    }
+
+    fn pop(&mut self, kind: usize) -> Option<u32> {
+        let item = self.queues[kind].pop_front();
+        if item.is_none() {
+            self.tops[kind] = 0;
+        }
+        item
+    }
+
+    /// The kind on which the longest chain of changes waits; of several the one of which most is ready.
+    fn next_kind(&self) -> Option<usize> {
+        let some = (0..self.queues.len()).filter(|k| !self.queues[*k].is_empty());
+        some.max_by_key(|&k| (self.tops[k], self.queues[k].len(), Reverse(k)))
+    }
+}
+
+/// Number of the kind of each item, in order of first appearance.
+fn kinds(flat: &Flat, items: &[Item]) -> (Vec<u32>, usize) {
+    let mut known = BTreeMap::new();
+    let mut count = 0;
+    let kinds = items.iter().map(|item| {
+        let kind = Kind::of(flat, *item);
+        let number = match kind {
+            Kind::Alone => count,
+            _ => *known.entry(kind).or_insert(count),
+        };
+        count = count.max(number + 1);
+        number
+    });
+    (kinds.collect(), count as usize)
+}
+
+/// Edges by their source: starts, readers, and how many edges end at each item.
+fn compress(items: usize, mut edges: Vec<(u32, u32)>) -> (Vec<u32>, Vec<u32>, Vec<u32>) {
+    edges.sort_unstable();
+    edges.dedup();
+    let (mut start, mut waits) = (vec![0; items + 1], vec![0; items]);
+    for (from, to) in &edges {
+        start[*from as usize + 1] += 1;
+        waits[*to as usize] += 1;
+    }
+    for k in 0..items {
+        start[k + 1] += start[k];
+    }
+    debug_assert_eq!(index(edges.len()), start[items]);
+    (start, edges.into_iter().map(|e| e.1).collect(), waits)
+}
+
+/// Every slot that an item reads or writes (true), in order.
+fn visit(flat: &Flat, item: Item, with: &mut impl FnMut(Slot, bool)) {
+    match item {
+        Item::Op(op) => {
+            let op = flat.ops[op as usize];
+            flat.reads(op).for_each(|s| with(s, false));
+            flat.writes(op).for_each(|s| with(s, true));
+        }
+        Item::Scope(inner) => {
+            let scope = &flat.scopes[inner.index()];
+            with(scope.guard, false);
+            scope.reset.iter().for_each(|r| with(r.0, false));
+            for item in &scope.items {
+                visit(flat, *item, with);
+            }
+        }
+    }
+}
+
+/// Devices are reached in the order of the net.
+fn reaches_device(flat: &Flat, item: Item) -> bool {
+    match item {
+        Item::Op(op) => matches!(
+            flat.ops[op as usize].work,
+            Work::Actuate(..) | Work::Call(..)
+        ),
+        Item::Scope(inner) => {
+            let items = &flat.scopes[inner.index()].items;
+            items.iter().any(|item| reaches_device(flat, *item))
+        }
+    }
+}

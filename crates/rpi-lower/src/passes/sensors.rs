@@ -1,0 +1,34 @@
+//! A device port that is read several times is read once.
+
+use super::rename::Renames;
+use crate::flat::Flat;
+use crate::slots::Slot;
+use rpi_image::image::{DevicePort, Sensor};
+use std::collections::HashMap;
+
+pub(super) fn share(flat: &mut Flat, _: f64) {
+    let mut renames = Renames::new(flat);
+    let mut known: HashMap<(String, String, u32), Vec<Sensor>> = HashMap::new();
+    let sensors = std::mem::take(&mut flat.tables.sensors);
+    for (sensor, node) in sensors {
+        let same = known.entry(key(&sensor.port)).or_default();
+        let alike = |s: &&Sensor| s.port == sensor.port && sure(s) == sure(&sensor);
+        if let Some(first) = same.iter().find(alike) {
+            renames.set(Slot(sensor.value.at), Slot(first.value.at));
+            renames.set(Slot(sensor.value.present), Slot(first.value.present));
+            continue;
+        }
+        same.push(sensor.clone());
+        flat.tables.sensors.push((sensor, node));
+    }
+    renames.apply(flat);
+}
+
+fn key(port: &DevicePort) -> (String, String, u32) {
+    (port.device.clone(), port.port.clone(), port.index)
+}
+
+/// A missing sample is a fault.
+fn sure(sensor: &Sensor) -> bool {
+    sensor.value.present == Slot::TRUE.0
+}
