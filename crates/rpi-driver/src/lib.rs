@@ -5,6 +5,7 @@
 //! what a command does once it runs.
 
 mod compile;
+pub mod import;
 mod input;
 mod modules;
 mod period;

@@ -33,16 +33,32 @@ struct Range {
 impl<'a> Body<'_, 'a> {
     /// `base.field`
     pub(super) fn field(&mut self, field: &'a Field, span: Span) -> ExprId {
-        if let Some(name) = plain_name(&field.base) {
-            if let Some(Local::Block(block)) = self.find_local(name) {
-                return self.flow_of_block(block, &field.field);
-            }
-            if let Some(result) = self.result_of(name, &field.field, span) {
-                return result;
-            }
+        if let Some(block) = self.block_of(&field.base) {
+            return self.flow_of_block(block, &field.field);
+        }
+        if let Some(name) = plain_name(&field.base)
+            && let Some(result) = self.result_of(name, &field.field, span)
+        {
+            return result;
         }
         let base = self.expr(&field.base);
         self.member(base, &field.field)
+    }
+
+    /// The fragment in place that `inner` or `outer.inner` names.
+    fn block_of(&self, expr: &ast::Expr) -> Option<BlockId> {
+        let local = match (plain_name(expr), &expr.kind) {
+            (Some(name), _) => self.find_local(name),
+            (None, ExprKind::Field(field)) => {
+                let outer = self.block_of(&field.base)?;
+                self.find_in(outer, &field.field.name)
+            }
+            _ => None,
+        };
+        match local? {
+            Local::Block(block) => Some(block),
+            _ => None,
+        }
     }
 
     /// A flow of a fragment in place, read from outside.

@@ -120,6 +120,22 @@ impl<'u> Elab<'u> {
                 }
             }
         }
+        if let ([_], Some(node)) = (&equation.targets[..], self.whole_node(wire))
+            && node.index() >= before
+        {
+            let node = &mut self.net.nodes[node.index()];
+            path.clone_into(&mut node.name);
+            node.origin.flow.get_or_insert_with(|| path.to_owned());
+        }
+    }
+
+    /// The node whose out-ports a wire consists of, in order.
+    fn whole_node(&self, wire: &Wire) -> Option<rpi_net::NodeId> {
+        let node = match wire.first()? {
+            Signal::Port(port) | Signal::Element(port, _) if alias_of(*port).is_none() => port.node,
+            _ => return None,
+        };
+        (self.out_wire(node) == *wire).then_some(node)
     }
 }
 

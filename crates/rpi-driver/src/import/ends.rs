@@ -1,0 +1,63 @@
+//! How a net ends, as results of a command.
+
+use rpi_net::{Driver, FragmentId, Input, ResultKind};
+
+use super::{Writer, values};
+
+impl Writer<'_> {
+    /// The last lines of the command: what it publishes and how it ends.
+    pub(super) fn ends(&self) -> String {
+        let mut text = String::from("\n");
+        for export in &self.net.exports {
+            let flow = self.flow(export.source, FragmentId::ROOT);
+            text.push_str(&format!("export {flow};\n"));
+        }
+        match &self.net.driver {
+            Driver::Results(results) => {
+                for result in results {
+                    let condition = self.root(&result.condition, "false");
+                    let (kind, name) = (kind_text(result.kind), &result.name);
+                    text.push_str(&format!("{kind} {name} when {condition};\n"));
+                }
+            }
+            Driver::Ports { terminate, fail } => {
+                text.push_str(&self.ports(terminate.as_ref(), fail.as_ref()));
+            }
+        }
+        text
+    }
+
+    /// The net ends when `outTerminate` holds: with an error if `outFail`, which stays visible, is not 0 by then.
+    fn ports(&self, terminate: Option<&Input>, fail: Option<&Input>) -> String {
+        let mut text = String::new();
+        let Some(terminate) = terminate else {
+            return text;
+        };
+        let terminate = self.root(terminate, "false");
+        text.push_str(&format!("outTerminate = {terminate};\n"));
+        if let Some(fail) = fail {
+            let fail = self.root(fail, "0");
+            text.push_str(&format!("outFail = {fail};\nexport outFail;\n"));
+            text.push_str("fail failed when outTerminate and outFail <> 0;\n");
+        }
+        text.push_str("finish done when outTerminate;\n");
+        text
+    }
+
+    /// A flow of the root that counts as `absent` where it is.
+    fn root(&self, input: &Input, absent: &str) -> String {
+        match input {
+            Input::Open => absent.to_owned(),
+            Input::Const(value) => values::value(value),
+            Input::Port(port) => format!("{} ?? {absent}", self.flow(*port, FragmentId::ROOT)),
+        }
+    }
+}
+
+fn kind_text(kind: ResultKind) -> &'static str {
+    match kind {
+        ResultKind::Finish => "finish",
+        ResultKind::Yield => "yield",
+        ResultKind::Fail => "fail",
+    }
+}

@@ -1,0 +1,148 @@
+//! Primitives as equations.
+
+use rpi_image::{Need, PortDefault, PortType, PrimDesc, Role, Scalar, Type, Value};
+use rpi_net::{FragmentId, Input, Node, NodeId, PortRef};
+
+use super::{Writer, operators, values};
+
+/// Primitives that are nothing but a short constant, which stands where it is used.
+const CONSTANTS: &[&str] = &["Core::BooleanValue", "Core::IntValue", "Core::DoubleValue"];
+
+impl Writer<'_> {
+    /// Whether a node has no equation because it stands where it is used.
+    pub(super) fn is_inlined(&self, id: NodeId) -> bool {
+        CONSTANTS.contains(&self.net.node(id).desc().name)
+    }
+
+    /// The type of a delay's flow: nothing else tells it where the delay is part of a circle.
+    pub(super) fn declaration(&self, id: NodeId) -> Option<String> {
+        let node = self.net.node(id);
+        let [ty] = node.outputs[..] else { return None };
+        let is_delay = matches!(node.desc().role, Role::Delay);
+        is_delay.then(|| format!("{}: {}?;\n", self.names.node(id), type_text(ty)))
+    }
+
+    pub(super) fn equation(&self, id: NodeId) -> String {
+        let node = self.net.node(id);
+        let operator = self.operands(node);
+        let operator = operator.and_then(|given| operators::written(node.desc().name, &given));
+        let value = operator.unwrap_or_else(|| self.call(node));
+        format!("{} = {value};\n", self.names.node(id))
+    }
+
+    /// What all in-ports read, if they can be operands. A choice that is no choice is left as it is.
+    fn operands(&self, node: &Node) -> Option<Vec<String>> {
+        let is_flow = |input: &Input| self.constant(input).is_none();
+        if let [condition, branches @ ..] = &node.inputs[..]
+            && branches.len() > 1
+            && !(is_flow(condition) && branches.iter().any(is_flow))
+        {
+            return None;
+        }
+        let mut inputs = node.inputs.iter();
+        inputs.try_fold(Vec::new(), |mut texts, input| {
+            texts.push(self.source(input, node.fragment)?);
+            Some(texts)
+        })
+    }
+
+    /// The constant that an in-port reads, directly or from a node that is nothing else.
+    fn constant<'v>(&'v self, input: &'v Input) -> Option<&'v Value> {
+        match input {
+            Input::Open => None,
+            Input::Const(value) => Some(value),
+            Input::Port(port) if self.is_inlined(port.node) => {
+                self.net.node(port.node).params.first()
+            }
+            Input::Port(_) => None,
+        }
+    }
+
+    fn call(&self, node: &Node) -> String {
+        let desc = node.desc();
+        let params = desc.params.iter().zip(&node.params);
+        let params = params
+            .filter(|(param, value)| !is_default(param.default, value))
+            .map(|(param, value)| format!("{}: {}", param.name, values::value(value)));
+        let params: Vec<String> = params.collect();
+        let statics = match params.is_empty() {
+            true => String::new(),
+            false => format!("<<{}>>", params.join(", ")),
+        };
+        format!("{}{statics}({})", desc.name, self.arguments(node, desc))
+    }
+
+    fn arguments(&self, node: &Node, desc: &PrimDesc) -> String {
+        let given = desc.inputs.iter().zip(&node.inputs);
+        let given = given
+            .filter(|(port, input)| !stands_in(port.need, port.ty, input))
+            .filter_map(|(port, input)| {
+                let source = self.source(input, node.fragment)?;
+                Some(format!("{}: {source}", port.name))
+            });
+        given.collect::<Vec<String>>().join(", ")
+    }
+
+    /// What an in-port reads, as an expression in a fragment.
+    pub(super) fn source(&self, input: &Input, at: FragmentId) -> Option<String> {
+        match (self.constant(input), input) {
+            (Some(value), _) => Some(values::value(value)),
+            (None, Input::Port(port)) => Some(self.flow(*port, at)),
+            (None, _) => None,
+        }
+    }
+
+    /// A port by its name as seen from a fragment.
+    pub(super) fn flow(&self, port: PortRef, at: FragmentId) -> String {
+        if let Some(value) = self.constant(&Input::Port(port)) {
+            return values::value(value);
+        }
+        let node = self.net.node(port.node);
+        let path = self.fragment_path(node.fragment);
+        let around = self.fragment_path(at);
+        let shared = path.iter().zip(&around).take_while(|(a, b)| a == b).count();
+        let mut parts = path[shared..].to_vec();
+        parts.push(self.names.node(port.node));
+        if let (true, Some(out)) = (
+            node.outputs.len() > 1,
+            node.desc().outputs.get(usize::from(port.port)),
+        ) {
+            parts.push(out.name);
+        }
+        parts.join(".")
+    }
+}
+
+fn is_default(default: PortDefault, value: &Value) -> bool {
+    let ty = value.ty().unwrap_or(Type::One(Scalar::Bool));
+    default.value(ty).as_ref() == Some(value)
+}
+
+/// Whether a constant is what stands in for the in-port anyhow.
+fn stands_in(need: Need, ty: PortType, input: &Input) -> bool {
+    let Input::Const(value) = input else {
+        return false;
+    };
+    match (need, ty) {
+        (Need::Param(_, default), PortType::One(_)) => is_default(default, value),
+        (Need::Params(parts, make), _) => {
+            let reals: Vec<f64> = parts.iter().map(|(_, default)| *default).collect();
+            make(&reals) == *value
+        }
+        _ => false,
+    }
+}
+
+fn type_text(ty: Type) -> String {
+    let name = |scalar: Scalar| match scalar {
+        Scalar::Bool => "bool",
+        Scalar::Int => "int",
+        Scalar::Real => "real",
+        other => other.name(),
+    };
+    match ty {
+        Type::One(scalar) => name(scalar).to_owned(),
+        Type::Array(scalar, n) => format!("{}^{n}", name(scalar)),
+        Type::Matrix(rows, cols) => format!("real^{cols}^{rows}"),
+    }
+}

@@ -1,0 +1,48 @@
+//! Which primitives are written as operators: those that the compiler makes of the operator, operand by operand.
+
+/// Infix operators, by primitive: in-ports left and right.
+const INFIX: &[(&str, &str)] = &[
+    ("Core::BooleanAnd", "and"),
+    ("Core::BooleanOr", "or"),
+    ("Core::IntAdd", "+"),
+    ("Core::IntMultiply", "*"),
+    ("Core::IntGreater", ">"),
+    ("Core::DoubleAdd", "+"),
+    ("Core::DoubleMultiply", "*"),
+    ("Core::DoubleDivide", "/"),
+    ("Core::DoubleGreater", ">"),
+];
+
+/// Prefix operators, by primitive.
+const PREFIX: &[(&str, &str)] = &[("Core::BooleanNot", "not")];
+
+/// Choices, by primitive: in-ports condition, yes, no.
+const CHOICE: &[&str] = &[
+    "Core::BooleanConditional",
+    "Core::IntConditional",
+    "Core::DoubleConditional",
+    "World::VectorConditional",
+    "World::RotationConditional",
+    "World::FrameConditional",
+    "World::TwistConditional",
+];
+
+/// The primitive with these operands as an operator, if it is one.
+pub(super) fn written(prim: &str, operands: &[String]) -> Option<String> {
+    let of =
+        |table: &[(&str, &'static str)]| table.iter().find(|row| row.0 == prim).map(|row| row.1);
+    match operands {
+        [x] => of(PREFIX).map(|op| format!("{op} {}", operand(x))),
+        [a, b] => of(INFIX).map(|op| format!("{} {op} {}", operand(a), operand(b))),
+        [c, a, b] if CHOICE.contains(&prim) => Some(format!("if {c} then {a} else {b}")),
+        _ => None,
+    }
+}
+
+/// A minus binds less than some operators do.
+fn operand(text: &str) -> String {
+    match text.starts_with('-') {
+        true => format!("({text})"),
+        false => text.to_owned(),
+    }
+}

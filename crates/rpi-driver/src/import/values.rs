@@ -1,0 +1,97 @@
+//! Constants as expressions that give the same value (rotations: to rounding).
+
+use rpi_image::{Scalar, Type, Value};
+use rpi_net::literal;
+
+/// The expression of a constant.
+pub(super) fn value(value: &Value) -> String {
+    match value {
+        Value::Str(text) => quoted(text),
+        Value::Cells { ty, cells } => typed(*ty, cells),
+    }
+}
+
+fn typed(ty: Type, cells: &[u64]) -> String {
+    match ty {
+        Type::One(scalar) => one(scalar, cells),
+        Type::Array(scalar, _) => list(cells.chunks(scalar.cells() as usize), Type::One(scalar)),
+        Type::Matrix(_, cols) => list(cells.chunks(cols as usize), Type::Array(Scalar::Real, cols)),
+    }
+}
+
+fn list<'c>(parts: impl Iterator<Item = &'c [u64]>, ty: Type) -> String {
+    let parts: Vec<String> = parts.map(|cells| typed(ty, cells)).collect();
+    format!("[{}]", parts.join(", "))
+}
+
+fn one(scalar: Scalar, cells: &[u64]) -> String {
+    let first = cells.first().copied().unwrap_or(0);
+    let (linear, rest) = cells.split_at(cells.len().min(3));
+    match scalar {
+        Scalar::Bool => (first != 0).to_string(),
+        Scalar::Int => first.cast_signed().to_string(),
+        Scalar::Real => real(f64::from_bits(first)),
+        Scalar::Time => time(first.cast_signed()),
+        Scalar::Vector => made("World::VectorFromXYZ", ["inX", "inY", "inZ"], reals(cells)),
+        Scalar::Rotation => rotation(cells),
+        Scalar::Pose => made(
+            "World::FrameFromPosRot",
+            ["inPos", "inRot"],
+            [one(Scalar::Vector, linear), rotation(rest)],
+        ),
+        Scalar::Twist => parts("World::TwistFromVelocities", linear, rest),
+        Scalar::Wrench => parts("Rpi::WrenchFromParts", linear, rest),
+    }
+}
+
+/// A linear and an angular vector.
+fn parts(make: &str, linear: &[u64], angular: &[u64]) -> String {
+    let [linear, angular] = [linear, angular].map(|cells| one(Scalar::Vector, cells));
+    format!("{make}({linear}, {angular})")
+}
+
+fn rotation(cells: &[u64]) -> String {
+    let angles = literal::angles(cells).map(real);
+    made("World::RotationFromABC", ["inA", "inB", "inC"], angles)
+}
+
+fn made<const N: usize>(make: &str, ports: [&str; N], values: [String; N]) -> String {
+    let given: Vec<String> = ports
+        .iter()
+        .zip(values)
+        .map(|(port, value)| format!("{port}: {value}"))
+        .collect();
+    format!("{make}({})", given.join(", "))
+}
+
+fn reals(cells: &[u64]) -> [String; 3] {
+    std::array::from_fn(|k| real(f64::from_bits(cells.get(k).copied().unwrap_or(0))))
+}
+
+/// The shortest text of the same double. The language has no words for what is not finite; it is too large a number.
+fn real(value: f64) -> String {
+    const INFINITE: &str = "1.0e999";
+    if value.is_nan() {
+        return format!("({INFINITE} - {INFINITE})");
+    }
+    if value.is_infinite() {
+        let sign = if value < 0.0 { "-" } else { "" };
+        return format!("{sign}{INFINITE}");
+    }
+    let text = format!("{value:?}");
+    match text.split_once('e') {
+        Some((digits, power)) if !digits.contains('.') => format!("{digits}.0e{power}"),
+        _ => text,
+    }
+}
+
+/// Nanoseconds since the Unix epoch: the time so many seconds after it.
+fn time(ns: i64) -> String {
+    let seconds = ns as f64 / 1e9;
+    format!("Core::TimeAdd(inDelta: {})", real(seconds))
+}
+
+fn quoted(text: &str) -> String {
+    let escaped = text.replace('\\', "\\\\").replace('"', "\\\"");
+    format!("\"{escaped}\"")
+}
