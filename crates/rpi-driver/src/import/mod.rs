@@ -8,6 +8,7 @@ mod ends;
 mod names;
 mod nodes;
 mod operators;
+mod order;
 mod values;
 
 use rpi_net::{Absent, Activation, FragmentId, Net, NodeId, Restart};
@@ -65,8 +66,8 @@ impl<'n> Writer<'n> {
     fn body(&self, fragment: FragmentId) -> String {
         let mut declared = String::new();
         let mut equations = String::new();
-        for node in self.net.node_ids() {
-            if self.net.node(node).fragment == fragment && !self.is_inlined(node) {
+        for node in order::sources_first(self.net, fragment) {
+            if !self.is_inlined(node) {
                 declared.extend(self.declaration(node));
                 equations.push_str(&self.equation(node));
             }

@@ -68,15 +68,13 @@ fn reals(cells: &[u64]) -> [String; 3] {
     std::array::from_fn(|k| real(f64::from_bits(cells.get(k).copied().unwrap_or(0))))
 }
 
-/// The shortest text of the same double. The language has no words for what is not finite; it is too large a number.
+/// The shortest text of the same double. The language has no words for what is not finite, but IEEE 754 divisions by 0.
 fn real(value: f64) -> String {
-    const INFINITE: &str = "1.0e999";
     if value.is_nan() {
-        return format!("({INFINITE} - {INFINITE})");
+        return "(0.0 / 0.0)".to_owned();
     }
     if value.is_infinite() {
-        let sign = if value < 0.0 { "-" } else { "" };
-        return format!("{sign}{INFINITE}");
+        return format!("({:?} / 0.0)", value.signum());
     }
     let text = format!("{value:?}");
     match text.split_once('e') {

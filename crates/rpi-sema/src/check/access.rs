@@ -9,7 +9,7 @@ use crate::typed::{BlockId, ExprId, FlowId, Kind, Leaf, Place};
 use crate::units::Dim;
 use rpi_diag::{Code, Finding, Span};
 use rpi_image::Scalar;
-use rpi_syntax::ast::{self, Access, Field, Ident, Index, Slice, SliceOf};
+use rpi_syntax::ast::{self, Access, ExprKind, Field, Ident, Index, Slice, SliceOf};
 use std::rc::Rc;
 
 /// Parts of spatial values: whose, name, primitive that takes it apart, which of its out-ports.

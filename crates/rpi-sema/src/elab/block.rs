@@ -129,10 +129,13 @@ impl<'u> Elab<'u> {
         }
     }
 
-    /// The node whose out-ports a wire consists of, in order.
+    /// The node whose out-ports a wire consists of, in order; the last one made if both have none.
     fn whole_node(&self, wire: &Wire) -> Option<rpi_net::NodeId> {
-        let node = match wire.first()? {
-            Signal::Port(port) | Signal::Element(port, _) if alias_of(*port).is_none() => port.node,
+        let node = match wire.first() {
+            None => self.net.node_ids().next_back()?,
+            Some(Signal::Port(port) | Signal::Element(port, _)) if alias_of(*port).is_none() => {
+                port.node
+            }
             _ => return None,
         };
         (self.out_wire(node) == *wire).then_some(node)

@@ -1,0 +1,49 @@
+//! The order of equations: what is read stands before what reads it, else as declared. To the compiler it is all the
+//! same, but not to readers; and an array that is known when it is read is not taken apart.
+
+use rpi_image::Role;
+use rpi_net::{FragmentId, Input, Net, NodeId};
+
+#[derive(Clone, Copy, PartialEq)]
+enum Visit {
+    Open,
+    Entered,
+    Done,
+}
+
+/// The nodes that stand directly in a fragment, each behind those in it that it reads; what delays reads nothing yet.
+pub(super) fn sources_first(net: &Net, fragment: FragmentId) -> Vec<NodeId> {
+    let mut visits = vec![Visit::Open; net.nodes.len()];
+    let mut order = Vec::new();
+    let is_here = |id: &NodeId| net.node(*id).fragment == fragment;
+    for first in net.node_ids().filter(is_here) {
+        let mut stack = vec![first];
+        while let Some(&top) = stack.last() {
+            let visit = &mut visits[top.index()];
+            if *visit == Visit::Open {
+                *visit = Visit::Entered;
+                let sources = sources(net, top).filter(is_here);
+                stack.extend(sources.filter(|id| visits[id.index()] == Visit::Open));
+                continue;
+            }
+            stack.pop();
+            if visits[top.index()] == Visit::Entered {
+                visits[top.index()] = Visit::Done;
+                order.push(top);
+            }
+        }
+    }
+    order
+}
+
+fn sources(net: &Net, id: NodeId) -> impl Iterator<Item = NodeId> + '_ {
+    let node = net.node(id);
+    let inputs = match node.desc().role {
+        Role::Delay => &[],
+        _ => &node.inputs[..],
+    };
+    inputs.iter().rev().filter_map(|input| match input {
+        Input::Port(port) => Some(port.node),
+        _ => None,
+    })
+}
