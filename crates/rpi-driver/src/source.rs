@@ -39,6 +39,12 @@ pub(crate) fn build(
         true => Vec::new(),
         false => nets(&program, &checked, &mut findings),
     };
+    // What is only worth knowing about a library is not the business of who uses it.
+    let own = texts.first().map_or(0, |root| root.files.len());
+    findings.retain(|finding| {
+        let file = finding.span().file.0 as usize;
+        finding.severity() == Severity::Error || finding.span().is_none() || file < own
+    });
     Built {
         nets,
         findings: once(findings),

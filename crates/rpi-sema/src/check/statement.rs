@@ -33,11 +33,11 @@ impl<'a> Body<'_, 'a> {
         let mut later = Vec::new();
         self.declare_body(body, &mut later);
         self.infer();
+        self.report_unknown_types();
         for index in 0..self.pending.len() {
             let block = self.pending[index].block;
             self.within(block, |body| body.check_equation(index));
         }
-        self.report_unknown_types();
         for (block, item) in later {
             self.within(block, |body| body.check_later(item));
         }
