@@ -139,7 +139,7 @@ pub fn lower_to_look(net: &Net, period_ns: u64) -> Result<Image, String> {
     lower(net, &LowerOptions::observed(period_ns))
 }
 
-fn lower(net: &Net, options: &LowerOptions<'_>) -> Result<Image, String> {
+pub(crate) fn lower(net: &Net, options: &LowerOptions<'_>) -> Result<Image, String> {
     let analysis = analyse(net.clone(), options.may_be_absent).map_err(|v| v.to_string())?;
     let plan = Plan::of(&analysis).ok_or("something in the net depends on itself")?;
     rpi_lower::lower(&analysis.net, &plan, options)

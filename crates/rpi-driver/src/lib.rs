@@ -6,6 +6,8 @@
 
 mod compile;
 pub mod import;
+pub mod emit;
+pub mod graph;
 mod input;
 mod modules;
 mod period;

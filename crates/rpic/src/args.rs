@@ -9,7 +9,7 @@ use rpi_diag::Format;
 /// Version of the tool and of the image format that it writes.
 const VERSION: &str = concat!(env!("CARGO_PKG_VERSION"), " (image format 1)");
 
-/// The compiler: from programs and nets to images.
+/// The compiler: proves what can be proved of a program before a robot runs it.
 #[derive(Debug, Parser)]
 #[command(name = "rpic", version = VERSION, arg_required_else_help = true)]
 pub(crate) struct Cli {
@@ -21,23 +21,29 @@ pub(crate) struct Cli {
 /// The tasks.
 #[derive(Debug, Subcommand)]
 pub(crate) enum Task {
-    /// Look for faults in programs and nets.
+    /// Look for faults.
     Check(CheckArgs),
-    /// Make an image, or show what lies between.
+    /// Compile a command to an image, or show a form that it takes on the way.
     Compile(CompileArgs),
-    /// Set programs in the one style of the language.
+    /// Write a net of the reference system as a program.
+    Import(ImportArgs),
+    /// Format programs in place.
     Fmt(FmtArgs),
-    /// Say more about the code of a finding.
+    /// Say more about a finding: what it means, a wrong and a right program.
     Explain {
-        /// The code, `RPI4001`.
+        /// Its code, RPI4001.
         code: String,
     },
+    /// Draw a net.
+    Graph(GraphArgs),
     /// Print the completions of a shell.
+    #[command(hide = true)]
     Completions {
         /// The shell.
         shell: Shell,
     },
     /// Write the manual pages into a folder.
+    #[command(hide = true)]
     Man {
         /// The folder.
         folder: PathBuf,
@@ -47,13 +53,16 @@ pub(crate) enum Task {
 /// Options of `rpic check`.
 #[derive(Args, Debug)]
 pub(crate) struct CheckArgs {
-    /// Programs and nets, plain or .gz.
+    /// Programs (.rpi, .lus) or nets (.rpinet), plain or .gz.
     #[arg(required = true)]
     pub(crate) files: Vec<PathBuf>,
-    /// human, short, json, sarif or github.
-    #[arg(long, default_value = "human")]
+    /// Form of the findings: human, short, json, sarif or github.
+    #[arg(long, default_value = "human", value_name = "FORM")]
     pub(crate) format: Format,
-    /// List the passes over a net and what they establish.
+    /// Apply the fixes that are sure.
+    #[arg(long)]
+    pub(crate) fix: bool,
+    /// Tell what each analysis found out.
     #[arg(long)]
     pub(crate) explain_analysis: bool,
 }
@@ -61,41 +70,109 @@ pub(crate) struct CheckArgs {
 /// Options of `rpic compile`.
 #[derive(Args, Debug)]
 pub(crate) struct CompileArgs {
-    /// A program or net, plain or .gz.
+    /// A program (.rpi, .lus) or net (.rpinet), plain or .gz.
     pub(crate) file: PathBuf,
-    /// The image to write; else the file's name with .rpib.
+    /// Where to write; without it the file beside the source that ends in .rpib, or standard output for a form.
     #[arg(long, short, value_name = "FILE")]
     pub(crate) output: Option<PathBuf>,
+    /// Show a form instead of writing an image.
+    #[arg(long, value_name = "FORM")]
+    pub(crate) emit: Option<Form>,
     /// The command, if there are several.
     #[arg(long, value_name = "NAME")]
     pub(crate) command: Option<String>,
-    /// Period of the cycle.
-    #[arg(long, default_value = "1ms", value_parser = rpi_driver::parse_period)]
+    /// Period of the cycle for which the image is made.
+    #[arg(long, default_value = "1ms", value_parser = rpi_driver::parse_period, value_name = "TIME")]
     pub(crate) period: u64,
-    /// Print a form in between instead of writing an image.
-    #[arg(long, value_enum)]
-    pub(crate) emit: Option<Emit>,
 }
 
-/// The forms in between.
+/// The forms of a program on its way.
 #[derive(Clone, Copy, PartialEq, Eq, Debug, ValueEnum)]
-pub(crate) enum Emit {
-    /// The image in readable form.
-    Image,
-    /// The net in the reference system's text form.
+pub(crate) enum Form {
+    /// Tokens as the parser sees them.
+    Tokens,
+    /// Syntax tree.
+    Ast,
+    /// Typed units.
+    Typed,
+    /// Net, in the text form of the reference system.
+    Net,
+    /// The same.
     Rpinet,
+    /// Order of evaluation.
+    Schedule,
+    /// Flat image, one line per step.
+    Image,
+    /// Net drawn for Graphviz.
+    Dot,
+    /// Net drawn for Mermaid.
+    Mermaid,
+    /// C99 text with one function per cycle.
+    C,
+}
+
+/// Options of `rpic import`.
+#[derive(Args, Debug)]
+pub(crate) struct ImportArgs {
+    /// The net (.rpinet), plain or .gz.
+    pub(crate) file: PathBuf,
+    /// Where to write; standard output without it.
+    #[arg(long, short, value_name = "FILE")]
+    pub(crate) output: Option<PathBuf>,
 }
 
 /// Options of `rpic fmt`.
 #[derive(Args, Debug)]
 pub(crate) struct FmtArgs {
-    /// Programs.
+    /// Programs (.rpi, .lus).
     #[arg(required_unless_present = "stdin")]
     pub(crate) files: Vec<PathBuf>,
-    /// Change nothing; exit status 1 if something would change.
+    /// Change nothing; exit with 1 if a file is not formatted.
     #[arg(long)]
     pub(crate) check: bool,
-    /// From standard input to standard output.
-    #[arg(long)]
+    /// Read a program from standard input and write it to standard output.
+    #[arg(long, conflicts_with_all = ["files", "check"])]
     pub(crate) stdin: bool,
+}
+
+/// Options of `rpic graph`.
+#[derive(Args, Debug)]
+pub(crate) struct GraphArgs {
+    /// A program (.rpi, .lus) or net (.rpinet), plain or .gz.
+    pub(crate) file: PathBuf,
+    /// Language of the drawing.
+    #[arg(long, default_value = "mermaid", value_name = "FORM")]
+    pub(crate) format: Drawing,
+    /// The command, if there are several.
+    #[arg(long, value_name = "NAME")]
+    pub(crate) command: Option<String>,
+    /// Where to write; standard output without it.
+    #[arg(long, short, value_name = "FILE")]
+    pub(crate) output: Option<PathBuf>,
+}
+
+/// Languages of drawings.
+#[derive(Clone, Copy, PartialEq, Eq, Debug, ValueEnum)]
+pub(crate) enum Drawing {
+    /// Graphviz.
+    Dot,
+    /// Mermaid.
+    Mermaid,
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use clap::CommandFactory;
+
+    #[test]
+    fn the_options_do_not_contradict_each_other() {
+        Cli::command().debug_assert();
+    }
+
+    #[test]
+    fn the_version_names_the_image_format() {
+        let format = format!("(image format {})", rpi_image::rpib::VERSION);
+        assert!(VERSION.ends_with(&format));
+    }
 }

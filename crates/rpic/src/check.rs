@@ -1,49 +1,94 @@
-//! `rpic check` and `rpic explain`.
+//! `rpic check`: what is wrong with programs and nets.
 
 use std::io::IsTerminal;
+use std::path::Path;
 
-use rpi_diag::{Code, Format, Style, render_as};
+use rpi_diag::{Finding, Format, Severity, SourceMap, Style, render_as};
+use rpi_driver::Compiled;
 
-use crate::Outcome;
 use crate::args::CheckArgs;
+use crate::fix::{apply, sure_edits};
+use crate::outcome::{Exit, Outcome, put};
 
-/// Shows what there is against each file.
+/// Checks each file; the worst of them decides.
 pub(crate) fn check(args: &CheckArgs) -> Outcome {
-    if args.explain_analysis {
-        for pass in rpi_net::passes::PASSES {
-            println!("{:<12} {}", pass.name, pass.about);
+    let mut exit = Exit::Good;
+    for file in &args.files {
+        let mut compiled = rpi_driver::compile(&rpi_driver::read(file)?)?;
+        if args.fix && fix(file, &compiled)? {
+            compiled = rpi_driver::compile(&rpi_driver::read(file)?)?;
+        }
+        if args.explain_analysis {
+            explain(&compiled)?;
+        }
+        show(args.format, &compiled.findings, &compiled.sources)?;
+        if compiled.has_errors() {
+            exit = Exit::Found;
         }
     }
-    let mut well = true;
-    for path in &args.files {
-        let compiled = rpi_driver::compile(&rpi_driver::read(path)?)?;
-        let text = render_as(args.format, &compiled.findings, &compiled.sources, style());
-        print!("{text}");
-        if args.format == Format::Human
-            && compiled.findings.is_empty()
-            && std::io::stdout().is_terminal()
-        {
-            println!("{}: nothing found", path.display());
-        }
-        well &= !compiled.has_errors();
-    }
-    Ok(well)
+    Ok(exit)
 }
 
-/// Prints the page of a code.
-pub(crate) fn explain(name: &str) -> Outcome {
-    let Some(code) = Code::parse(name) else {
-        let known = Code::ALL.iter().map(|code| code.as_str());
-        let meant = rpi_diag::suggest(name, known);
-        let meant = meant
-            .map(|m| format!("; did you mean {m}?"))
-            .unwrap_or_default();
-        return Err(format!("there is no code {name}{meant}").into());
+/// Prints findings in the form asked for: for people to standard error, for programs to standard output.
+pub(crate) fn show(
+    format: Format,
+    findings: &[Finding],
+    sources: &SourceMap,
+) -> Result<(), Box<dyn std::error::Error>> {
+    let style = Style::of(&std::io::stderr());
+    let text = render_as(format, findings, sources, style);
+    match format {
+        Format::Human if findings.is_empty() => {
+            if std::io::stderr().is_terminal() {
+                eprintln!("nothing found");
+            }
+            Ok(())
+        }
+        Format::Human => {
+            eprint!("{text}");
+            Ok(())
+        }
+        _ => put(None, text.as_bytes()),
+    }
+}
+
+/// Applies the sure fixes to the file itself; true if there were any.
+fn fix(path: &Path, compiled: &Compiled) -> Result<bool, Box<dyn std::error::Error>> {
+    let sources = &compiled.sources;
+    let name = path.display().to_string();
+    let Some(file) = sources.files().find(|id| sources.name(*id) == name) else {
+        return Ok(false);
     };
-    println!("{}", code.page().trim_end());
+    let edits = sure_edits(&compiled.findings);
+    let here: Vec<_> = edits.iter().filter(|edit| edit.span.file == file).collect();
+    if here.is_empty() {
+        return Ok(false);
+    }
+    let text = apply(sources.text(file), here.iter().copied());
+    put(Some(path), text.as_bytes())?;
+    eprintln!("{name}: {} applied", plural(here.len(), "edit"));
     Ok(true)
 }
 
-pub(crate) fn style() -> Style {
-    Style::of(&std::io::stdout())
+/// What each pass found out about each command.
+fn explain(compiled: &Compiled) -> Result<(), Box<dyn std::error::Error>> {
+    let mut out = String::new();
+    for net in compiled.nets() {
+        let analysis = rpi_net::passes::analyse(net.clone(), |_| false);
+        let analysis = analysis.map_err(|violation| format!("{}: {violation}", net.name))?;
+        out.push_str(&format!("{}\n", net.name));
+        for (pass, told) in &analysis.told {
+            out.push_str(&format!("  {pass:<14} {told}\n"));
+        }
+    }
+    put(None, out.as_bytes())
+}
+
+fn plural(n: usize, what: &str) -> String {
+    format!("{n} {what}{}", if n == 1 { "" } else { "s" })
+}
+
+/// True if something was found that is an error.
+pub(crate) fn has_errors(findings: &[Finding]) -> bool {
+    findings.iter().any(|f| f.severity() == Severity::Error)
 }

@@ -1,47 +1,59 @@
-//! `rpic fmt`.
+//! `rpic fmt`: one style for all programs.
 
-use std::io::Read;
+use std::fs;
+use std::io::Read as _;
 use std::path::Path;
 
-use rpi_syntax::{Mode, format};
+use rpi_diag::{Format, SourceMap};
+use rpi_syntax::{Mode, format, parse};
 
-use crate::Outcome;
 use crate::args::FmtArgs;
+use crate::check::show;
+use crate::outcome::{Exit, Outcome, put};
 
-/// Formats files in place, or standard input to standard output.
+/// Formats each file, or standard input.
 pub(crate) fn fmt(args: &FmtArgs) -> Outcome {
     if args.stdin {
-        let mut text = String::new();
-        std::io::stdin().read_to_string(&mut text)?;
-        let set = formatted("standard input", &text, Mode::Rpi)?;
-        print!("{set}");
-        return Ok(true);
+        return stdin();
     }
-    let mut well = true;
-    for path in &args.files {
-        well &= file(path, args.check)?;
+    let mut exit = Exit::Good;
+    for file in &args.files {
+        let text = fs::read_to_string(file).map_err(|e| format!("{}: {e}", file.display()))?;
+        exit = match formatted(&file.display().to_string(), &text)? {
+            Some(new) if new == text => exit,
+            Some(_) if args.check => not_formatted(file),
+            Some(new) => {
+                put(Some(file), new.as_bytes())?;
+                exit
+            }
+            None => Exit::Found,
+        };
     }
-    Ok(well)
+    Ok(exit)
 }
 
-fn file(path: &Path, check: bool) -> Outcome {
-    let name = path.display().to_string();
-    let text = rpi_driver::read(path)?.text()?.to_owned();
-    let set = formatted(&name, &text, Mode::of_path(&name))?;
-    if set == text {
-        return Ok(true);
+fn stdin() -> Outcome {
+    let mut text = String::new();
+    std::io::stdin().read_to_string(&mut text)?;
+    match formatted("<stdin>.rpi", &text)? {
+        Some(new) => put(None, new.as_bytes()).map(|()| Exit::Good),
+        None => Ok(Exit::Found),
     }
-    if check {
-        println!("{name} would change");
-        return Ok(false);
-    }
-    std::fs::write(path, set)?;
-    Ok(true)
 }
 
-fn formatted(name: &str, text: &str, mode: Mode) -> Result<String, String> {
-    format(text, mode).map_err(|findings| {
-        let messages: Vec<&str> = findings.iter().map(|f| f.message.as_str()).collect();
-        format!("{name} has faults: {}", messages.join("; "))
-    })
+fn not_formatted(file: &Path) -> Exit {
+    eprintln!("{}: not formatted", file.display());
+    Exit::Found
+}
+
+/// The text in our style; what keeps it from being formatted is printed.
+fn formatted(name: &str, text: &str) -> Result<Option<String>, Box<dyn std::error::Error>> {
+    let mode = Mode::of_path(name);
+    if let Ok(new) = format(text, mode) {
+        return Ok(Some(new));
+    }
+    let mut sources = SourceMap::new();
+    let file = sources.add(name, text);
+    show(Format::Human, &parse(file, text, mode).findings, &sources)?;
+    Ok(None)
 }

@@ -1,36 +1,36 @@
-//! The compiler on the command line: `rpic check`, `compile`, `fmt`, `explain`.
+//! The compiler on the command line: `rpic check`, `compile`, `import`, `fmt`, `explain`, `graph`.
 //!
-//! Exit status: 0 if all is well, 1 if something was found, 2 for bad input.
+//! Exit status: 0 if all is well, 1 if something was found, 2 for bad usage or a file that cannot be read.
 
 mod args;
 mod check;
-mod emit;
+mod compile;
+mod explain;
+mod fix;
 mod fmt;
+mod outcome;
 mod shell;
 
 use std::process::ExitCode;
 
 use args::{Cli, Task};
 use clap::Parser;
-
-/// A task's end: whether all is well.
-type Outcome = Result<bool, Box<dyn std::error::Error>>;
+use outcome::Exit;
 
 fn main() -> ExitCode {
     let done = match Cli::parse().task {
         Task::Check(args) => check::check(&args),
-        Task::Compile(args) => emit::compile(&args),
+        Task::Compile(args) => compile::compile(&args),
+        Task::Import(args) => compile::import(&args),
         Task::Fmt(args) => fmt::fmt(&args),
-        Task::Explain { code } => check::explain(&code),
+        Task::Explain { code } => explain::explain(&code),
+        Task::Graph(args) => compile::graph(&args),
         Task::Completions { shell } => shell::completions(shell),
         Task::Man { folder } => shell::man(&folder),
     };
-    match done {
-        Ok(true) => ExitCode::SUCCESS,
-        Ok(false) => ExitCode::from(1),
-        Err(error) => {
-            eprintln!("error: {error}");
-            ExitCode::from(2)
-        }
-    }
+    done.unwrap_or_else(|error| {
+        eprintln!("error: {error}");
+        Exit::BadInput
+    })
+    .into()
 }

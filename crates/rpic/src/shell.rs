@@ -5,18 +5,18 @@ use std::path::Path;
 use clap::CommandFactory;
 use clap_complete::Shell;
 
-use crate::Outcome;
 use crate::args::Cli;
+use crate::outcome::{Exit, Outcome};
 
 /// Prints the completions of a shell.
 pub(crate) fn completions(shell: Shell) -> Outcome {
     clap_complete::generate(shell, &mut Cli::command(), "rpic", &mut std::io::stdout());
-    Ok(true)
+    Ok(Exit::Good)
 }
 
 /// Writes the manual pages into a folder, which is made if it is not there.
 pub(crate) fn man(folder: &Path) -> Outcome {
     std::fs::create_dir_all(folder)?;
     clap_mangen::generate_to(Cli::command(), folder)?;
-    Ok(true)
+    Ok(Exit::Good)
 }

@@ -1,0 +1,90 @@
+//! The forms that the stages can show (`rpic compile --emit`).
+
+use rpi_diag::SourceMap;
+use rpi_lower::LowerOptions;
+use rpi_net::Net;
+use rpi_net::passes::{Item, Schedule, analyse};
+use rpi_sema::program::Program;
+use rpi_syntax::{Mode, Parens};
+use std::fmt::Write as _;
+
+use crate::compile::lower;
+use crate::input::{Input, InputError};
+use crate::modules::Modules;
+
+/// The tokens of a program's text, a line each.
+///
+/// # Errors
+/// If the file is no text.
+pub fn tokens(input: &Input) -> Result<String, InputError> {
+    Ok(rpi_syntax::dump_tokens(input.text()?, mode(input)))
+}
+
+/// The syntax tree of a program's text.
+///
+/// # Errors
+/// If the file is no text.
+pub fn ast(input: &Input) -> Result<String, InputError> {
+    let mut sources = SourceMap::new();
+    let text = input.text()?;
+    let file = sources.add(input.path.display().to_string(), text);
+    let parse = rpi_syntax::parse(file, text, mode(input));
+    Ok(rpi_syntax::dump_ast(&parse.file, Parens::Keep))
+}
+
+/// The typed units of a program, those of the modules that it uses included.
+///
+/// # Errors
+/// If the file is no text.
+pub fn typed(input: &Input) -> Result<String, InputError> {
+    let mut sources = SourceMap::new();
+    let path = input.path.display().to_string();
+    let folder = input.path.parent();
+    let modules = Modules::load(&input.stem(), &path, input.text()?, folder, &mut sources);
+    let texts = modules.sources();
+    let (program, _) = Program::collect(&texts);
+    let checked = rpi_sema::check(&program);
+    Ok(checked.units.iter().map(rpi_sema::typed::print).collect())
+}
+
+fn mode(input: &Input) -> Mode {
+    Mode::of_path(&input.path.display().to_string())
+}
+
+/// The order of evaluation of a net: a line per primitive, indented by fragment. None if something depends on itself.
+#[must_use]
+pub fn schedule(net: &Net) -> Option<String> {
+    let analysis = analyse(net.clone(), |_| false).ok()?;
+    let schedule = analysis.schedule.as_ref()?;
+    let mut out = String::new();
+    put_items(&analysis.net, schedule, rpi_net::FragmentId::ROOT, &mut out);
+    Some(out)
+}
+
+fn put_items(net: &Net, schedule: &Schedule, fragment: rpi_net::FragmentId, out: &mut String) {
+    let depth = net.enclosing(fragment).count() - 1;
+    for item in schedule.items(fragment) {
+        let indent = "  ".repeat(depth);
+        // Writing to a string cannot fail.
+        let _ = match item {
+            Item::Node(id) => {
+                let node = net.node(*id);
+                writeln!(out, "{indent}{} = {}", node.name, node.desc().name)
+            }
+            Item::Fragment(id) => writeln!(out, "{indent}fragment {}", net.fragment(*id).name),
+        };
+        if let Item::Fragment(id) = item {
+            put_items(net, schedule, *id, out);
+        }
+    }
+}
+
+/// The image of a net, one line per step.
+///
+/// # Errors
+/// Why the net cannot be lowered.
+pub fn image(net: &Net, period_ns: u64) -> Result<String, String> {
+    let image = lower(net, &LowerOptions::running(period_ns))?;
+    let catalogue = |name: &str| rpi_prims::PrimId::of(name).map(rpi_prims::PrimId::desc);
+    Ok(rpi_image::print::print(&image, &catalogue))
+}

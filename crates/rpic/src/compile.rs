@@ -1,0 +1,118 @@
+//! `rpic compile`, `import` and `graph`: other forms of a program.
+
+use std::path::{Path, PathBuf};
+
+use rpi_diag::Format;
+use rpi_driver::{Compiled, Input, Kind, emit, graph as draw};
+use rpi_net::Net;
+
+use crate::args::{CompileArgs, Drawing, Form, GraphArgs, ImportArgs};
+use crate::check::{has_errors, show};
+use crate::outcome::{Exit, Outcome, put};
+
+/// Writes an image, or shows a form.
+pub(crate) fn compile(args: &CompileArgs) -> Outcome {
+    let input = rpi_driver::read(&args.file)?;
+    let text = match args.emit {
+        Some(Form::Tokens) => Some(emit::tokens(&input)?),
+        Some(Form::Ast) => Some(emit::ast(&input)?),
+        Some(Form::Typed) => Some(emit::typed(&input)?),
+        _ => None,
+    };
+    if let Some(text) = text {
+        put(args.output.as_deref(), text.as_bytes())?;
+        return Ok(Exit::Good);
+    }
+    let compiled = rpi_driver::compile(&input)?;
+    show(Format::Human, &compiled.findings, &compiled.sources)?;
+    if compiled.has_errors() {
+        return Ok(Exit::Found);
+    }
+    let net = one(&compiled, args.command.as_deref())?;
+    match args.emit {
+        Some(form) => show_form(form, net, &compiled, args),
+        None => write_image(net, &input, args),
+    }
+}
+
+fn show_form(form: Form, net: &Net, compiled: &Compiled, args: &CompileArgs) -> Outcome {
+    let text = match form {
+        Form::Net | Form::Rpinet => rpi_net::rpinet::write(net),
+        Form::Schedule => emit::schedule(net).ok_or("something in the net depends on itself")?,
+        Form::Image => emit::image(net, args.period)?,
+        Form::Dot => draw::dot(net),
+        Form::Mermaid => draw::mermaid(net),
+        Form::C => String::new(),
+        // Shown before there is a net.
+        Form::Tokens | Form::Ast | Form::Typed => String::new(),
+    };
+    put(args.output.as_deref(), text.as_bytes())?;
+    Ok(Exit::Good)
+}
+
+fn write_image(net: &Net, input: &Input, args: &CompileArgs) -> Outcome {
+    let image = rpi_driver::lower_to_run(net, args.period)?;
+    let path = args.output.clone().unwrap_or_else(|| beside(input, "rpib"));
+    put(Some(&path), &image.to_bytes())?;
+    eprintln!("wrote {}", path.display());
+    Ok(Exit::Good)
+}
+
+/// The file beside the source with another ending.
+fn beside(input: &Input, ending: &str) -> PathBuf {
+    let folder = input.path.parent().unwrap_or(Path::new(""));
+    folder.join(format!("{}.{ending}", input.stem()))
+}
+
+/// The command asked for, or the only one.
+fn one<'a>(compiled: &'a Compiled, name: Option<&str>) -> Result<&'a Net, String> {
+    let nets = compiled.nets();
+    let names = || nets.iter().map(|net| net.name.as_str()).collect::<Vec<_>>();
+    match (name, nets) {
+        (Some(name), _) => nets.iter().find(|net| net.name == name).ok_or_else(|| {
+            let near = rpi_diag::suggest(name, names().into_iter());
+            let near = near.map_or(String::new(), |near| format!("; did you mean `{near}`?"));
+            format!("no command `{name}` that can be compiled by itself{near}")
+        }),
+        (None, [net]) => Ok(net),
+        (None, []) => {
+            Err("no command that can be compiled by itself: its parameters have no values".into())
+        }
+        (None, _) => Err(format!(
+            "several commands: choose one with --command ({})",
+            names().join(", ")
+        )),
+    }
+}
+
+/// Writes a net as a program.
+pub(crate) fn import(args: &ImportArgs) -> Outcome {
+    let input = rpi_driver::read(&args.file)?;
+    if input.kind != Kind::Rpinet {
+        return Err(format!("{}: only nets (.rpinet) are imported", args.file.display()).into());
+    }
+    let compiled = rpi_driver::compile(&input)?;
+    show(Format::Human, &compiled.findings, &compiled.sources)?;
+    if has_errors(&compiled.findings) {
+        return Ok(Exit::Found);
+    }
+    let text = rpi_net::rpinet::write(one(&compiled, None)?);
+    put(args.output.as_deref(), text.as_bytes())?;
+    Ok(Exit::Good)
+}
+
+/// Draws a net.
+pub(crate) fn graph(args: &GraphArgs) -> Outcome {
+    let compiled = rpi_driver::compile(&rpi_driver::read(&args.file)?)?;
+    show(Format::Human, &compiled.findings, &compiled.sources)?;
+    if compiled.has_errors() {
+        return Ok(Exit::Found);
+    }
+    let net = one(&compiled, args.command.as_deref())?;
+    let text = match args.format {
+        Drawing::Dot => draw::dot(net),
+        Drawing::Mermaid => draw::mermaid(net),
+    };
+    put(args.output.as_deref(), text.as_bytes())?;
+    Ok(Exit::Good)
+}

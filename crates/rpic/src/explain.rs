@@ -1,0 +1,17 @@
+//! `rpic explain`: the page of a finding.
+
+use rpi_diag::{Code, suggest};
+
+use crate::outcome::{Exit, Outcome, put};
+
+/// Prints the page of a code.
+pub(crate) fn explain(name: &str) -> Outcome {
+    let upper = name.to_uppercase();
+    let Some(code) = Code::parse(&upper) else {
+        let near = suggest(&upper, Code::ALL.iter().map(|code| code.as_str()));
+        let near = near.map_or(String::new(), |code| format!("; did you mean {code}?"));
+        return Err(format!("no finding has the code {name}{near}").into());
+    };
+    put(None, code.page().as_bytes())?;
+    Ok(Exit::Good)
+}
