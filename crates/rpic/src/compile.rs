@@ -30,12 +30,12 @@ pub(crate) fn compile(args: &CompileArgs) -> Outcome {
     }
     let net = one(&compiled, args.command.as_deref())?;
     match args.emit {
-        Some(form) => show_form(form, net, &compiled, args),
+        Some(form) => show_form(form, net, args),
         None => write_image(net, &input, args),
     }
 }
 
-fn show_form(form: Form, net: &Net, compiled: &Compiled, args: &CompileArgs) -> Outcome {
+fn show_form(form: Form, net: &Net, args: &CompileArgs) -> Outcome {
     let text = match form {
         Form::Net | Form::Rpinet => rpi_net::rpinet::write(net),
         Form::Schedule => emit::schedule(net).ok_or("something in the net depends on itself")?,
