@@ -1,6 +1,6 @@
 //! The forms that the stages can show (`rpic compile --emit`).
 
-use rpi_diag::SourceMap;
+use rpi_diag::{Finding, SourceMap};
 use rpi_lower::LowerOptions;
 use rpi_net::Net;
 use rpi_net::passes::{Item, Schedule, analyse};
@@ -87,4 +87,17 @@ pub fn image(net: &Net, period_ns: u64) -> Result<String, String> {
     let image = lower(net, &LowerOptions::running(period_ns))?;
     let catalogue = |name: &str| rpi_prims::PrimId::of(name).map(rpi_prims::PrimId::desc);
     Ok(rpi_image::print::print(&image, &catalogue))
+}
+
+/// The net as C99.
+///
+/// # Errors
+/// One finding per kind of primitive that has no form in C.
+pub fn c(net: &Net, period_ns: u64) -> Result<String, Vec<Finding>> {
+    let options = LowerOptions::running(period_ns);
+    match rpi_lower::Plan::new(net, options.may_be_absent) {
+        Some(plan) => rpi_lower::emit_c(net, &plan, &options),
+        // What depends on itself has been found before.
+        None => Err(Vec::new()),
+    }
 }

@@ -30,19 +30,25 @@ pub(crate) fn compile(args: &CompileArgs) -> Outcome {
     }
     let net = one(&compiled, args.command.as_deref())?;
     match args.emit {
-        Some(form) => show_form(form, net, args),
+        Some(form) => show_form(form, net, &compiled, args),
         None => write_image(net, &input, args),
     }
 }
 
-fn show_form(form: Form, net: &Net, args: &CompileArgs) -> Outcome {
+fn show_form(form: Form, net: &Net, compiled: &Compiled, args: &CompileArgs) -> Outcome {
     let text = match form {
         Form::Net | Form::Rpinet => rpi_net::rpinet::write(net),
         Form::Schedule => emit::schedule(net).ok_or("something in the net depends on itself")?,
         Form::Image => emit::image(net, args.period)?,
         Form::Dot => draw::dot(net),
         Form::Mermaid => draw::mermaid(net),
-        Form::C => String::new(),
+        Form::C => match emit::c(net, args.period) {
+            Ok(text) => text,
+            Err(findings) => {
+                show(Format::Human, &findings, &compiled.sources)?;
+                return Ok(Exit::Found);
+            }
+        },
         // Shown before there is a net.
         Form::Tokens | Form::Ast | Form::Typed => String::new(),
     };
