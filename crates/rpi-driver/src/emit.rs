@@ -95,9 +95,12 @@ pub fn image(net: &Net, period_ns: u64) -> Result<String, String> {
 /// One finding per kind of primitive that has no form in C.
 pub fn c(net: &Net, period_ns: u64) -> Result<String, Vec<Finding>> {
     let options = LowerOptions::running(period_ns);
-    match rpi_lower::Plan::new(net, options.may_be_absent) {
-        Some(plan) => rpi_lower::emit_c(net, &plan, &options),
-        // What depends on itself has been found before.
+    // What is not in order or depends on itself has been found before.
+    let Ok(analysis) = analyse(net.clone(), options.may_be_absent) else {
+        return Err(Vec::new());
+    };
+    match rpi_lower::Plan::of(&analysis) {
+        Some(plan) => rpi_lower::emit_c(&analysis.net, &plan, &options),
         None => Err(Vec::new()),
     }
 }
