@@ -5,9 +5,9 @@
 //! what a command does once it runs.
 
 mod compile;
-pub mod import;
 pub mod emit;
 pub mod graph;
+pub mod import;
 mod input;
 mod modules;
 mod period;

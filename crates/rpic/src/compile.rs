@@ -102,7 +102,7 @@ pub(crate) fn import(args: &ImportArgs) -> Outcome {
     if has_errors(&compiled.findings) {
         return Ok(Exit::Found);
     }
-    let text = rpi_net::rpinet::write(one(&compiled, None)?);
+    let text = rpi_driver::import::to_program(one(&compiled, None)?);
     put(args.output.as_deref(), text.as_bytes())?;
     Ok(Exit::Good)
 }
