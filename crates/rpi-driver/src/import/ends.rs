@@ -4,6 +4,9 @@ use rpi_net::{Driver, FragmentId, Input, ResultKind};
 
 use super::{Writer, values};
 
+/// A net without an end of its own is stopped from outside, by what its host concludes from its values.
+const STOP: &str = "Core::BooleanNetcommIn<<Key: \"stop\", Value: false>>().outValue ?? false";
+
 impl Writer<'_> {
     /// The last lines of the command: what it publishes and how it ends.
     pub(super) fn ends(&self) -> String {
@@ -30,10 +33,14 @@ impl Writer<'_> {
     /// The net ends when `outTerminate` holds: with an error if `outFail`, which stays visible, is not 0 by then.
     fn ports(&self, terminate: Option<&Input>, fail: Option<&Input>) -> String {
         let mut text = String::new();
-        let Some(terminate) = terminate else {
-            return text;
+        let is_false = |input: &&Input| {
+            let known = self.constant(input);
+            known.and_then(rpi_image::Value::as_bool) == Some(false)
         };
-        let terminate = self.root(terminate, "false");
+        let terminate = match terminate.filter(|input| !is_false(input)) {
+            Some(terminate) => self.root(terminate, "false"),
+            None => STOP.to_owned(),
+        };
         text.push_str(&format!("outTerminate = {terminate};\n"));
         if let Some(fail) = fail {
             let fail = self.root(fail, "0");

@@ -47,7 +47,7 @@ impl Writer<'_> {
     }
 
     /// The constant that an in-port reads, directly or from a node that is nothing else.
-    fn constant<'v>(&'v self, input: &'v Input) -> Option<&'v Value> {
+    pub(super) fn constant<'v>(&'v self, input: &'v Input) -> Option<&'v Value> {
         match input {
             Input::Open => None,
             Input::Const(value) => Some(value),
