@@ -5,7 +5,7 @@ use rpi_image::desc::ShapeArgs;
 use rpi_image::{Need, ParamType, PortType, Presence, Role, Scalar, Type, Value};
 use rpi_net::{
     Absent, Activation, Driver, ExportPort, Fragment, FragmentId, Input, Net, Node, NodeId, Origin,
-    PortRef, Restart,
+    PortRef, Restart, ResultKind, ResultPort,
 };
 use rpi_prims::PrimId;
 
@@ -149,6 +149,20 @@ impl Build {
             source,
             origin: nowhere(),
         });
+    }
+
+    /// Adds a named result.
+    pub fn result(&mut self, name: &str, kind: ResultKind, when: PortRef) {
+        let result = ResultPort {
+            name: name.into(),
+            kind,
+            condition: Input::Port(when),
+            origin: nowhere(),
+        };
+        match &mut self.net.driver {
+            Driver::Results(results) => results.push(result),
+            Driver::Ports { .. } => self.net.driver = Driver::Results(vec![result]),
+        }
     }
 
     /// Ends the command when the flow says so.

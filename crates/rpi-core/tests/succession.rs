@@ -1,0 +1,254 @@
+//! Commands that follow one another: no cycle between them, nothing moves without a command or a stop in control.
+
+mod support;
+
+use rpi_core::{Cause, Refused, State};
+use rpi_net::ResultKind;
+use rpi_prims::FaultCode;
+use support::{Axes, ROOT, core, load, mover, mover_flow, over, ticks};
+
+rpi_testkit::trap_allocations!();
+
+/// Differences of consecutive set-points in mm, rounded.
+fn steps(bank: &Axes, axis: u32) -> Vec<i64> {
+    let points = bank.set_points(axis);
+    points
+        .windows(2)
+        .map(|w| ((w[1] - w[0]) * 1e3).round() as i64)
+        .collect()
+}
+
+#[test]
+fn a_command_runs_to_its_end() {
+    let mut bank = Axes::new();
+    let (mut core, ids) = core(&[mover(0, 5, 100)], &mut bank);
+    core.start(ids[0], &mut bank).unwrap();
+    ticks(&mut core, &mut bank, 10);
+    let command = core.command(ids[0]).unwrap();
+    assert_eq!(command.state(), State::Terminated);
+    assert_eq!(command.result(), Some("done"));
+    let ending = command.ending().unwrap();
+    assert_eq!(
+        (ending.error, ending.cycles, ending.left_moving),
+        (0, 6, false)
+    );
+    assert_eq!(steps(&bank, 0), [1, 1, 1, 1, 0]);
+}
+
+/// Fig. 5 (a): scheduled in time, the predecessor yields in motion and the successor goes on in the next tick.
+#[test]
+fn a_successor_takes_over_in_motion() {
+    let mut bank = Axes::new();
+    let (mut core, ids) = core(&[mover(0, 9, 4), mover(0, 5, 100)], &mut bank);
+    core.start(ids[0], &mut bank).unwrap();
+    core.schedule(ids[1], ids[0], true).unwrap();
+    ticks(&mut core, &mut bank, 12);
+    assert_eq!(core.command(ids[0]).unwrap().result(), Some("early"));
+    assert_eq!(core.command(ids[1]).unwrap().result(), Some("done"));
+    assert_eq!(steps(&bank, 0), [1, 1, 1, 1, 1, 1, 1, 1, 0]);
+    assert_eq!(bank.stops, [0; 4]);
+}
+
+/// Fig. 5 (b): scheduled too late, the regular end comes first, and the successor starts right after it.
+#[test]
+fn without_a_successor_a_yield_is_passed_over() {
+    let mut bank = Axes::new();
+    let (mut core, ids) = core(&[mover(0, 6, 3), mover(0, 2, 100)], &mut bank);
+    core.start(ids[0], &mut bank).unwrap();
+    ticks(&mut core, &mut bank, 7);
+    assert_eq!(core.command(ids[0]).unwrap().result(), Some("done"));
+    let late = core.schedule(ids[1], ids[0], true);
+    assert_eq!(late, Err(Refused::State(State::Terminated)));
+    core.start(ids[1], &mut bank).unwrap();
+    ticks(&mut core, &mut bank, 4);
+    assert_eq!(steps(&bank, 0), [1, 1, 1, 1, 1, 0, 1, 1, 0]);
+}
+
+/// A successor that does not take the moving axis does not count.
+#[test]
+fn a_yield_needs_a_successor_that_takes_what_moves() {
+    let mut bank = Axes::new();
+    let (mut core, ids) = core(&[mover(0, 6, 3), mover(1, 2, 100)], &mut bank);
+    core.start(ids[0], &mut bank).unwrap();
+    core.schedule(ids[1], ids[0], true).unwrap();
+    ticks(&mut core, &mut bank, 10);
+    assert_eq!(core.command(ids[0]).unwrap().result(), Some("done"));
+    assert_eq!(core.command(ids[1]).unwrap().result(), Some("done"));
+    assert_eq!(bank.stops, [0; 4]);
+}
+
+#[test]
+fn resources_are_exclusive_and_inherited() {
+    let mut bank = Axes::new();
+    let nets = [
+        mover(0, 5, 100),
+        mover(0, 5, 100),
+        mover(1, 5, 100),
+        mover(1, 5, 100),
+    ];
+    let (mut core, ids) = core(&nets, &mut bank);
+    core.start(ids[0], &mut bank).unwrap();
+    let held = Err(Refused::Held {
+        resource: 0,
+        by: ids[0],
+    });
+    assert_eq!(core.start(ids[1], &mut bank), held);
+    core.schedule(ids[1], ids[0], true).unwrap();
+    // A scheduled command holds what was free at once.
+    core.schedule(ids[2], ids[1], true).unwrap();
+    let held = Err(Refused::Held {
+        resource: 1,
+        by: ids[2],
+    });
+    assert_eq!(core.start(ids[3], &mut bank), held);
+    assert_eq!(core.schedule(ids[3], ids[0], true), Err(Refused::Successor));
+    core.unschedule(ids[2]).unwrap();
+    core.start(ids[3], &mut bank).unwrap();
+    ticks(&mut core, &mut bank, 14);
+    assert!(
+        ids[..2]
+            .iter()
+            .all(|id| core.command(*id).unwrap().result() == Some("done"))
+    );
+}
+
+#[test]
+fn who_waits_for_a_failed_or_cancelled_command_is_not_started() {
+    let failing = || {
+        let mut b = rpi_bench::Build::new("Failing");
+        let count = mover_flow(&mut b, 0, 1.0);
+        let late = over(&mut b, count, 2.5);
+        let never = over(&mut b, count, 1e6);
+        b.result("never", ResultKind::Fail, never);
+        b.result("broken", ResultKind::Fail, late);
+        b.net
+    };
+    for kept in [true, false] {
+        let mut bank = Axes::new();
+        let (mut core, ids) = core(&[failing(), mover(0, 5, 100), mover(0, 5, 100)], &mut bank);
+        core.start(ids[0], &mut bank).unwrap();
+        core.schedule(ids[1], ids[0], kept).unwrap();
+        core.schedule(ids[2], ids[1], kept).unwrap();
+        ticks(&mut core, &mut bank, 5);
+        let ending = *core.command(ids[0]).unwrap().ending().unwrap();
+        assert_eq!(
+            (ending.cause, ending.error, ending.left_moving),
+            (Cause::Result(1), 2, true)
+        );
+        assert_eq!(bank.stops[0], 1);
+        let state = core.command(ids[1]).map(|c| c.state());
+        assert_eq!(state, kept.then_some(State::Ready));
+        assert_eq!(core.take_gone().is_some(), !kept);
+        assert_eq!(core.take_gone().is_some(), !kept);
+        assert!(core.take_gone().is_none());
+    }
+}
+
+#[test]
+fn cancel_is_a_request_that_drops_the_successor() {
+    let mut bank = Axes::new();
+    let (mut core, ids) = core(&[mover(0, 5, 1), mover(0, 5, 100)], &mut bank);
+    assert_eq!(core.cancel(ids[0]), Err(Refused::State(State::Ready)));
+    core.start(ids[0], &mut bank).unwrap();
+    core.schedule(ids[1], ids[0], true).unwrap();
+    core.cancel(ids[0]).unwrap();
+    assert_eq!(core.command(ids[1]).unwrap().state(), State::Ready);
+    ticks(&mut core, &mut bank, 3);
+    assert_eq!(core.command(ids[0]).unwrap().state(), State::Cancelling);
+    core.abort(ids[0], &mut bank).unwrap();
+    let ending = *core.command(ids[0]).unwrap().ending().unwrap();
+    assert_eq!(
+        (ending.cause, ending.left_moving, bank.stops[0]),
+        (Cause::Aborted, true, 1)
+    );
+    core.start(ids[1], &mut bank).unwrap();
+}
+
+/// Two writers of one axis in a cycle: the second is told, the command ends with a fault, the axis stops by itself.
+#[test]
+fn concurrent_access_is_a_fault() {
+    let mut bank = Axes::new();
+    let mut b = rpi_bench::Build::new("Twice");
+    mover_flow(&mut b, 0, 1.0);
+    mover_flow(&mut b, 0, 2.0);
+    let (mut core, ids) = core(&[b.net], &mut bank);
+    core.start(ids[0], &mut bank).unwrap();
+    ticks(&mut core, &mut bank, 2);
+    let ending = *core.command(ids[0]).unwrap().ending().unwrap();
+    let Cause::Fault(fault) = ending.cause else {
+        panic!("{ending:?}");
+    };
+    assert_eq!(fault.code, FaultCode::ConcurrentAccess);
+    assert_eq!((ending.error, bank.log.len()), (-1, 0));
+    let image = core.command(ids[0]).unwrap().machine().image();
+    assert_eq!(
+        image.place_of(fault.cell).map(|p| p.path.as_str()),
+        Some("n16")
+    );
+}
+
+/// A failed device refuses set-points; what moves without one is stopped, and the command ends.
+#[test]
+fn a_moving_axis_without_set_point_is_stopped() {
+    let mut bank = Axes::new();
+    let (mut core, ids) = core(&[mover(0, 50, 100)], &mut bank);
+    core.start(ids[0], &mut bank).unwrap();
+    ticks(&mut core, &mut bank, 3);
+    bank.failed = true;
+    ticks(&mut core, &mut bank, 2);
+    let ending = *core.command(ids[0]).unwrap().ending().unwrap();
+    assert!(matches!(ending.cause, Cause::Fault(f) if f.code == FaultCode::SetPointMissing));
+    assert_eq!((bank.stops[0], ending.cycles), (1, 4));
+}
+
+#[test]
+fn loading_tells_every_reason() {
+    let mut bank = Axes::new();
+    let mut b = rpi_bench::Build::new("Elsewhere");
+    for axis in [7, 8] {
+        mover_flow(&mut b, axis, 1.0);
+    }
+    let image = rpi_bench::twin::image(&b.net, &rpi_lower::LowerOptions::running(support::MS));
+    let faults = rpi_core::Command::load(image.unwrap(), &mut bank)
+        .err()
+        .unwrap();
+    assert_eq!(faults.len(), 4, "{faults:?}");
+    assert!(
+        faults[0].to_string().contains("index is out of range"),
+        "{}",
+        faults[0]
+    );
+}
+
+#[test]
+fn a_table_has_its_size_and_numbers_are_not_used_again() {
+    let mut bank = Axes::new();
+    let nets = [
+        mover(0, 1, 9),
+        mover(0, 1, 9),
+        mover(0, 1, 9),
+        mover(0, 1, 9),
+    ];
+    let (mut core, ids) = core(&nets, &mut bank);
+    let (back, refused) = core.insert(load(&nets[0], &mut bank)).err().unwrap();
+    assert_eq!(refused, Refused::Full);
+    core.remove(ids[2]).unwrap();
+    let new = core.insert(back).map_err(|e| e.1).unwrap();
+    assert!(!ids.contains(&new));
+    assert!(core.command(ids[2]).is_none());
+    assert_eq!(core.start(ids[2], &mut bank), Err(Refused::Unknown));
+    core.start(new, &mut bank).unwrap();
+    assert_eq!(core.remove(new).err(), Some(Refused::State(State::Running)));
+}
+
+/// The least of what a net can be: the root, which is always there.
+#[test]
+fn an_empty_net_runs_for_ever() {
+    let mut bank = Axes::new();
+    let net = rpi_net::Net::new("empty");
+    assert_eq!(net.fragments.len(), 1 + ROOT.index());
+    let (mut core, ids) = core(&[net], &mut bank);
+    core.start(ids[0], &mut bank).unwrap();
+    ticks(&mut core, &mut bank, 100);
+    assert_eq!(core.command(ids[0]).unwrap().state(), State::Running);
+}

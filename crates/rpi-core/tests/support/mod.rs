@@ -1,0 +1,170 @@
+//! Axes that move as far as they are set, and commands for them.
+#![allow(dead_code, unreachable_pub)]
+
+use rpi_bench::{Build, build, twin};
+use rpi_core::{Command, CommandId, Core};
+use rpi_device::{DeviceBank, PortId, PortName, Refusal, ResolveError};
+use rpi_image::Value;
+use rpi_lower::LowerOptions;
+use rpi_net::{FragmentId, Input, Net, PortRef, ResultKind};
+
+pub const MS: u64 = 1_000_000;
+pub const ROOT: FragmentId = FragmentId::ROOT;
+
+/// Four axes. An axis moves if its last set-point was another than the one before.
+#[derive(Clone, Default)]
+pub struct Axes {
+    pub positions: [f64; 4],
+    pub moving: [bool; 4],
+    /// Set-points by axis, in order, as far as there is room.
+    pub log: Vec<(u32, f64)>,
+    pub stops: [u32; 4],
+    pub failed: bool,
+}
+
+impl Axes {
+    pub fn new() -> Self {
+        Axes {
+            log: Vec::with_capacity(4096),
+            ..Axes::default()
+        }
+    }
+
+    pub fn set_points(&self, axis: u32) -> Vec<f64> {
+        self.log
+            .iter()
+            .filter(|l| l.0 == axis)
+            .map(|l| l.1)
+            .collect()
+    }
+}
+
+impl DeviceBank for Axes {
+    fn resolve(&mut self, name: &PortName<'_>) -> Result<PortId, ResolveError> {
+        match (name.device, name.index) {
+            ("arm", index @ 0..4) => Ok(PortId(index)),
+            ("arm", _) => Err(ResolveError::NoIndex),
+            _ => Err(ResolveError::NoDevice),
+        }
+    }
+    fn resource(&self, port: PortId) -> u32 {
+        port.0
+    }
+    fn read(&mut self, port: PortId, value: &mut [u64]) -> bool {
+        value[0] = self.positions[port.0 as usize].to_bits();
+        true
+    }
+    fn check(&mut self, _: PortId, value: &[u64]) -> Refusal {
+        match (self.failed, f64::from_bits(value[0]).is_nan()) {
+            (true, _) => Refusal::DEVICE_FAILED,
+            (_, true) => Refusal::ILLEGAL_VALUE,
+            _ => Refusal::NONE,
+        }
+    }
+    fn error(&self, _: PortId) -> i64 {
+        i64::from(self.failed)
+    }
+    fn write(&mut self, port: PortId, value: &[u64]) {
+        let (axis, position) = (port.0 as usize, f64::from_bits(value[0]));
+        self.moving[axis] = position != self.positions[axis];
+        self.positions[axis] = position;
+        if self.log.len() < self.log.capacity() {
+            self.log.push((port.0, position));
+        }
+    }
+    fn call(&mut self, _: PortId, _: &[u64], _: &mut [u64]) -> bool {
+        false
+    }
+    fn moving(&self, resource: u32) -> bool {
+        self.moving[resource as usize]
+    }
+    fn stop(&mut self, resource: u32) {
+        self.moving[resource as usize] = false;
+        self.stops[resource as usize] += 1;
+    }
+}
+
+/// A command that moves one axis on by a millimetre per cycle from where it is, for `cycles` cycles. It finishes as
+/// `done` one cycle later, and may yield as `early` from cycle `yields` on.
+pub fn mover(axis: i64, cycles: u32, yields: u32) -> Net {
+    let mut b = Build::new("Mover");
+    let steps = mover_flow(&mut b, axis, f64::from(cycles) * 1e-3);
+    let done = over(&mut b, steps, f64::from(cycles) + 0.5);
+    let early = over(&mut b, steps, f64::from(yields) - 0.5);
+    b.result("done", ResultKind::Finish, done);
+    b.result("early", ResultKind::Yield, early);
+    b.net
+}
+
+/// Sets an axis to its place plus the least of the cycles in mm and `most`; gives the number of the cycle from 1.
+pub fn mover_flow(b: &mut Build, axis: i64, most: f64) -> PortRef {
+    let params = [
+        ("Robot", Value::Str("arm".into())),
+        ("Axis", Value::int(axis)),
+    ];
+    let place = b.add_with(ROOT, "RobotArm::JointMonitor", &[], &params);
+    let first = b.add(ROOT, "Rpi::First", &[]);
+    let start_before = b.add(ROOT, "Rpi::DoublePre", &[]);
+    let inputs = [first, place, start_before].map(Input::Port);
+    let start = b.add(ROOT, "Core::DoubleConditional", &inputs);
+    b.wire(start_before.node, 0, start);
+    let time = b.add(ROOT, "Core::Clock", &[]);
+    let travel = b.add(
+        ROOT,
+        "Rpi::DoubleMinimum",
+        &[Input::Port(time), build::real(most)],
+    );
+    let target = b.add(
+        ROOT,
+        "Core::DoubleAdd",
+        &[Input::Port(start), Input::Port(travel)],
+    );
+    b.add_with(
+        ROOT,
+        "RobotArm::JointPosition",
+        &[Input::Port(target)],
+        &params,
+    );
+    b.add(
+        ROOT,
+        "Core::DoubleMultiply",
+        &[Input::Port(time), build::real(1000.0)],
+    )
+}
+
+pub fn over(b: &mut Build, flow: PortRef, limit: f64) -> PortRef {
+    b.add(
+        ROOT,
+        "Core::DoubleGreater",
+        &[Input::Port(flow), build::real(limit)],
+    )
+}
+
+pub fn load(net: &Net, bank: &mut Axes) -> Box<Command> {
+    let image = twin::image(net, &LowerOptions::running(MS)).expect("it can be lowered");
+    Box::new(
+        Command::load(image, bank)
+            .map_err(|f| format!("{f:?}"))
+            .expect("it loads"),
+    )
+}
+
+/// A core of four places with these commands in it.
+pub fn core(nets: &[Net], bank: &mut Axes) -> (Core, Vec<CommandId>) {
+    let mut core = Core::with_capacity(4, MS);
+    let ids = nets
+        .iter()
+        .map(|net| core.insert(load(net, bank)).map_err(|e| e.1).expect("room"));
+    let ids = ids.collect();
+    (core, ids)
+}
+
+/// Runs some ticks with every allocation forbidden.
+pub fn ticks(core: &mut Core, bank: &mut Axes, count: u64) {
+    rpi_testkit::no_alloc(|| {
+        for _ in 0..count {
+            let wall_ns = (core.now() * MS).cast_signed();
+            core.tick(bank, wall_ns, &mut ());
+        }
+    });
+}
