@@ -2,7 +2,7 @@
 //! parameters, same links, same activations. What the compiler works out beforehand is worked out here, too.
 
 use std::collections::HashMap;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::sync::Mutex;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::time::Instant;
@@ -183,7 +183,7 @@ fn close(a: &Value, b: &Value) -> bool {
 }
 
 /// Reads, writes, compiles and compares; what differs.
-fn round_trip(path: &PathBuf) -> Vec<String> {
+fn round_trip(path: &Path) -> Vec<String> {
     let nets = read(path)
         .and_then(|input| compile(&input))
         .expect("a recorded net can be read");

@@ -31,6 +31,8 @@ impl Fault {
         let before = self.at.checked_sub(1).map(|i| lexemes[i]);
         let new_phrase = match (before, lexemes.get(self.at)) {
             (None, _) => false,
+            // Where one has been put in, another would not help.
+            (Some(before), _) if before.start == before.end => false,
             (Some(_), None) => true,
             (Some(before), Some(here)) => {
                 matches!(

@@ -14,6 +14,7 @@ use crate::token::Token;
 use crate::{declared, explain};
 use lalrpop_util::ParseError;
 use rpi_diag::Finding;
+use std::ops::Range;
 
 /// The tree of one declaration, and what is wrong with it.
 pub(crate) fn item(cx: &Context<'_>, lexemes: &[Lexeme], findings: &mut Vec<Finding>) -> Item {
@@ -87,7 +88,7 @@ fn fault(lexemes: &[Lexeme], error: ParseError<u32, Token, ()>) -> Fault {
 }
 
 /// How many tokens may be read again for the sake of further findings.
-const PATIENCE: usize = 2_000_000;
+const PATIENCE: usize = 1_000_000;
 
 struct Mender<'c, 't, 'f> {
     cx: &'c Context<'t>,
@@ -119,8 +120,9 @@ impl<'c, 't, 'f> Mender<'c, 't, 'f> {
         match self.mend_all(fault) {
             Some(item) => item,
             None => {
+                let broken = broken_item(self.cx, self.original);
                 self.read_body();
-                broken_item(self.cx, self.original)
+                broken
             }
         }
     }
@@ -145,35 +147,42 @@ impl<'c, 't, 'f> Mender<'c, 't, 'f> {
     /// Reports the fault and mends it. False if there is no way.
     fn mend(&mut self, fault: &Fault) -> bool {
         if self.broken_at.is_some_and(|at| fault.at <= at) {
-            return false;
+            return self.take_out_around();
         }
         let structure = Structure::new(&self.lexemes);
         if fault.at == self.lexemes.len() && structure.open_let().is_some() {
-            self.findings
-                .push(explain::open_body(self.cx, &self.lexemes, &structure));
+            let finding = explain::open_body(self.cx, &self.lexemes, &structure);
+            self.findings.push(finding);
             let missing = structure.open_lets();
             return self.close_bodies(missing);
         }
         if fault.lacks_semi(self.cx, &self.lexemes) {
-            self.findings
-                .push(explain::missing_semi(self.cx, &self.lexemes, fault));
+            // What breaks off was reported; its `;` went with it.
+            if self.lexemes[fault.at - 1].token != Token::Broken {
+                let finding = explain::missing_semi(self.cx, &self.lexemes, fault);
+                self.findings.push(finding);
+            }
             self.insert(fault.at, Token::Semi);
             return true;
         }
-        self.findings.push(explain::unexpected(
-            self.cx,
-            &self.lexemes,
-            &structure,
-            fault,
-        ));
-        let phrase = structure.phrase(fault.at);
-        self.take_out(phrase)
+        let finding = explain::unexpected(self.cx, &self.lexemes, &structure, fault);
+        self.findings.push(finding);
+        self.take_out(structure.phrase(fault.at))
+    }
+
+    /// Takes out what is around a broken phrase that does not fit as such.
+    fn take_out_around(&mut self) -> bool {
+        let structure = Structure::new(&self.lexemes);
+        match self.broken_at.and_then(|at| structure.block_around(at)) {
+            Some(block) => self.take_out(structure.phrase(block)),
+            None => false,
+        }
     }
 
     /// Puts in what closes the bodies that are open at the end.
     fn close_bodies(&mut self, missing: usize) -> bool {
-        let ends_phrase =
-            |token| matches!(token, Token::Semi | Token::Let | Token::Tel | Token::End);
+        use Token::{End, Let, Semi, Tel};
+        let ends_phrase = |token| matches!(token, Semi | Let | Tel | End);
         let last = self.lexemes.last().map(|lexeme| lexeme.token);
         // An equation that breaks off: what is missing in it goes with it.
         if last.is_some_and(|token| !ends_phrase(token)) {
@@ -190,11 +199,25 @@ impl<'c, 't, 'f> Mender<'c, 't, 'f> {
     }
 
     /// Replaces a phrase by a broken one. False if there is nothing to replace.
-    fn take_out(&mut self, phrase: std::ops::Range<usize>) -> bool {
+    fn take_out(&mut self, mut phrase: Range<usize>) -> bool {
+        // Between two `;` there is nothing; but a stray `tel` stands for itself.
+        let closes = |lexeme: &Lexeme| lexeme.token != Token::Semi;
+        if phrase.is_empty() && self.lexemes.get(phrase.start).is_some_and(closes) {
+            phrase.end += 1;
+        }
         let Some(first) = self.lexemes.get(phrase.start).copied() else {
             return false;
         };
         let taken = &self.lexemes[phrase.clone()];
+        if let [
+            Lexeme {
+                token: Token::Broken,
+                ..
+            },
+        ] = taken
+        {
+            return false;
+        }
         let end = taken.last().map_or(first.start, |lexeme| lexeme.end);
         self.cx
             .set_broken(first.start, declared::by_phrase(self.cx, taken));
@@ -222,37 +245,36 @@ impl<'c, 't, 'f> Mender<'c, 't, 'f> {
 
     fn insert(&mut self, at: usize, token: Token) {
         let place = at.checked_sub(1).map_or(0, |i| self.lexemes[i].end);
-        let lexeme = Lexeme {
-            token,
-            start: place,
-            end: place,
-        };
-        self.lexemes.insert(at, lexeme);
+        self.lexemes.insert(at, missing(token, place));
     }
 
     /// Reads the body of a declaration whose head has a fault, for the sake of the findings.
-    fn read_body(&mut self) {
-        let Some(body) = self
-            .original
-            .iter()
-            .position(|lexeme| lexeme.token == Token::Let)
-        else {
+    fn read_body(self) {
+        let is_let = |lexeme: &Lexeme| lexeme.token == Token::Let;
+        let Some(body) = self.original.iter().position(is_let) else {
             return;
         };
         let head = match self.original[0].token {
             Token::Task => Token::Task,
             _ => Token::Command,
         };
-        let place = self.original[body].start;
-        let virtual_token = |token| Lexeme {
-            token,
-            start: place,
-            end: place,
-        };
-        let mut lexemes = vec![virtual_token(head), virtual_token(Token::Ident)];
+        let mut lexemes = vec![missing(head, self.original[body].start); 2];
+        lexemes[1].token = Token::Ident;
         lexemes.extend_from_slice(&self.original[body..]);
-        let mut findings = Vec::new();
-        item(self.cx, &lexemes, &mut findings);
-        self.findings.append(&mut findings);
+        match attempt(self.cx, &lexemes) {
+            Ok(_) => self.findings.extend(self.cx.take_findings()),
+            Err(fault) => {
+                Mender::new(self.cx, &lexemes, self.findings).mend_all(fault);
+            }
+        }
+    }
+}
+
+/// A token that the text lacks.
+fn missing(token: Token, place: u32) -> Lexeme {
+    Lexeme {
+        token,
+        start: place,
+        end: place,
     }
 }

@@ -119,7 +119,7 @@ unary_ops! {
     Not     "not"     9  "negation";
     Neg     "-"       14 "opposite";
     Pre     "pre"     14 "value at the previous cycle";
-    Last    "last"    14 "value at the previous cycle, whatever the state";
+    Last    "last"    14 "value at the previous cycle, whatever the state; of a name or field";
     Current "current" 14 "latest value of a sampled flow";
     ToInt   "int"     14 "real to integer";
     ToReal  "real"    14 "integer to real";

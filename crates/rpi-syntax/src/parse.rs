@@ -15,9 +15,11 @@ pub fn parse(file: FileId, text: &str, mode: Mode) -> Parse {
     let lexed = lex(file, text, mode);
     let (items, found) = items(file, text, mode, &lexed);
     let mut findings = lexed.findings;
-    let (unread, found) = (unread(&findings), found.into_iter());
-    findings.extend(found.filter(|finding| !follows_from(&unread, finding, text)));
+    let gaps = Gaps::new(text, &findings);
+    let found = found.into_iter();
+    findings.extend(found.filter(|finding| !gaps.explain(finding)));
     findings.sort_by_key(|finding| finding.span());
+    findings.dedup();
     Parse {
         file: File { items },
         comments: lexed.comments,
@@ -26,22 +28,38 @@ pub fn parse(file: FileId, text: &str, mode: Mode) -> Parse {
 }
 
 /// What no token was made of: unknown characters, and a comment that runs to the end of the file.
-fn unread(findings: &[Finding]) -> Vec<Span> {
-    let unread = |code| matches!(code, Code::RPI0002 | Code::RPI0003);
-    let found = findings.iter().filter(|finding| unread(finding.code));
-    found.map(Finding::span).collect()
+struct Gaps<'t> {
+    text: &'t str,
+    /// In text order.
+    spans: Vec<Span>,
 }
 
-/// Whether what does not fit stands right beside what was not read: one fault, one message.
-fn follows_from(unread: &[Span], finding: &Finding, text: &str) -> bool {
-    let blank = |from: u32, to: u32| {
-        let between = text.get(from as usize..to as usize);
-        between.is_some_and(|between| between.trim().is_empty())
-    };
-    unread.iter().any(|gap| {
+impl Gaps<'_> {
+    fn new<'t>(text: &'t str, findings: &[Finding]) -> Gaps<'t> {
+        let unread = |code| matches!(code, Code::RPI0002 | Code::RPI0003);
+        let found = findings.iter().filter(|finding| unread(finding.code));
+        let spans = found.map(Finding::span).collect();
+        Gaps { text, spans }
+    }
+
+    /// Whether a place of the finding lies right beside a gap, which says it all.
+    fn explain(&self, finding: &Finding) -> bool {
         let mut places = finding.labels.iter().map(|label| label.span);
-        places.any(|place| blank(gap.end, place.start) || blank(place.end, gap.start))
-    })
+        !self.spans.is_empty() && places.any(|place| self.beside(place))
+    }
+
+    fn beside(&self, place: Span) -> bool {
+        let after = self.spans.partition_point(|gap| gap.start < place.end);
+        let next = self.spans.get(after);
+        let previous = after.checked_sub(1).map(|i| self.spans[i]);
+        next.is_some_and(|gap| self.is_blank(place.end, gap.start))
+            || previous.is_some_and(|gap| self.is_blank(gap.end, place.start))
+    }
+
+    fn is_blank(&self, from: u32, to: u32) -> bool {
+        let between = self.text.get(from as usize..to as usize);
+        between.is_some_and(|between| between.trim().is_empty())
+    }
 }
 
 fn items(file: FileId, text: &str, mode: Mode, lexed: &Lexed) -> (Vec<Item>, Vec<Finding>) {

@@ -76,6 +76,12 @@ impl<'t> Structure<'t> {
         outside && !matches!(self.lexemes[open].token, Token::LBracket)
     }
 
+    /// The `let`, `automaton` or `con` around the token, if something is around that in turn.
+    pub(crate) fn block_around(&self, at: usize) -> Option<usize> {
+        let open = self.parents.get(at).copied().flatten()?;
+        self.parents[open].map(|_| open)
+    }
+
     /// Whether the token stands directly in a body, contract or automaton.
     pub(crate) fn is_in_block(&self, at: usize) -> bool {
         let parent = self.parents.get(at).copied().flatten();

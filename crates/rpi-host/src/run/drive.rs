@@ -6,7 +6,7 @@ use std::time::{Duration, Instant};
 use super::cycle::Cycle;
 use super::devices;
 use super::host::Host;
-use super::job::Failure;
+use super::job::{Failure, Progress};
 use super::outcome::{CommandEnd, Outcome};
 use super::samples::Sink;
 
@@ -18,7 +18,7 @@ const TELL_EVERY: Duration = Duration::from_millis(100);
 /// Who is told what happens.
 pub(super) struct Listener<'a> {
     sink: &'a mut dyn Sink,
-    progress: Option<&'a mut dyn FnMut(&CommandEnd, Duration)>,
+    progress: Option<&'a mut Progress<'a>>,
     tick_ns: u64,
     /// When somebody was last told how far it is.
     last: Instant,
@@ -27,7 +27,7 @@ pub(super) struct Listener<'a> {
 impl<'a> Listener<'a> {
     pub(super) fn new(
         sink: &'a mut dyn Sink,
-        progress: Option<&'a mut dyn FnMut(&CommandEnd, Duration)>,
+        progress: Option<&'a mut Progress<'a>>,
         tick_ns: u64,
     ) -> Listener<'a> {
         Listener {

@@ -16,6 +16,9 @@ use super::samples::Sink;
 use super::sequence::Sequence;
 use super::sides::sides;
 
+/// Is told now and then which command runs and how long it has.
+pub type Progress<'a> = dyn FnMut(&CommandEnd, Duration) + 'a;
+
 /// What is to be run, and how.
 pub struct Job<'a> {
     /// The commands; all of one period, which is the tick.
@@ -33,7 +36,7 @@ pub struct Job<'a> {
     /// Who takes samples.
     pub sink: &'a mut dyn Sink,
     /// Who is told now and then how far it is.
-    pub progress: Option<&'a mut dyn FnMut(&CommandEnd, Duration)>,
+    pub progress: Option<&'a mut Progress<'a>>,
 }
 
 /// When a run is cut off, and how slow planning is.

@@ -19,7 +19,11 @@ impl Printer<'_> {
             TypeKind::Array(array) => {
                 concat([self.ty(&array.element), word("^"), self.size(&array.size)])
             }
-            TypeKind::Optional(inner) => concat([self.ty(inner), word("?")]),
+            TypeKind::Optional(inner) => {
+                // Two in a row would read as `??`.
+                let twice = matches!(inner.kind, TypeKind::Optional(_));
+                concat([self.ty(inner), word(if twice { " ?" } else { "?" })])
+            }
             TypeKind::Subrange(range) => self.subrange(range),
             TypeKind::Enum(values) => {
                 let values = self.list(
