@@ -11,11 +11,13 @@ pub(crate) fn check(background: Background<'_>) -> Vec<Finding> {
     };
     let is_dead = |r: &&ResultPort| never(background, &r.condition);
     let dead: Vec<&ResultPort> = results.iter().filter(is_dead).collect();
-    let mut findings: Vec<Finding> = dead.iter().map(|r| unreachable(r)).collect();
     let finishes = |r: &&ResultPort| r.kind == ResultKind::Finish;
     let all = results.iter().filter(finishes).count();
-    let lost = dead.iter().filter(|r| finishes(r)).count();
-    if lost == all {
+    let is_endless = dead.iter().filter(|r| finishes(r)).count() == all;
+    // That no `finish` can happen is one fault and has one message.
+    let others = dead.iter().filter(|r| !(is_endless && finishes(r)));
+    let mut findings: Vec<Finding> = others.map(|r| unreachable(r)).collect();
+    if is_endless {
         findings.push(endless(background, results, all));
     }
     findings

@@ -61,10 +61,9 @@ fn conditions(net: &Net, id: FragmentId) -> impl Iterator<Item = NodeId> {
 pub(crate) fn check(net: &Net, live: &[bool]) -> Vec<Finding> {
     let used = used(net, live);
     let mut reported: BTreeSet<Span> = BTreeSet::new();
-    let flows = net
-        .nodes
-        .iter()
-        .filter_map(|n| Some((n.origin.span, n.origin.flow.as_deref()?)));
+    // What is set from outside is not computed here, whoever reads it.
+    let computed = net.nodes.iter().filter(|n| n.desc().role != Role::Input);
+    let flows = computed.filter_map(|n| Some((n.origin.span, n.origin.flow.as_deref()?)));
     let dead = flows
         .filter(|(span, name)| !span.is_none() && !name.starts_with('_') && !used.contains(span));
     dead.filter(|(span, _)| reported.insert(*span))

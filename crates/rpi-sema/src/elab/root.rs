@@ -93,6 +93,11 @@ impl<'u> Elab<'u> {
                 _ => {
                     let mut leaves = Vec::new();
                     for scalar in super::expr::leaf_scalars(&declared.ty) {
+                        // A Boolean decides what can happen at all: it stands for both values.
+                        if scalar == Scalar::Bool {
+                            leaves.push(self.outside(&declared.name, scalar, declared.span));
+                            continue;
+                        }
                         let alias = self.new_alias(scalar);
                         unknown.push((alias, Value::neutral(scalar.into())));
                         leaves.push(Signal::Port(alias));
