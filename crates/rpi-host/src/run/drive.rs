@@ -7,7 +7,7 @@ use super::cycle::Cycle;
 use super::devices;
 use super::host::Host;
 use super::job::{Failure, Progress};
-use super::outcome::{CommandEnd, Outcome};
+use super::outcome::Outcome;
 use super::samples::Sink;
 
 /// How often the host looks after things on real time.

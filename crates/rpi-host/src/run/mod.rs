@@ -27,7 +27,7 @@ mod sides;
 pub use clock::Pace;
 pub use figures::{Figures, Spread};
 pub use inputs::{BadSetting, Setting};
-pub use job::{Failure, Job, Limits, run};
+pub use job::{Failure, Job, Limits, Progress, run};
 pub use outcome::{CommandEnd, DeviceEnd, Outcome, RunEnd, Status, Trouble};
 pub use samples::{Channel, Several, Sink, Source};
 pub use sequence::{Item, Sequence};

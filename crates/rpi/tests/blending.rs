@@ -1,0 +1,95 @@
+//! The paper's example as its reader runs it: both traces of its Fig. 5, without a gap and without a jump.
+
+use std::collections::BTreeMap;
+use std::path::Path;
+use std::process::Command;
+
+/// Velocity and acceleration that no joint of the example comes near, rad/s and rad/s².
+const SPEED: f64 = 1.0;
+const ACCELERATION: f64 = 2.0;
+/// Period of the example, s.
+const DT: f64 = 1e-3;
+
+/// What the tool says, and the commanded positions of each joint by cycle.
+fn run(options: &[&str]) -> (String, BTreeMap<String, Vec<f64>>) {
+    let example =
+        Path::new(env!("CARGO_MANIFEST_DIR")).join("../../examples/blending/blending.rpi");
+    let folder = tempfile::tempdir().unwrap();
+    let record = folder.path().join("record.csv");
+    let output = Command::new(env!("CARGO_BIN_EXE_rpi"))
+        .arg("run")
+        .arg(example)
+        .arg("--record")
+        .arg(&record)
+        .args(options)
+        .env("NO_COLOR", "1")
+        .output()
+        .unwrap();
+    assert_eq!(
+        output.status.code(),
+        Some(0),
+        "{}",
+        String::from_utf8_lossy(&output.stderr)
+    );
+    let said = String::from_utf8_lossy(&output.stdout) + String::from_utf8_lossy(&output.stderr);
+    (
+        said.into_owned(),
+        joints(&std::fs::read_to_string(record).unwrap()),
+    )
+}
+
+/// The joints' rows of a recording; each must have one row per cycle, from 0 on.
+fn joints(record: &str) -> BTreeMap<String, Vec<f64>> {
+    let mut joints: BTreeMap<String, Vec<f64>> = BTreeMap::new();
+    for row in record.lines().filter(|row| row.contains(",arm.joint.")) {
+        let parts: Vec<&str> = row.split(',').collect();
+        let rows = joints.entry(parts[1].to_owned()).or_default();
+        assert_eq!(
+            parts[0].parse(),
+            Ok(rows.len()),
+            "a cycle is missing or doubled: {row}"
+        );
+        rows.push(parts[2].parse().unwrap());
+    }
+    joints
+}
+
+fn differences(values: &[f64]) -> Vec<f64> {
+    values
+        .windows(2)
+        .map(|pair| (pair[1] - pair[0]) / DT)
+        .collect()
+}
+
+fn assert_continuous(joints: &BTreeMap<String, Vec<f64>>) {
+    assert_eq!(joints.len(), 7);
+    for (joint, positions) in joints {
+        let speeds = differences(positions);
+        let accelerations = differences(&speeds);
+        assert!(speeds.iter().all(|v| v.abs() < SPEED), "{joint} jumps");
+        assert!(
+            accelerations.iter().all(|a| a.abs() < ACCELERATION),
+            "{joint} changes its speed at once"
+        );
+    }
+}
+
+fn ends(said: &str, what: &str) -> usize {
+    said.lines()
+        .filter(|line| line.starts_with("MoveToC") && line.contains(what))
+        .count()
+}
+
+#[test]
+fn a_successor_in_time_takes_over_at_b() {
+    let (said, joints) = run(&[]);
+    assert_eq!(ends(&said, "taken over at at_b"), 9, "{said}");
+    assert_continuous(&joints);
+}
+
+#[test]
+fn a_successor_too_late_follows_the_regular_end_at_c() {
+    let (said, joints) = run(&["--planning-time", "20s"]);
+    assert_eq!(ends(&said, "finished with at_c"), 9, "{said}");
+    assert_continuous(&joints);
+}
