@@ -1,6 +1,6 @@
 //! Every primitive, each declared in one place.
 //!
-//! [`registry`] is what everybody else reads: the type checker, the importer, the lowering, the interpreter, hover
+//! [`registry()`] is what everybody else reads: the type checker, the importer, the lowering, the interpreter, hover
 //! texts and the generated reference. Adding a primitive is one declaration in a file below [`mod@catalogue`] and, for a
 //! new file, one line in its `mod.rs`. A primitive must not know a net, a file, a clock or another primitive.
 #![no_std]

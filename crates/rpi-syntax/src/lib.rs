@@ -2,7 +2,7 @@
 //!
 //! [`parse`] never fails: it always returns a tree and the findings, and what is broken in a text
 //! does not hide what is not. [`format()`] sets a text in the one style of the language;
-//! [`print`] writes a tree that has no text, such as an imported net.
+//! [`print()`] writes a tree that has no text, such as an imported net.
 //!
 //! This crate knows what programs look like. It must not know what they mean: names, types and
 //! units are not resolved here, and no file is opened. No type of the parser generator or of the

@@ -11,7 +11,7 @@
 //! name, type, outPort = { letter | digit | "_" | ":" }
 //! ```
 //! `parent` stands for the in-ports of the fragment around. Types of ports are not in the text; they come from
-//! [`rpi_prims::registry`]. Recording times in brackets are read over: what is recorded is chosen when a net is run.
+//! [`rpi_prims::registry()`]. Recording times in brackets are read over: what is recorded is chosen when a net is run.
 //!
 //! The reference's two readers differ; this one takes what either writes. An unknown in-port is a warning (its Java core
 //! ignores it, its C++ core refuses it); unknown types, parameters and names are errors (as in both).
