@@ -4,8 +4,8 @@ use rpi_diag::Span;
 use rpi_image::desc::ShapeArgs;
 use rpi_image::{Need, ParamType, PortType, Presence, Role, Scalar, Type, Value};
 use rpi_net::{
-    Absent, Activation, Driver, ExportPort, Fragment, FragmentId, Input, Net, Node, NodeId, Origin,
-    PortRef, Restart, ResultKind, ResultPort,
+    Absent, Activation, Driver, Fragment, FragmentId, Input, Net, Node, NodeId, Origin, PortRef,
+    Restart, ResultKind, ResultPort,
 };
 use rpi_prims::PrimId;
 
@@ -142,13 +142,11 @@ impl Build {
         self.net.nodes[node.index()].inputs[port] = Input::Port(source);
     }
 
-    /// Publishes a flow.
+    /// Publishes a real.
     pub fn export(&mut self, key: &str, source: PortRef) {
-        self.net.exports.push(ExportPort {
-            key: key.into(),
-            source,
-            origin: nowhere(),
-        });
+        let params = [("Key", Value::Str(key.into()))];
+        let inputs = [Input::Port(source)];
+        self.add_with(FragmentId::ROOT, "Core::DoubleNetcommOut", &inputs, &params);
     }
 
     /// Adds a named result.

@@ -5,10 +5,19 @@ use rpi_device::{DeviceBank, PortId, PortName, Refusal, ResolveError};
 use rpi_image::hash::Fnv;
 use rpi_image::{Scalar, Type};
 
+/// A port that somebody asked for.
+#[derive(Clone, Debug)]
+struct Port {
+    name: String,
+    ty: Type,
+    /// Hash of the name: what makes its numbers differ from those of others.
+    hash: u64,
+}
+
 /// Every device there could be. Two puppets of one age that are asked the same answer the same.
 #[derive(Clone, Debug, Default)]
 pub struct Puppet {
-    names: Vec<(String, Type)>,
+    ports: Vec<Port>,
     cycle: u64,
     written: Fnv,
     /// Number of set-points handed over.
@@ -31,10 +40,6 @@ impl Puppet {
     #[must_use]
     pub fn written(&self) -> u64 {
         self.written.finish()
-    }
-
-    fn name(&self, port: PortId) -> &str {
-        self.names.get(port.0 as usize).map_or("", |n| &n.0)
     }
 }
 
@@ -71,12 +76,16 @@ impl DeviceBank for Puppet {
             name.device, name.port, name.index, name.kind
         );
         let known = self
-            .names
+            .ports
             .iter()
-            .position(|n| n.0 == text && n.1 == name.ty);
+            .position(|p| p.name == text && p.ty == name.ty);
         let place = known.unwrap_or_else(|| {
-            self.names.push((text, name.ty));
-            self.names.len() - 1
+            self.ports.push(Port {
+                hash: Fnv::new().bytes(text.as_bytes()).finish(),
+                name: text,
+                ty: name.ty,
+            });
+            self.ports.len() - 1
         });
         Ok(PortId(u32::try_from(place).unwrap_or(u32::MAX)))
     }
@@ -86,11 +95,10 @@ impl DeviceBank for Puppet {
     }
 
     fn read(&mut self, port: PortId, value: &mut [u64]) -> bool {
-        let Some((name, ty)) = self.names.get(port.0 as usize) else {
+        let Some(port) = self.ports.get(port.0 as usize) else {
             return false;
         };
-        let phase = Fnv::new().bytes(name.as_bytes()).finish() % 1000;
-        fill(value, *ty, phase + self.cycle);
+        fill(value, port.ty, port.hash % 1000 + self.cycle);
         true
     }
 
@@ -107,15 +115,13 @@ impl DeviceBank for Puppet {
 
     fn write(&mut self, port: PortId, value: &[u64]) {
         self.writes += 1;
-        let mut hash = self.written.bytes(self.name(port).as_bytes());
-        for cell in value {
-            hash = hash.bytes(&cell.to_le_bytes());
-        }
-        self.written = hash;
+        let name = self.ports.get(port.0 as usize).map_or(0, |p| p.hash);
+        let parts = std::iter::once(&name).chain(value.iter());
+        self.written = parts.fold(self.written, |hash, part| hash.bytes(&part.to_le_bytes()));
     }
 
     fn call(&mut self, port: PortId, arguments: &[u64], result: &mut [u64]) -> bool {
-        let Some((_, ty)) = self.names.get(port.0 as usize) else {
+        let Some(port) = self.ports.get(port.0 as usize) else {
             return false;
         };
         let sum: f64 = arguments.iter().map(|a| f64::from_bits(*a)).sum();
@@ -124,7 +130,7 @@ impl DeviceBank for Puppet {
         } else {
             7
         };
-        fill(result, *ty, seed);
+        fill(result, port.ty, seed);
         true
     }
 

@@ -2,7 +2,7 @@
 
 use crate::load::{LoadFault, check};
 use crate::ports::Ports;
-use crate::program::{Op, copy, resolve};
+use crate::program::{Op, Program, copy};
 use rpi_device::DeviceBank;
 use rpi_image::CommandFlow;
 use rpi_image::image::{Cells, End, EndKind, Fragment, Image, Signal, TRUE};
@@ -43,8 +43,8 @@ pub enum Verdict {
 pub struct Machine {
     image: Arc<Image>,
     cells: Box<[u64]>,
-    steps: Box<[Op]>,
-    commit: Box<[Op]>,
+    steps: Program,
+    commit: Program,
     /// For each fragment its part of [`Image::init`].
     init: Box<[Cells]>,
     ports: Ports,
@@ -71,8 +71,8 @@ impl Machine {
         }
         let mut machine = Machine {
             cells: vec![0; image.layout.cells as usize].into(),
-            steps: resolve(&image, &image.steps),
-            commit: resolve(&image, &image.commit),
+            steps: Program::new(&image, &image.steps),
+            commit: Program::new(&image, &image.commit),
             init: image.fragments.iter().map(|f| init_of(&image, f)).collect(),
             ports,
             cycle: 0,
@@ -117,6 +117,22 @@ impl Machine {
         self.ports.held()
     }
 
+    /// Bytes of memory that it takes: cells, steps and the operand words of its image.
+    #[must_use]
+    pub fn footprint(&self) -> usize {
+        let image = &*self.image;
+        size_of_val(&*self.cells)
+            + size_of_val(&*self.steps.ops)
+            + size_of_val(&*self.steps.guards)
+            + size_of_val(&*self.commit.ops)
+            + size_of_val(&*self.commit.guards)
+            + size_of_val(&*image.code)
+            + size_of_val(&*image.steps)
+            + size_of_val(&*image.commit)
+            + size_of_val(&*image.init)
+            + size_of_val(&*image.origins)
+    }
+
     /// The first fault of this cycle.
     #[must_use]
     pub fn fault(&self) -> Option<Fault> {
@@ -146,27 +162,22 @@ impl Machine {
     /// Second phase: every active primitive once, in dependency order.
     pub fn evaluate(&mut self, bank: &mut dyn DeviceBank) {
         let mut cx = cx(&mut self.cells, self.clock, bank, self.fault);
-        let (mut pc, end) = (0, self.steps.len());
-        while pc < end {
-            pc = step(
-                pc,
-                self.steps[pc],
-                &self.image,
-                &self.init,
-                &mut self.ports,
-                &mut cx,
-            );
+        let (image, init) = (&*self.image, &*self.init);
+        let mut pc = 0;
+        while pc < self.steps.ops.len() {
+            pc = step(pc, &self.steps, image, init, &mut self.ports, &mut cx);
         }
         self.fault = cx.fault;
     }
 
     /// One step of the second phase, for whoever looks closely: gives the next step.
     pub fn step(&mut self, pc: usize, bank: &mut dyn DeviceBank) -> usize {
-        let Some(&op) = self.steps.get(pc) else {
+        if pc >= self.steps.ops.len() {
             return pc;
-        };
+        }
         let mut cx = cx(&mut self.cells, self.clock, bank, self.fault);
-        let next = step(pc, op, &self.image, &self.init, &mut self.ports, &mut cx);
+        let (image, init) = (&*self.image, &*self.init);
+        let next = step(pc, &self.steps, image, init, &mut self.ports, &mut cx);
         self.fault = cx.fault;
         next
     }
@@ -174,13 +185,13 @@ impl Machine {
     /// Third phase: what `pre` will give in the next cycle.
     pub fn commit(&mut self) {
         let mut pc = 0;
-        while let Some(op) = self.commit.get(pc) {
+        while let Some(op) = self.commit.ops.get(pc) {
             pc = match *op {
                 Op::Copy { words } => {
                     copy(&mut self.cells, &self.image.code[words.range()]);
                     pc + 1
                 }
-                Op::Skip { unless, to } if self.cells[unless as usize] == 0 => to as usize,
+                Op::Skip { guards, to } => self.commit.pass(&self.cells, guards, to),
                 _ => pc + 1,
             };
         }
@@ -307,17 +318,16 @@ fn cx<'a>(
 #[inline(always)]
 fn step(
     pc: usize,
-    op: Op,
+    steps: &Program,
     image: &Image,
     init: &[Cells],
     ports: &mut Ports,
     cx: &mut Cx<'_>,
 ) -> usize {
-    match op {
+    match steps.ops[pc] {
         Op::Run { code, words } => code(cx, &image.code[words.range()]),
         Op::Copy { words } => copy(cx.cells, &image.code[words.range()]),
-        Op::Skip { unless, to } if cx.cells[unless as usize] == 0 => return to as usize,
-        Op::Skip { .. } => {}
+        Op::Skip { guards, to } => return steps.pass(cx.cells, guards, to),
         Op::Reset { unless, fragment } if cx.cells[unless as usize] == 0 => {
             let index = fragment as usize;
             let init = &image.init[init[index].range()];

@@ -1,0 +1,56 @@
+//! The table that a run prints.
+
+/// Rows of figures against bars.
+pub(crate) struct Table {
+    only: Vec<String>,
+    rows: Vec<Row>,
+}
+
+struct Row {
+    name: String,
+    value: f64,
+    bar: f64,
+    unit: &'static str,
+    note: String,
+}
+
+impl Table {
+    /// A table of the rows whose names begin as one of these; all if there are none.
+    pub(crate) fn new(only: Vec<String>) -> Self {
+        let rows = Vec::new();
+        Table { only, rows }
+    }
+
+    /// Whether a row is to be measured.
+    pub(crate) fn wants(&self, name: &str) -> bool {
+        self.only.is_empty() || self.only.iter().any(|o| name.contains(o.as_str()))
+    }
+
+    /// Adds a row: a figure, and what it must not exceed.
+    pub(crate) fn row(&mut self, name: &str, value: f64, bar: f64, unit: &'static str, note: &str) {
+        eprintln!("{name}: {value:.2} {unit} ({note})");
+        self.rows.push(Row {
+            name: name.to_owned(),
+            value,
+            bar,
+            unit,
+            note: note.to_owned(),
+        });
+    }
+
+    /// Prints all rows.
+    pub(crate) fn print(&self) {
+        println!(
+            "{:44} {:>10} {:>10}  {:4}  note",
+            "what", "measured", "bar", ""
+        );
+        for r in &self.rows {
+            let met = if r.value <= r.bar { "ok" } else { "OVER" };
+            let (value, bar) = (
+                format!("{:.2} {}", r.value, r.unit),
+                format!("{} {}", r.bar, r.unit),
+            );
+            println!("{:44} {value:>10} {bar:>10}  {met:4}  {}", r.name, r.note);
+        }
+    }
+}
