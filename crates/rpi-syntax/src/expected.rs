@@ -39,6 +39,16 @@ use Token::*;
 /// Larger sets first: an expression begins with a name, too.
 const GROUPS: &[Group] = &[
     Group {
+        words: "an argument",
+        needs: &[Int, Not, Const, Node, BoolType],
+        covers: &[
+            Int, Real, Str, True, False, Ident, Path, LParen, LBracket, Hash, Nor, Merge, Not,
+            Minus, Pre, Current, Last, If, With, IntType, RealType, BoolType, Const, Node,
+            Function, Type, Arrow, Plus, Star, Slash, Div, Mod, Pow, Hat, Bar, Coalesce, Implies,
+            Or, Xor, And, Eq, Ne, Lt, Le, Gt, Ge, Fby,
+        ],
+    },
+    Group {
         words: "an expression",
         needs: &[Int, Not, LParen],
         covers: &[
@@ -80,14 +90,29 @@ const GROUPS: &[Group] = &[
         ],
     },
     Group {
+        words: "a transition or the next state",
+        needs: &[Unless, State],
+        covers: &[Unless, Until, Initial, State, End],
+    },
+    Group {
         words: "the body",
         needs: &[Let, Var],
         covers: &[Let, Var, Const, Con, Semi],
     },
     Group {
-        words: "a transition",
-        needs: &[Unless, Let],
-        covers: &[Unless, Until, Let, Var, Const, Initial, State, End],
+        words: "a parameter",
+        needs: &[Ident, Const, Node, Type],
+        covers: &[Ident, Const, Node, Function, Type],
+    },
+    Group {
+        words: "a port",
+        needs: &[Ident, Const, LParen],
+        covers: &[Ident, Const, LParen],
+    },
+    Group {
+        words: "a name",
+        needs: &[Ident, LParen],
+        covers: &[Ident, LParen],
     },
 ];
 
@@ -185,6 +210,11 @@ const HINTS: &[(Option<Token>, Option<Token>, &str)] = &[
     (
         None,
         Some(Percent),
+        "the remainder is written `mod`; `60%` is 0.6",
+    ),
+    (
+        Some(Percent),
+        None,
         "the remainder is written `mod`; `60%` is 0.6",
     ),
     (None, Some(LBrace), "a body stands between `let` and `tel`"),

@@ -25,165 +25,185 @@ impl Fault {
             expected: expected.collect(),
         }
     }
+}
 
+/// A fault among the tokens that it was found in.
+pub(crate) struct Found<'f, 't> {
+    pub(crate) cx: &'f Context<'t>,
+    pub(crate) lexemes: &'f [Lexeme],
+    pub(crate) structure: &'f Structure<'f>,
+    pub(crate) fault: &'f Fault,
+}
+
+impl Found<'_, '_> {
     /// Whether all that is wrong is a missing `;`: one would fit, and a new phrase begins here.
-    pub(crate) fn lacks_semi(&self, cx: &Context<'_>, lexemes: &[Lexeme]) -> bool {
-        let before = self.at.checked_sub(1).map(|i| lexemes[i]);
-        let new_phrase = match (before, lexemes.get(self.at)) {
+    pub(crate) fn lacks_semi(&self) -> bool {
+        let expects = |token| self.fault.expected.contains(&token);
+        let fits = expects(Token::Semi) && !expects(Token::Let);
+        let open = self.structure.open_bracket(self.fault.at);
+        fits && open.is_none() && self.begins_phrase()
+    }
+
+    fn begins_phrase(&self) -> bool {
+        match (self.before(), self.here()) {
             (None, _) => false,
             // Where one has been put in, another would not help.
             (Some(before), _) if before.start == before.end => false,
             (Some(_), None) => true,
             (Some(before), Some(here)) => {
-                matches!(
-                    here.token,
-                    Token::Tel | Token::Let | Token::Noc | Token::End
-                ) || cx.slice(before.end, here.start).contains('\n')
+                matches!(here.token, Token::Tel | Token::Noc | Token::End)
+                    || self.cx.slice(before.end, here.start).contains('\n')
             }
-        };
-        new_phrase && self.expected.contains(&Token::Semi)
-    }
-}
-
-/// A `;` is missing before the token.
-pub(crate) fn missing_semi(cx: &Context<'_>, lexemes: &[Lexeme], fault: &Fault) -> Finding {
-    let before = lexemes[fault.at - 1];
-    let span = cx.span(before.start, before.end);
-    Finding::new(
-        Code::RPI0006,
-        format!("expected `;` after {}", quoted(cx, before)),
-    )
-    .at(after(span), "this phrase has no end")
-    .fix(Fix::sure("insert `;`").insert_after(span, ";"))
-}
-
-/// A body is open at the end of the declaration.
-pub(crate) fn open_body(
-    cx: &Context<'_>,
-    lexemes: &[Lexeme],
-    structure: &Structure<'_>,
-) -> Finding {
-    let finding = Finding::new(Code::RPI0004, "this body has no end");
-    let open = structure.open_let().map_or(0, |open| open);
-    let last = lexemes
-        .last()
-        .map_or(Span::NONE, |l| cx.span(l.start, l.end));
-    finding
-        .at(
-            cx.span(lexemes[open].start, lexemes[open].end),
-            "no `tel` for this `let`",
-        )
-        .also(after(last), "the declaration ends here")
-        .fix(Fix::maybe("insert `tel`").insert_after(last, "\ntel"))
-}
-
-/// The token fits nowhere.
-pub(crate) fn unexpected(
-    cx: &Context<'_>,
-    lexemes: &[Lexeme],
-    structure: &Structure<'_>,
-    fault: &Fault,
-) -> Finding {
-    let here = lexemes.get(fault.at).copied();
-    if let Some(open) = structure.open_bracket(fault.at)
-        && closing(lexemes[open].token).is_some_and(|close| fault.expected.contains(&close))
-        && here.is_none_or(|lexeme| ends_bracket(lexeme.token))
-    {
-        return open_bracket(cx, lexemes, open, fault.at);
-    }
-    match here {
-        Some(lexeme) if reserved_as_name(cx, lexeme, fault) => reserved(cx, lexeme),
-        Some(_) if fault.expected.is_empty() => outside::stray(cx, &lexemes[fault.at..]),
-        _ => expected_found(cx, lexemes, fault),
-    }
-}
-
-fn ends_bracket(token: Token) -> bool {
-    use Token::{Let, RBrace, RBracket, RParen, RStatic, Semi, Tel};
-    matches!(
-        token,
-        Semi | Let | Tel | RParen | RBracket | RBrace | RStatic
-    )
-}
-
-fn open_bracket(cx: &Context<'_>, lexemes: &[Lexeme], open: usize, at: usize) -> Finding {
-    let bracket = lexemes[open];
-    let close = closing(bracket.token)
-        .and_then(Token::spelling)
-        .unwrap_or_default();
-    let span = cx.span(bracket.start, bracket.end);
-    Finding::new(
-        Code::RPI0004,
-        format!("{} is not closed", quoted(cx, bracket)),
-    )
-    .at(span, "opened here")
-    .also(
-        place(cx, lexemes, at),
-        format!("expected `{close}` before this"),
-    )
-}
-
-/// Whether a reserved word stands where a name is wanted: neither an expression nor an equation.
-fn reserved_as_name(cx: &Context<'_>, lexeme: Lexeme, fault: &Fault) -> bool {
-    let wants = |token| fault.expected.contains(&token);
-    let wants_name = wants(Token::Ident) && !wants(Token::Int) && !wants(Token::Tel);
-    let is_reserved = lexeme
-        .token
-        .keyword()
-        .is_some_and(|word| word.is_reserved_in(cx.mode));
-    wants_name
-        && is_reserved
-        && !matches!(
-            lexeme.token,
-            Token::When | Token::Let | Token::Tel | Token::Then
-        )
-}
-
-fn reserved(cx: &Context<'_>, lexeme: Lexeme) -> Finding {
-    let span = cx.span(lexeme.start, lexeme.end);
-    Finding::new(
-        Code::RPI0012,
-        format!(
-            "{} is a word of the language, not a name",
-            quoted(cx, lexeme)
-        ),
-    )
-    .at(span, "reserved")
-    .help("choose another name")
-}
-
-fn expected_found(cx: &Context<'_>, lexemes: &[Lexeme], fault: &Fault) -> Finding {
-    let before = fault.at.checked_sub(1).map(|i| lexemes[i]);
-    let here = lexemes.get(fault.at).copied();
-    let what = expected::in_words(&fault.expected, before.map(|lexeme| lexeme.token));
-    let message = match before {
-        Some(before) if before.token != Token::Broken => {
-            format!("expected {what} after {}", quoted(cx, before))
         }
-        _ => format!("expected {what}"),
-    };
-    let found = match here {
-        Some(here) => format!("found {}", quoted(cx, here)),
-        None => "the declaration ends here".to_owned(),
-    };
-    let finding = Finding::new(Code::RPI0001, message).at(place(cx, lexemes, fault.at), found);
-    match expected::hint(
-        before.map(|lexeme| lexeme.token),
-        here.map(|lexeme| lexeme.token),
-    ) {
-        Some(hint) => finding.help(hint),
-        None => finding,
+    }
+
+    /// A `;` is missing before the token.
+    pub(crate) fn missing_semi(&self) -> Finding {
+        let before = self.before().unwrap_or(NO_LEXEME);
+        let span = self.cx.span(before.start, before.end);
+        Finding::new(
+            Code::RPI0006,
+            format!("expected `;` after {}", self.quoted(before)),
+        )
+        .at(after(span), "this phrase has no end")
+        .fix(Fix::sure("insert `;`").insert_after(span, ";"))
+    }
+
+    /// A body is open at the end of the declaration; `open` is its `let`.
+    pub(crate) fn open_body(&self, open: usize) -> Finding {
+        let open = self.lexemes[open];
+        let last = self.place(self.lexemes.len());
+        Finding::new(Code::RPI0004, "this body has no end")
+            .at(
+                self.cx.span(open.start, open.end),
+                "no `tel` for this `let`",
+            )
+            .also(last, "the declaration ends here")
+            .fix(Fix::maybe("insert `tel`").insert_after(last, "\ntel"))
+    }
+
+    /// The token fits nowhere.
+    pub(crate) fn unexpected(&self) -> Finding {
+        let open = self.structure.open_bracket(self.fault.at);
+        match (open, self.here()) {
+            (Some(open), here) if self.ends_bracket(open, here) => self.open_bracket(open),
+            (_, Some(here)) if self.is_reserved_as_name(here) => self.reserved(here),
+            // The declaration was complete.
+            (_, Some(_)) if self.fault.expected.is_empty() => {
+                outside::stray(self.cx, self.before(), &self.lexemes[self.fault.at..])
+            }
+            _ => self.expected(),
+        }
+    }
+
+    /// Whether a bracket that is open here should have been closed before.
+    fn ends_bracket(&self, open: usize, here: Option<Lexeme>) -> bool {
+        use Token::{Let, RBrace, RBracket, RParen, RStatic, Semi, Tel};
+        let close = closing(self.lexemes[open].token);
+        let fits = close.is_some_and(|close| self.fault.expected.contains(&close));
+        let ends = |token| {
+            matches!(
+                token,
+                Semi | Let | Tel | RParen | RBracket | RBrace | RStatic
+            )
+        };
+        here.map_or(true, |here| fits && ends(here.token))
+    }
+
+    fn open_bracket(&self, open: usize) -> Finding {
+        let bracket = self.lexemes[open];
+        let close = closing(bracket.token).and_then(Token::spelling);
+        let span = self.cx.span(bracket.start, bracket.end);
+        let here = format!("expected `{}` before this", close.unwrap_or_default());
+        Finding::new(
+            Code::RPI0004,
+            format!("{} is not closed", self.quoted(bracket)),
+        )
+        .at(span, "opened here")
+        .also(self.place(self.fault.at), here)
+    }
+
+    /// Whether a reserved word stands where a name is wanted: neither an expression nor an equation.
+    fn is_reserved_as_name(&self, here: Lexeme) -> bool {
+        use Token::{Let, Tel, Then, When};
+        let wants = |token| self.fault.expected.contains(&token);
+        let wants_name = wants(Token::Ident) && !wants(Token::Int) && !wants(Tel);
+        let word = here.token.keyword();
+        let is_reserved = word.is_some_and(|word| word.is_reserved_in(self.cx.mode));
+        wants_name && is_reserved && !matches!(here.token, When | Let | Tel | Then)
+    }
+
+    fn reserved(&self, here: Lexeme) -> Finding {
+        let message = format!(
+            "{} is a word of the language, not a name",
+            self.quoted(here)
+        );
+        Finding::new(Code::RPI0012, message)
+            .at(self.cx.span(here.start, here.end), "reserved")
+            .help("choose another name")
+    }
+
+    fn expected(&self) -> Finding {
+        let (before, here) = (self.before(), self.here());
+        let what = expected::in_words(&self.fault.expected, before.map(|lexeme| lexeme.token));
+        let message = match before {
+            Some(before) if before.token != Token::Broken => {
+                format!("expected {what} after {}", self.quoted(before))
+            }
+            _ => format!("expected {what}"),
+        };
+        let found = match here {
+            Some(here) => format!("found {}", self.quoted(here)),
+            None => "the declaration ends here".to_owned(),
+        };
+        let finding = Finding::new(Code::RPI0001, message).at(self.place(self.fault.at), found);
+        match expected::hint(
+            before.map(|lexeme| lexeme.token),
+            here.map(|lexeme| lexeme.token),
+        ) {
+            Some(hint) => finding.help(hint),
+            None => finding,
+        }
+    }
+
+    fn before(&self) -> Option<Lexeme> {
+        self.fault.at.checked_sub(1).map(|i| self.lexemes[i])
+    }
+
+    fn here(&self) -> Option<Lexeme> {
+        self.lexemes.get(self.fault.at).copied()
+    }
+
+    /// The place of a token; after the last one for the end.
+    fn place(&self, at: usize) -> Span {
+        match (self.lexemes.get(at), self.lexemes.last()) {
+            (Some(lexeme), _) => self.cx.span(lexeme.start, lexeme.end),
+            (None, Some(last)) => after(self.cx.span(last.start, last.end)),
+            (None, None) => self.cx.span(0, 0),
+        }
+    }
+
+    /// The token as it is written, in quotes.
+    fn quoted(&self, lexeme: Lexeme) -> String {
+        const LONGEST: usize = 30;
+        let written = match self.cx.slice(lexeme.start, lexeme.end) {
+            "" => lexeme.token.spelling().unwrap_or_default(),
+            written => written,
+        };
+        let mut shown: String = written.chars().take(LONGEST).collect();
+        if shown.len() < written.len() {
+            shown.push_str("...");
+        }
+        format!("`{shown}`")
     }
 }
 
-/// The place of a token; after the last one for the end.
-fn place(cx: &Context<'_>, lexemes: &[Lexeme], at: usize) -> Span {
-    match (lexemes.get(at), lexemes.last()) {
-        (Some(lexeme), _) => cx.span(lexeme.start, lexeme.end),
-        (None, Some(last)) => after(cx.span(last.start, last.end)),
-        (None, None) => cx.span(0, 0),
-    }
-}
+/// Stands before the first token.
+const NO_LEXEME: Lexeme = Lexeme {
+    token: Token::Broken,
+    start: 0,
+    end: 0,
+};
 
 /// The empty place after another.
 fn after(span: Span) -> Span {
@@ -191,18 +211,4 @@ fn after(span: Span) -> Span {
         start: span.end,
         ..span
     }
-}
-
-/// The token as it is written, in quotes.
-fn quoted(cx: &Context<'_>, lexeme: Lexeme) -> String {
-    const LONGEST: usize = 30;
-    let written = match cx.slice(lexeme.start, lexeme.end) {
-        "" => lexeme.token.spelling().unwrap_or_default(),
-        written => written,
-    };
-    let mut shown: String = written.chars().take(LONGEST).collect();
-    if shown.len() < written.len() {
-        shown.push_str("...");
-    }
-    format!("`{shown}`")
 }

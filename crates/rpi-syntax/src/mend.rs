@@ -6,12 +6,12 @@
 
 use crate::ast::{Declared, DeclaredKind, Ident, Item, ItemKind};
 use crate::context::Context;
-use crate::explain::Fault;
+use crate::declared;
+use crate::explain::{Fault, Found};
 use crate::grammar::ItemParser;
 use crate::lexer::Lexeme;
-use crate::structure::Structure;
+use crate::structure::{Structure, closing};
 use crate::token::Token;
-use crate::{declared, explain};
 use lalrpop_util::ParseError;
 use rpi_diag::Finding;
 use std::ops::Range;
@@ -87,6 +87,9 @@ fn fault(lexemes: &[Lexeme], error: ParseError<u32, Token, ()>) -> Fault {
     }
 }
 
+/// How many faults of one declaration are mended.
+const MAX_FAULTS: usize = 200;
+
 /// How many tokens may be read again for the sake of further findings.
 const PATIENCE: usize = 1_000_000;
 
@@ -98,6 +101,8 @@ struct Mender<'c, 't, 'f> {
     patience: usize,
     /// Where the last phrase was taken out.
     broken_at: Option<usize>,
+    /// Whether a fault at the end has been reported.
+    ended: bool,
 }
 
 impl<'c, 't, 'f> Mender<'c, 't, 'f> {
@@ -113,6 +118,7 @@ impl<'c, 't, 'f> Mender<'c, 't, 'f> {
             findings,
             patience: PATIENCE,
             broken_at: None,
+            ended: false,
         }
     }
 
@@ -129,7 +135,7 @@ impl<'c, 't, 'f> Mender<'c, 't, 'f> {
 
     /// Mends one fault after the other, until the declaration parses. [`None`] if its head does not.
     fn mend_all(&mut self, mut fault: Fault) -> Option<Item> {
-        loop {
+        for _ in 0..MAX_FAULTS {
             if !self.mend(&fault) {
                 return None;
             }
@@ -142,6 +148,7 @@ impl<'c, 't, 'f> Mender<'c, 't, 'f> {
                 Err(next) => fault = next,
             }
         }
+        None
     }
 
     /// Reports the fault and mends it. False if there is no way.
@@ -149,25 +156,44 @@ impl<'c, 't, 'f> Mender<'c, 't, 'f> {
         if self.broken_at.is_some_and(|at| fault.at <= at) {
             return self.take_out_around();
         }
-        let structure = Structure::new(&self.lexemes);
-        if fault.at == self.lexemes.len() && structure.open_let().is_some() {
-            let finding = explain::open_body(self.cx, &self.lexemes, &structure);
-            self.findings.push(finding);
-            let missing = structure.open_lets();
-            return self.close_bodies(missing);
-        }
-        if fault.lacks_semi(self.cx, &self.lexemes) {
-            // What breaks off was reported; its `;` went with it.
-            if self.lexemes[fault.at - 1].token != Token::Broken {
-                let finding = explain::missing_semi(self.cx, &self.lexemes, fault);
-                self.findings.push(finding);
-            }
+        let at_end = fault.at == self.lexemes.len();
+        if self.ends_broken(fault) {
             self.insert(fault.at, Token::Semi);
             return true;
         }
-        let finding = explain::unexpected(self.cx, &self.lexemes, &structure, fault);
-        self.findings.push(finding);
-        self.take_out(structure.phrase(fault.at))
+        // Whatever is missing at the end, the declaration breaks off there: one fault.
+        if at_end && std::mem::replace(&mut self.ended, true) {
+            return false;
+        }
+        let structure = Structure::new(&self.lexemes);
+        let found = Found {
+            cx: self.cx,
+            lexemes: &self.lexemes,
+            structure: &structure,
+            fault,
+        };
+        let open_let = structure.open_let().filter(|_| at_end);
+        let lacks_semi = open_let.is_none() && found.lacks_semi();
+        self.findings.push(match open_let {
+            Some(open) => found.open_body(open),
+            None if lacks_semi => found.missing_semi(),
+            None => found.unexpected(),
+        });
+        let phrase = structure.phrase(fault.at);
+        match (open_let, lacks_semi) {
+            (Some(_), _) => self.close_bodies(),
+            (None, true) => {
+                self.insert(fault.at, Token::Semi);
+                true
+            }
+            (None, false) => self.take_out(phrase),
+        }
+    }
+
+    /// Whether all that is missing is the `;` of a phrase that was taken out.
+    fn ends_broken(&self, fault: &Fault) -> bool {
+        let before = fault.at.checked_sub(1).map(|i| self.lexemes[i].token);
+        before == Some(Token::Broken) && fault.expected.contains(&Token::Semi)
     }
 
     /// Takes out what is around a broken phrase that does not fit as such.
@@ -180,20 +206,19 @@ impl<'c, 't, 'f> Mender<'c, 't, 'f> {
     }
 
     /// Puts in what closes the bodies that are open at the end.
-    fn close_bodies(&mut self, missing: usize) -> bool {
-        use Token::{End, Let, Semi, Tel};
-        let ends_phrase = |token| matches!(token, Semi | Let | Tel | End);
-        let last = self.lexemes.last().map(|lexeme| lexeme.token);
-        // An equation that breaks off: what is missing in it goes with it.
-        if last.is_some_and(|token| !ends_phrase(token)) {
-            let phrase = Structure::new(&self.lexemes).phrase(self.lexemes.len());
-            if !self.take_out(phrase) {
-                return false;
-            }
-            self.broken_at = None;
+    fn close_bodies(&mut self) -> bool {
+        let structure = Structure::new(&self.lexemes);
+        let cut = structure.unfinished();
+        let open = structure.open_blocks().filter(|open| *open < cut);
+        let closing = open.filter_map(|open| closing(self.lexemes[open].token));
+        let closing: Vec<Token> = closing.collect();
+        // A phrase that breaks off: what is missing in it goes with it.
+        if cut < self.lexemes.len() && !self.take_out(cut..self.lexemes.len()) {
+            return false;
         }
-        for _ in 0..missing {
-            self.insert(self.lexemes.len(), Token::Tel);
+        self.broken_at = None;
+        for token in closing.into_iter().rev() {
+            self.insert(self.lexemes.len(), token);
         }
         true
     }

@@ -5,32 +5,53 @@ use crate::lexer::Lexeme;
 use crate::token::Token;
 use rpi_diag::{Code, Finding, Fix};
 
-/// A name that resembles the word of a declaration, where such a word is expected.
-pub(crate) fn misspelt(cx: &Context<'_>, name: Lexeme, word: Token) -> Finding {
+/// A name that resembles the word of a declaration, where such a word is expected. [`None`] if it
+/// is that word.
+pub(crate) fn misspelt(cx: &Context<'_>, name: Lexeme, word: Token) -> Option<Finding> {
     let meant = word.spelling().unwrap_or_default();
     let written = cx.slice(name.start, name.end);
     let span = cx.span(name.start, name.end);
-    Finding::new(
+    let finding = Finding::new(
         Code::RPI0010,
         format!("no declaration begins with `{written}`"),
     )
     .at(span, format!("did you mean `{meant}`?"))
-    .fix(Fix::maybe(format!("write `{meant}`")).replace(span, meant))
+    .fix(Fix::maybe(format!("write `{meant}`")).replace(span, meant));
+    (written != meant).then_some(finding)
 }
 
-/// Anything else outside of declarations.
-pub(crate) fn stray(cx: &Context<'_>, lexemes: &[Lexeme]) -> Finding {
+/// A package or model.
+pub(crate) fn package(cx: &Context<'_>, word: Lexeme) -> Finding {
+    let written = cx.slice(word.start, word.end);
+    Finding::new(
+        Code::RPI0010,
+        format!("a {written} of Lustre V6 is not read"),
+    )
+    .at(
+        cx.span(word.start, word.end),
+        "the rest of the file is skipped",
+    )
+    .help("write its nodes, types and constants without it")
+}
+
+/// Anything else outside of declarations; `before` is what stands before it.
+pub(crate) fn stray(cx: &Context<'_>, before: Option<Lexeme>, lexemes: &[Lexeme]) -> Finding {
     let first = lexemes[0];
     let written = cx.slice(first.start, first.end);
-    let finding = Finding::new(
-        Code::RPI0010,
-        format!("`{written}` stands outside of any declaration"),
-    );
     let span = cx.span(first.start, first.end);
-    match first.token {
-        Token::Tel => finding.at(span, "closes a body that is not open"),
+    let message = format!("`{written}` stands outside of any declaration");
+    let finding = Finding::new(Code::RPI0010, message);
+    if first.token == Token::Tel {
+        return finding.at(span, "closes a body that is not open");
+    }
+    let finding = finding.at(span, "no declaration begins like this");
+    let closes_body = |lexeme: &Lexeme| lexeme.token == Token::Tel;
+    match before.filter(closes_body) {
+        Some(tel) if lexemes.iter().any(closes_body) => finding.also(
+            cx.span(tel.start, tel.end),
+            "the body ends here: is this `tel` one too many?",
+        ),
         _ => finding
-            .at(span, "no declaration begins like this")
             .help("equations stand between `let` and `tel`, in a node, fragment, command or test"),
     }
 }

@@ -27,7 +27,7 @@ pub fn parse(file: FileId, text: &str, mode: Mode) -> Parse {
     }
 }
 
-/// What no token was made of: unknown characters, and a comment that runs to the end of the file.
+/// What no whole token was made of: unknown characters, comments and texts without end.
 struct Gaps<'t> {
     text: &'t str,
     /// In text order.
@@ -36,7 +36,7 @@ struct Gaps<'t> {
 
 impl Gaps<'_> {
     fn new<'t>(text: &'t str, findings: &[Finding]) -> Gaps<'t> {
-        let unread = |code| matches!(code, Code::RPI0002 | Code::RPI0003);
+        let unread = |code| matches!(code, Code::RPI0002 | Code::RPI0003 | Code::RPI0005);
         let found = findings.iter().filter(|finding| unread(finding.code));
         let spans = found.map(Finding::span).collect();
         Gaps { text, spans }
@@ -86,13 +86,18 @@ fn item(
     match chunk.head {
         Head::Declaration => Some(mend::item(cx, lexemes, findings)),
         Head::Misspelt(Some(word)) => {
-            findings.push(outside::misspelt(cx, lexemes[0], word));
+            findings.extend(outside::misspelt(cx, lexemes[0], word));
             let mut lexemes = lexemes.to_vec();
             lexemes[0].token = word;
             Some(mend::item(cx, &lexemes, findings))
         }
         Head::Misspelt(None) | Head::Stray => {
-            findings.push(outside::stray(cx, lexemes));
+            let before = chunk.range.start.checked_sub(1).map(|i| lexed.lexemes[i]);
+            findings.push(outside::stray(cx, before, lexemes));
+            None
+        }
+        Head::Package => {
+            findings.push(outside::package(cx, lexemes[0]));
             None
         }
     }

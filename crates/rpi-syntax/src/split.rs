@@ -5,7 +5,7 @@
 
 use crate::Mode;
 use crate::lexer::Lexeme;
-use crate::token::{KEYWORDS, Place, Token};
+use crate::token::{KEYWORDS, Keyword, Place, Token};
 use rpi_diag::suggest;
 use std::ops::Range;
 
@@ -23,8 +23,10 @@ pub(crate) struct Chunk {
 pub(crate) enum Head {
     /// The word of a declaration.
     Declaration,
-    /// A name where such a word is expected, and the word that it resembles.
+    /// A name where such a word is expected, and the word that it is or resembles.
     Misspelt(Option<Token>),
+    /// A package or model of Lustre V6: the rest of the file is.
+    Package,
     /// Anything else.
     Stray,
 }
@@ -38,6 +40,7 @@ pub(crate) fn split(text: &str, lexemes: &[Lexeme], mode: Mode) -> Vec<Chunk> {
         chunks: Vec::new(),
         lets: 0,
         brackets: 0,
+        in_contract: false,
         complete: true,
     };
     for at in 0..lexemes.len() {
@@ -54,6 +57,8 @@ struct Splitter<'t> {
     /// Open bodies and brackets in the current chunk.
     lets: u32,
     brackets: u32,
+    /// Whether a contract is open in the current chunk.
+    in_contract: bool,
     /// Whether the current chunk has had its body, or there is none yet.
     complete: bool,
 }
@@ -69,10 +74,16 @@ impl Splitter<'_> {
 
     /// What the token begins, if it does begin a chunk.
     fn head(&self, at: usize) -> Option<Head> {
+        if self.in_package() {
+            return None;
+        }
         if self.begins_declaration(at) {
             return Some(Head::Declaration);
         }
-        if self.begins_unknown(at) {
+        if self.begins_package(at) {
+            return Some(Head::Package);
+        }
+        if self.begins_unknown(at) || self.is_unsettled(at) {
             return Some(Head::Misspelt(self.meant(at)));
         }
         let closes = matches!(self.token_at(at), Some(Token::Semi | Token::Dot));
@@ -81,13 +92,27 @@ impl Splitter<'_> {
 
     fn begin(&mut self, at: usize, head: Head) {
         // What stands outside of declarations is one chunk, however long.
-        if head == Head::Stray && self.chunks.last().is_some_and(|c| c.head == Head::Stray) {
+        let outside = |head: &Head| matches!(head, Head::Stray | Head::Misspelt(None));
+        if head == Head::Stray && self.chunks.last().is_some_and(|chunk| outside(&chunk.head)) {
             return self.extend(at);
         }
-        self.complete = head == Head::Stray;
+        self.complete = outside(&head);
         (self.lets, self.brackets) = (0, 0);
+        self.in_contract = false;
         let range = at..at + 1;
         self.chunks.push(Chunk { range, head });
+    }
+
+    fn in_package(&self) -> bool {
+        self.chunks
+            .last()
+            .is_some_and(|chunk| chunk.head == Head::Package)
+    }
+
+    fn begins_package(&self, at: usize) -> bool {
+        let word =
+            self.complete && self.mode == Mode::Lustre && self.token_at(at) == Some(Token::Ident);
+        word && matches!(self.written(at), "package" | "model")
     }
 
     fn extend(&mut self, at: usize) {
@@ -99,10 +124,15 @@ impl Splitter<'_> {
     /// Keeps count of what is open.
     fn follow(&mut self, at: usize) {
         use Token::{
-            LBrace, LBracket, LParen, LStatic, Let, RBrace, RBracket, RParen, RStatic, Tel,
+            Con, LBrace, LBracket, LParen, LStatic, Let, Noc, RBrace, RBracket, RParen, RStatic,
+            Tel,
         };
         match self.lexemes[at].token {
-            Let => (self.lets, self.brackets) = (self.lets + 1, 0),
+            Con | Noc => self.in_contract = self.lexemes[at].token == Con,
+            Let => {
+                (self.lets, self.brackets) = (self.lets + 1, 0);
+                self.in_contract = false;
+            }
             Tel => {
                 self.complete |= self.lets <= 1;
                 (self.lets, self.brackets) = (self.lets.saturating_sub(1), 0);
@@ -134,40 +164,68 @@ impl Splitter<'_> {
 
     /// Whether a `const` belongs to the declaration before it, whose body is still to come.
     fn is_local(&self, at: usize) -> bool {
-        let head = self
-            .chunks
-            .last()
-            .and_then(|c| self.token_at(c.range.start));
-        let takes_locals = !self.complete && head.is_some_and(takes_locals);
+        let chunk = self.chunks.last().filter(|_| !self.complete);
+        let head = chunk.and_then(|chunk| self.token_at(chunk.range.start));
+        if !head.is_some_and(takes_locals) {
+            return false;
+        }
         let mut next = self.lexemes[at..].iter().map(|lexeme| lexeme.token);
-        takes_locals
-            && next.find(|&t| t != Token::Const && (t == Token::Let || begins_declaration(t)))
-                == Some(Token::Let)
+        let ends = |token: &Token| *token == Token::Let || begins_declaration(*token);
+        let first = next.find(|token| *token != Token::Const && ends(token));
+        self.in_contract || !self.begins_line(at) || first == Some(Token::Let)
     }
 
     /// `comand MoveToC`: two names in a row where a declaration could begin.
     fn begins_unknown(&self, at: usize) -> bool {
         use Token::{Dot, Ident, Path, Semi, Str, Tel};
         let before = at.checked_sub(1).and_then(|i| self.token_at(i));
-        let free = self.complete || (self.lets, self.brackets) == (0, 0) && before == Some(Semi);
-        free && matches!(before, None | Some(Semi | Tel | Dot | Str))
+        let ends = matches!(before, None | Some(Semi | Tel | Dot | Str)) || self.begins_line(at);
+        ends && (self.complete || self.may_have_ended(before))
             && self.token_at(at) == Some(Ident)
             && matches!(self.token_at(at + 1), Some(Ident | Path | Str))
     }
 
-    /// The word of a declaration that the name resembles.
+    /// Whether the current declaration is one that ends with a `;`, and there is one.
+    fn may_have_ended(&self, before: Option<Token>) -> bool {
+        use Token::{Const, Frame, Include, Primitive, Type, Use};
+        let head = self
+            .chunks
+            .last()
+            .and_then(|chunk| self.token_at(chunk.range.start));
+        let flat = matches!(head, Some(Const | Frame | Include | Primitive | Type | Use));
+        flat && self.brackets == 0 && before == Some(Token::Semi)
+    }
+
+    /// `command (arm: Arm)`: the word of a declaration that is a name only for want of one after it.
+    fn is_unsettled(&self, at: usize) -> bool {
+        let is_name = self.complete && self.token_at(at) == Some(Token::Ident);
+        is_name && self.words().any(|word| word.text == self.written(at))
+    }
+
+    /// The word of a declaration that the name is or resembles.
     fn meant(&self, at: usize) -> Option<Token> {
-        let Lexeme { start, end, .. } = self.lexemes[at];
-        let name = &self.text[start as usize..end as usize];
-        let words = || {
-            KEYWORDS
-                .iter()
-                .filter(|w| begins_declaration(w.token) && w.is_in(self.mode))
+        let texts = self.words().map(|word| word.text);
+        let written = self.written(at);
+        let meant = match self.words().any(|word| word.text == written) {
+            true => written.to_owned(),
+            false => suggest(written, texts)?,
         };
-        let meant = suggest(name, words().map(|word| word.text))?;
-        words()
+        self.words()
             .find(|word| word.text == meant)
             .map(|word| word.token)
+    }
+
+    /// The words that declarations begin with.
+    fn words(&self) -> impl Iterator<Item = &'static Keyword> {
+        let mode = self.mode;
+        KEYWORDS
+            .iter()
+            .filter(move |word| begins_declaration(word.token) && word.is_in(mode))
+    }
+
+    fn written(&self, at: usize) -> &str {
+        let Lexeme { start, end, .. } = self.lexemes[at];
+        &self.text[start as usize..end as usize]
     }
 
     fn begins_line(&self, at: usize) -> bool {

@@ -27,16 +27,42 @@ impl<'t> Structure<'t> {
         }
     }
 
-    /// The innermost `let` around the token that has no `tel`.
+    /// The innermost `let` that has no `tel`.
     pub(crate) fn open_let(&self) -> Option<usize> {
-        let open = |i: &usize| self.lexemes[*i].token == Token::Let && self.partners[*i].is_none();
-        (0..self.lexemes.len()).rev().find(open)
+        let is_let = |open: &usize| self.lexemes[*open].token == Token::Let;
+        self.open_blocks().filter(is_let).last()
     }
 
-    /// How many `let` have no `tel`.
-    pub(crate) fn open_lets(&self) -> usize {
-        let open = |i: &usize| self.lexemes[*i].token == Token::Let && self.partners[*i].is_none();
-        (0..self.lexemes.len()).filter(open).count()
+    /// Each `let` without `tel` and each `automaton` without `end`, outermost first.
+    pub(crate) fn open_blocks(&self) -> impl Iterator<Item = usize> {
+        let is_block = |i: &usize| matches!(self.lexemes[*i].token, Token::Let | Token::Automaton);
+        (0..self.lexemes.len()).filter(move |i| is_block(i) && self.partners[*i].is_none())
+    }
+
+    /// Where the phrase begins that breaks off at the end; the number of tokens if none does.
+    pub(crate) fn unfinished(&self) -> usize {
+        let Some(open) = self.open_blocks().last() else {
+            return self.lexemes.len();
+        };
+        if self.lexemes[open].token == Token::Automaton {
+            return open;
+        }
+        let mut start = open + 1;
+        while start < self.lexemes.len() {
+            let end = self.end(start, start, Some(open));
+            match self.token(end) {
+                Some(Token::Semi) => start = end + 1,
+                Some(_) if end > start => start = end,
+                _ if end > start && self.closes_body(end - 1) => start = end,
+                _ => break,
+            }
+        }
+        start
+    }
+
+    /// Whether the token ends a phrase that has a body.
+    fn closes_body(&self, at: usize) -> bool {
+        matches!(self.lexemes[at].token, Token::Tel | Token::End) && self.partners[at].is_some()
     }
 
     /// The nearest bracket before the token that is open there and never closed.
@@ -51,9 +77,26 @@ impl<'t> Structure<'t> {
 
     /// The phrase that the token is part of, without its `;`.
     pub(crate) fn phrase(&self, at: usize) -> Range<usize> {
-        let (at, parent) = self.phrase_level(at.min(self.lexemes.len().saturating_sub(1)));
+        let (at, parent) = self.phrase_level(self.element(at));
         let start = self.start(at, parent);
         start..self.end(start, at, parent)
+    }
+
+    /// The token; before the end of a list, or of all tokens, the one before it.
+    fn element(&self, at: usize) -> usize {
+        let opens = self
+            .partners
+            .get(at)
+            .copied()
+            .flatten()
+            .filter(|open| *open < at);
+        let ends_list = opens.is_some_and(|open| {
+            is_bracket(self.lexemes[open].token) && self.is_header_list(open) && open + 1 < at
+        });
+        match ends_list || at >= self.lexemes.len() {
+            true => at.saturating_sub(1),
+            false => at,
+        }
     }
 
     /// The token, or the bracket around it, that stands directly in a list of phrases, and the
@@ -133,7 +176,9 @@ impl<'t> Structure<'t> {
         match self.token(at) {
             Some(Var | Const | Con | Let) => true,
             Some(Ident) => matches!(self.token(at + 1), Some(Colon | Comma)),
-            _ => false,
+            Some(_) => false,
+            // The head of a fragment breaks off.
+            None => true,
         }
     }
 

@@ -14,9 +14,9 @@ use logos::Logos;
 pub enum Place {
     /// Everywhere: it can not be a name.
     Reserved,
-    /// Where a declaration can begin.
+    /// Where a declaration can begin, and directly before a name.
     Declaration,
-    /// Where a statement can begin.
+    /// Where a statement or state can begin, and directly before a name.
     Statement,
     /// Where a name, number or text follows directly, which no name is followed by.
     BeforeName,
@@ -187,12 +187,12 @@ tokens! {
         Finish    "finish"    Rpi  Statement    "ends a command at rest";
         Repeat    "repeat"    Rpi  Statement    "repeats steps of a task";
         Start     "start"     Rpi  Statement    "names the first step of a task";
+        State     "state"     Rpi  Statement    "a state of an automaton";
         Yield     "yield"     Rpi  Statement    "ends a command, maybe in motion, into a successor";
 
         Actuator  "actuator"  Rpi  BeforeName   "ports that a command writes";
         Last      "last"      Rpi  BeforeName   "the value in the previous cycle, whatever the state";
         Sensor    "sensor"    Rpi  BeforeName   "ports that a command reads";
-        State     "state"     Rpi  BeforeName   "a state of an automaton";
         Status    "status"    Rpi  BeforeName   "ports about the device itself";
 
         Budget    "budget"    Rpi  AfterOperand "the time that something may take";

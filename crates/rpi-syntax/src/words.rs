@@ -53,8 +53,8 @@ impl Around {
         }
         match word.place {
             Place::Reserved => true,
-            Place::Declaration => self.begins_declaration() && !self.is_called(),
-            Place::Statement => self.begins_statement() && !self.is_called(),
+            Place::Declaration => self.begins(self.begins_declaration()),
+            Place::Statement => self.begins(self.begins_statement()),
             Place::BeforeName => self.is_before_name(),
             Place::AfterOperand => self.is_after_operand(),
             Place::Either => self.is_before_name() || self.is_after_operand(),
@@ -81,14 +81,22 @@ impl Around {
         matches!(self.after, Some(LParen | LBracket))
     }
 
+    /// Where something can begin, if it is no call there; or right before a name, where nothing else
+    /// than a word of the language can stand.
+    fn begins(&self, can_begin: bool) -> bool {
+        use Token::{Ident, Int, Path, Real, Str};
+        let before_name = matches!(self.after, Some(Ident | Path | Int | Real | Str));
+        before_name || can_begin && !self.is_called()
+    }
+
     fn begins_declaration(&self) -> bool {
         self.begins_statement() || matches!(self.before, Some(Token::Dot | Token::Str))
     }
 
     fn begins_statement(&self) -> bool {
-        use Token::{Con, End, Let, Noc, Semi, Tel};
+        use Token::{Automaton, Con, End, Initial, Let, Noc, Semi, Tel};
         match self.before {
-            None | Some(Let | Tel | Semi | End | Con | Noc) => true,
+            None | Some(Let | Tel | Semi | End | Con | Noc | Automaton | Initial) => true,
             // `mode m (require x; ...)`
             Some(Token::LParen) => self.second_before == Some(Token::Ident),
             _ => false,

@@ -1,8 +1,8 @@
 //! Bodies, statements, automata and contracts.
 
-use super::Printer;
 use super::layout::{Doc, concat, group, indent, nothing, text, word};
 use super::ty::dotted;
+use super::{Printer, parens};
 use crate::ast::{self, *};
 use crate::text::quote;
 use rpi_diag::Span;
@@ -153,16 +153,19 @@ impl Printer<'_> {
     }
 
     pub(super) fn claim(&mut self, claim: &Claim) -> Doc {
-        let label = match &claim.label {
-            Some(label) => text(format!("{} ", quote(&label.name))),
-            None => nothing(),
-        };
-        concat([
-            word(claim.kind.word()),
-            word(" "),
-            label,
-            self.expr(&claim.condition),
-        ])
+        let condition = self.condition(claim);
+        concat([word(claim.kind.word()), word(" "), condition])
+    }
+
+    /// Label and condition of a claim.
+    pub(super) fn condition(&mut self, claim: &Claim) -> Doc {
+        match &claim.label {
+            Some(label) => {
+                let label = text(format!("{} ", quote(&label.name)));
+                concat([label, self.expr(&claim.condition)])
+            }
+            None => self.wrapped(&claim.condition, parens::begins_with_text(&claim.condition)),
+        }
     }
 
     fn fragment(&mut self, fragment: &FragmentDecl, span: Span) -> Doc {

@@ -3,7 +3,6 @@
 use super::Printer;
 use super::layout::{Doc, concat, group, indent, nothing, text, word};
 use crate::ast::*;
-use crate::text::quote;
 use rpi_diag::Span;
 
 impl Printer<'_> {
@@ -56,15 +55,7 @@ impl Printer<'_> {
 
     fn mode(&mut self, mode: &ContractMode) -> Doc {
         let require = |p: &mut Self, claim: &Claim, head: &'static str| {
-            let label = claim.label.as_ref().map(|l| format!("{} ", quote(&l.name)));
-            let label = text(label.unwrap_or_default());
-            concat([
-                Doc::Line,
-                word(head),
-                label,
-                p.expr(&claim.condition),
-                word(";"),
-            ])
+            concat([Doc::Line, word(head), p.condition(claim), word(";")])
         };
         let mut parts: Vec<Doc> = mode
             .requires

@@ -112,7 +112,11 @@ impl Printer<'_> {
         if let Some(when) = &fragment.when {
             parts.extend([Doc::Line, word("when "), self.expr(&when.condition)]);
             self.trivia.reach(when.condition.span.end);
-            parts.push(word(if when.restart { " restart" } else { "" }));
+            if when.restart {
+                parts.push(word(" restart"));
+                let restart = self.trivia.next_token(when.condition.span.end);
+                self.trivia.reach(restart + "restart".len() as u32);
+            }
         }
         parts.push(self.budget(fragment.budget.as_ref()));
         group(concat([

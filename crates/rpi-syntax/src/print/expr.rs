@@ -4,7 +4,7 @@ use super::layout::{Doc, concat, group, indent, text, word};
 use super::list::{CURLY, PARENS, SQUARE, brackets};
 use super::{Printer, parens};
 use crate::ast::*;
-use crate::ops::{BinaryOp, Grouping, UnaryOp};
+use crate::ops::{BinaryOp, Grouping, LEVEL_PRIMARY, UnaryOp};
 use crate::text::quote;
 use rpi_diag::Span;
 
@@ -35,7 +35,7 @@ impl Printer<'_> {
     }
 
     /// The expression, in parentheses if they are needed.
-    fn wrapped(&mut self, expr: &Expr, needed: bool) -> Doc {
+    pub(super) fn wrapped(&mut self, expr: &Expr, needed: bool) -> Doc {
         match needed {
             true => self.paren(expr),
             false => self.expr(expr),
@@ -88,7 +88,8 @@ impl Printer<'_> {
 
     pub(super) fn slice(&mut self, slice: &Slice) -> Doc {
         // `1.` before `..` would read as three dots.
-        let apart = matches!(&slice.from.kind, ExprKind::Number(n) if n.text.ends_with('.'));
+        let ends_in_dot = matches!(&slice.from.kind, ExprKind::Number(n) if n.text.ends_with('.'));
+        let apart = ends_in_dot || parens::level(&slice.from) < LEVEL_PRIMARY;
         let dots = word(if apart { " .. " } else { ".." });
         let mut parts = vec![self.expr(&slice.from), dots, self.expr(&slice.to)];
         if let Some(step) = &slice.step {

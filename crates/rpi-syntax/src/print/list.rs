@@ -116,7 +116,9 @@ impl Printer<'_> {
                 0 => write(self, 0, element),
                 _ => {
                     let placed = self.placed(span(element), |p| write(p, i, element));
-                    indent(concat([Doc::Line, joined(placed.lines(true))]))
+                    let lines = placed.lines(true).into_iter();
+                    let lines = lines.map(|(_, line)| (false, line)).collect();
+                    indent(concat([Doc::Line, joined(lines)]))
                 }
             });
             if let Some(next) = elements.get(i + 1) {

@@ -75,10 +75,19 @@ fn open_end(expr: &Expr) -> Level {
 }
 
 fn begins_with_minus(expr: &Expr) -> bool {
+    matches!(first(expr).kind, ExprKind::Unary(UnaryOp::Neg, _))
+}
+
+/// Whether the expression begins with a text, which after `assert` would be a label.
+pub(super) fn begins_with_text(expr: &Expr) -> bool {
+    matches!(first(expr).kind, ExprKind::Str(_))
+}
+
+/// The part that the written expression begins with.
+fn first(expr: &Expr) -> &Expr {
     match &expr.kind {
-        ExprKind::Unary(UnaryOp::Neg, _) => true,
-        ExprKind::Binary(binary) => !left(binary.op, &binary.lhs) && begins_with_minus(&binary.lhs),
-        ExprKind::When(when) => !sampled(&when.value) && begins_with_minus(&when.value),
-        _ => false,
+        ExprKind::Binary(binary) if !left(binary.op, &binary.lhs) => first(&binary.lhs),
+        ExprKind::When(when) if !sampled(&when.value) => first(&when.value),
+        _ => expr,
     }
 }

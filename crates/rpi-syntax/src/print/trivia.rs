@@ -21,6 +21,8 @@ pub(super) struct Trivia<'a> {
     comments: &'a [Comment],
     /// Where what was placed last ends in the source.
     reached: u32,
+    /// Where the doc comment placed last ends.
+    doc_end: u32,
 }
 
 impl<'a> Trivia<'a> {
@@ -29,6 +31,7 @@ impl<'a> Trivia<'a> {
             source,
             comments,
             reached: 0,
+            doc_end: u32::MAX,
         }
     }
 
@@ -66,10 +69,12 @@ impl<'a> Trivia<'a> {
         suffixes
     }
 
-    /// Whether the source has an empty line between what was placed last and `start`.
+    /// Whether an empty line must stand between what was placed last and `start`: one stood there,
+    /// or else a doc comment would become that of something else.
     pub(super) fn blank_before(&self, start: u32) -> bool {
         let gap = self.between(self.reached, start);
-        gap.bytes().filter(|b| *b == b'\n').count() > 1
+        let documents_other = self.reached == self.doc_end && !gap.trim().is_empty();
+        documents_other || gap.bytes().filter(|b| *b == b'\n').count() > 1
     }
 
     /// Where the next token begins after `offset`, separators and comments aside.
@@ -109,6 +114,9 @@ impl<'a> Trivia<'a> {
     fn take(&mut self) {
         if let Some((comment, rest)) = self.comments.split_first() {
             self.reached = comment.span.end;
+            if comment.kind == CommentKind::Doc {
+                self.doc_end = comment.span.end;
+            }
             self.comments = rest;
         }
     }

@@ -1,4 +1,8 @@
 //! The front end on whole programs, on broken ones, and on made-up trees.
 
+mod broken;
 mod format;
+mod precedence;
+mod prefixes;
 mod support;
+mod trees;

@@ -1,0 +1,145 @@
+//! Programs with faults: which findings, and where. Each file of `tests/broken` ends with comments
+//! that say what is found in it; `BLESS=1` writes them anew.
+
+use rpi_diag::{FileId, Finding, SourceMap};
+use rpi_syntax::ast::{ItemKind, StatementKind};
+use rpi_syntax::{Mode, parse};
+use std::path::{Path, PathBuf};
+
+const MARK: &str = "\n-- found:\n";
+
+#[test]
+fn faults_are_found_once_and_in_place() {
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/broken");
+    let files = std::fs::read_dir(folder).expect("the folder is part of the crate");
+    let mut paths: Vec<PathBuf> = files.map(|file| file.expect("readable").path()).collect();
+    paths.sort();
+    let wrong: Vec<String> = paths.iter().filter_map(|path| check(path)).collect();
+    assert!(wrong.is_empty(), "{}", wrong.join("\n"));
+}
+
+/// What differs between what a file says and what is found.
+fn check(path: &Path) -> Option<String> {
+    let text = std::fs::read_to_string(path).expect("programs are UTF-8");
+    let (program, says) = text.split_once(MARK).unwrap_or((&text, ""));
+    let program = format!("{}\n", program.trim_end());
+    let found = found(&program, Mode::of_path(&path.to_string_lossy()));
+    if std::env::var_os("BLESS").is_some() {
+        std::fs::write(path, format!("{program}{MARK}{found}")).expect("writable");
+    }
+    let differs = format!("{}\n--- says\n{says}--- but\n{found}", path.display());
+    (says != found).then_some(differs)
+}
+
+fn found(program: &str, mode: Mode) -> String {
+    let mut sources = SourceMap::new();
+    let file = sources.add("text", program);
+    let line = |finding: &Finding| {
+        let place = sources.line_col(finding.span());
+        format!("-- {place} {} {}\n", finding.code, finding.message)
+    };
+    parse(file, program, mode)
+        .findings
+        .iter()
+        .map(line)
+        .collect()
+}
+
+/// The names that the tree of a text declares, broken or not.
+fn declared(text: &str) -> Vec<String> {
+    let file = parse(FileId(0), text, Mode::Rpi).file;
+    let names = |kind: &ItemKind| match kind {
+        ItemKind::Node(node) => vec![node.signature.name.name.to_string()],
+        ItemKind::Command(command) => vec![command.name.name.to_string()],
+        ItemKind::Const(defs) => {
+            let names = defs.iter().flat_map(|def| &def.names);
+            names.map(|name| name.name.to_string()).collect()
+        }
+        ItemKind::Broken(declared) => declared
+            .iter()
+            .map(|d| format!("{:?} {}", d.kind, d.name.name))
+            .collect(),
+        _ => Vec::new(),
+    };
+    file.items
+        .iter()
+        .flat_map(|item| names(&item.kind))
+        .collect()
+}
+
+#[test]
+fn broken_declarations_still_declare() {
+    assert_eq!(
+        declared("node A x: real) let y = x; tel node B () returns (y: int) let y = 1; tel"),
+        ["Callable A", "B"]
+    );
+    assert_eq!(declared("comand C (arm: Arm) let tel"), ["C"]);
+    assert_eq!(
+        declared("const a = ; b = 2; c, d: = 3;"),
+        ["a", "b", "c", "d"]
+    );
+    assert_eq!(
+        declared("frame a, b in in c; device D sensor; task T;"),
+        ["Frame a", "Frame b", "Device D", "Task T"]
+    );
+    assert_eq!(declared("command C (arm: Arm) let x = 1 +"), ["C"]);
+}
+
+#[test]
+fn broken_statements_still_define() {
+    let text = "node A () returns (x: int) let x, a.b = 1 +; (y, z) = ; finish r when; fragment F when let q = 1; tel tel";
+    let file = parse(FileId(0), text, Mode::Rpi).file;
+    let ItemKind::Node(node) = &file.items[0].kind else {
+        panic!("{file:?}");
+    };
+    let rpi_syntax::ast::NodeDef::Body(body) = &node.definition else {
+        panic!("{node:?}");
+    };
+    let names = body
+        .statements
+        .iter()
+        .filter_map(|statement| match &statement.kind {
+            StatementKind::Broken(names) => Some(
+                names
+                    .iter()
+                    .map(|name| name.name.as_str())
+                    .collect::<Vec<_>>(),
+            ),
+            _ => None,
+        });
+    assert_eq!(
+        names.collect::<Vec<_>>(),
+        [vec!["x", "a"], vec!["y", "z"], vec!["r"], vec!["F"]]
+    );
+}
+
+#[test]
+fn deep_nesting_is_refused_before_it_hurts() {
+    let deep = |n: usize| format!("const x = {}1{};", "(".repeat(n), ")".repeat(n));
+    assert!(parse(FileId(0), &deep(400), Mode::Rpi).findings.is_empty());
+    for text in [
+        deep(100_000),
+        format!("const x = {}1;", "- ".repeat(100_000)),
+        format!("const x = 1{};", " -> 1".repeat(100_000)),
+        format!("const x = a{};", "[0]".repeat(100_000)),
+        format!("const x = a{};", ".b".repeat(100_000)),
+        format!("const x: int{};", "^2".repeat(100_000)),
+        format!("const x = {}1;", "if a then b else ".repeat(100_000)),
+        format!("node f () returns () {}", "let fragment a ".repeat(100_000)),
+        "<<".repeat(100_000),
+        "node f <<".repeat(10_000),
+    ] {
+        let parsed = parse(FileId(0), &text, Mode::Rpi);
+        assert!(!parsed.findings.is_empty());
+    }
+}
+
+#[test]
+fn many_faults_take_no_longer_than_one_by_one() {
+    let body = "  x = 1 +;\n".repeat(5_000);
+    let text = format!("node A () returns (x: int)\nlet\n{body}tel\n");
+    let start = std::time::Instant::now();
+    let found = parse(FileId(0), &text, Mode::Rpi).findings.len();
+    assert!(found >= 20, "{found}");
+    assert!(start.elapsed().as_secs() < 5, "{:?}", start.elapsed());
+}
