@@ -107,7 +107,7 @@ impl Found<'_, '_> {
                 Semi | Let | Tel | RParen | RBracket | RBrace | RStatic
             )
         };
-        here.map_or(true, |here| fits && ends(here.token))
+        here.is_none_or(|here| fits && ends(here.token))
     }
 
     fn open_bracket(&self, open: usize) -> Finding {
