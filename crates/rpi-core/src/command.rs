@@ -1,5 +1,6 @@
 //! A machine with a life: its state, what it holds, how it has ended.
 
+use crate::id::RuleId;
 use crate::lifecycle::{Event, Next, State};
 use crate::load::LoadFault;
 use crate::machine::{Machine, Moment, Verdict};
@@ -43,8 +44,23 @@ pub enum Cause {
     Terminate,
     /// By a fault in a cycle.
     Fault(Fault),
-    /// By force from outside.
-    Aborted,
+    /// By force, for this reason.
+    Aborted(Why),
+    /// By a rule.
+    Stopped(RuleId),
+}
+
+/// Why a command was ended by force.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub enum Why {
+    /// Its owner, or somebody in its name, wanted it.
+    Request,
+    /// Its cycles took too long.
+    Overrun,
+    /// Everything was to stop.
+    EmergencyStop,
+    /// Its owner has disappeared.
+    ClientLost,
 }
 
 /// How a command has ended.
@@ -57,15 +73,18 @@ pub struct Ending {
     pub error: i64,
     /// Number of its cycles.
     pub cycles: u64,
+    /// It had been asked to end.
+    pub cancelled: bool,
     /// It left an actuator in motion that no successor took: the device was stopped.
     pub left_moving: bool,
 }
 
 impl Ending {
-    /// True if a successor may follow.
+    /// True if it has ended by itself, without an error, and was not cancelled: what is scheduled on it may follow.
     #[must_use]
     pub fn is_regular(&self) -> bool {
-        self.error == 0
+        let by_itself = matches!(self.cause, Cause::Result(_) | Cause::Terminate);
+        by_itself && self.error == 0 && !self.cancelled
     }
 }
 
@@ -163,6 +182,24 @@ impl Command {
         found.is_ok_and(|k| self.holds[k].held)
     }
 
+    /// Notes that it holds, or does not hold, an actuator that it needs.
+    pub(crate) fn hold(&mut self, resource: u32, held: bool) {
+        let found = self.holds.binary_search_by_key(&resource, |h| h.resource);
+        if let Some(hold) = found.ok().and_then(|k| self.holds.get_mut(k)) {
+            hold.held = held;
+        }
+    }
+
+    /// True if its result of this index is a `yield`.
+    pub(crate) fn yields(&self, result: usize) -> bool {
+        match &self.machine.image().end {
+            End::Results(results) => results
+                .get(result)
+                .is_some_and(|r| r.kind == EndKind::Yield),
+            End::Ports { .. } => false,
+        }
+    }
+
     pub(crate) fn hold_all(&mut self, held: bool) {
         self.holds.iter_mut().for_each(|h| h.held = held);
     }
@@ -190,6 +227,7 @@ impl Command {
             cause,
             error,
             cycles: self.machine.cycle(),
+            cancelled: self.state == State::Cancelling,
             left_moving: false,
         }
     }

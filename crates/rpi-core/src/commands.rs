@@ -1,38 +1,38 @@
 //! The table of commands and what can be asked of it between ticks.
 
-use crate::command::{Cause, Command};
+use crate::command::{Cause, Command, Why};
+use crate::id::{CommandId, RuleId};
 use crate::lifecycle::{Event, Next, State};
+use crate::notice::{Notice, Notices, Outcome};
+use crate::rule::{Pending, Rule};
 use rpi_device::DeviceBank;
 
 use alloc::boxed::Box;
 use alloc::vec::Vec;
 
-/// A command in the table. A number is not used again for another command.
-#[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Debug)]
-pub struct CommandId {
-    place: u32,
-    serial: u32,
-}
-
 /// Why a request was refused; nothing has changed then.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum Refused {
-    /// There is no such command.
+    /// There is no such command, or no such rule.
     Unknown,
     /// The request does not fit the command's state.
     State(State),
-    /// An actuator that it needs is held by another command.
+    /// An actuator that it needs is held by another command, or needed by another one that is started together with it.
     Held {
         /// The actuator.
         resource: u32,
         /// Who holds it.
         by: CommandId,
     },
-    /// The predecessor has a successor already, or would follow itself.
+    /// A command would follow itself, or be started twice.
     Successor,
+    /// The rule could never fire.
+    Never,
+    /// The rule's condition is nested too deeply.
+    Condition,
     /// Its period is not a whole multiple of the tick.
     Period,
-    /// The table is full.
+    /// The table is full, or the place is taken.
     Full,
 }
 
@@ -46,15 +46,29 @@ pub(crate) struct Entry {
     pub(crate) due: u64,
     /// Logical time of its first cycle.
     pub(crate) start_ns: i64,
-    /// Who is scheduled on it.
-    pub(crate) successor: Option<usize>,
-    /// On whom it is scheduled.
-    pub(crate) predecessor: Option<usize>,
     /// Its owner wants it back if nothing can start it any more.
     pub(crate) kept: bool,
     /// It is no more, and waits to be freed off the cycle.
     pub(crate) gone: bool,
+    /// It ends in this decision and has not let go of everything yet.
+    pub(crate) leaving: bool,
+    /// It was started in this decision.
+    pub(crate) fresh: bool,
+    /// It runs or may run yet.
+    pub(crate) live: bool,
 }
+
+impl Entry {
+    /// True if it has not ended and may still do something.
+    pub(crate) fn is_live(&self) -> bool {
+        self.live && self.command.ending.is_none() && !self.gone
+    }
+}
+
+/// Rules for each command that there is room for.
+const RULES: usize = 4;
+/// Notices for each command that there is room for; more than one tick can bring where a command has up to ten actuators.
+const NOTICES: usize = 16;
 
 /// All commands of a control core, run tick by tick.
 ///
@@ -62,8 +76,17 @@ pub(crate) struct Entry {
 /// moved in, and moved out to be freed elsewhere.
 pub struct Core {
     pub(crate) entries: Vec<Option<Entry>>,
+    /// In the order in which they were made.
+    pub(crate) rules: Vec<Pending>,
+    /// Over, and waiting to be freed off the cycle.
+    pub(crate) spent: Vec<(RuleId, Box<Rule>)>,
+    pub(crate) most_rules: usize,
+    pub(crate) notices: Notices,
     pub(crate) tick_ns: u64,
     pub(crate) tick: u64,
+    /// Something has begun or ended in this decision.
+    pub(crate) changed: bool,
+    pub(crate) named: u64,
     serial: u32,
 }
 
@@ -73,10 +96,17 @@ impl Core {
     pub fn with_capacity(commands: usize, tick_ns: u64) -> Self {
         let mut entries = Vec::new();
         entries.resize_with(commands, || None);
+        let most_rules = commands.saturating_mul(RULES);
         Core {
             entries,
+            rules: Vec::with_capacity(most_rules),
+            spent: Vec::with_capacity(most_rules),
+            most_rules,
+            notices: Notices::with_capacity(commands.saturating_mul(NOTICES)),
             tick_ns: tick_ns.max(1),
             tick: 0,
+            changed: false,
+            named: 0,
             serial: 0,
         }
     }
@@ -87,31 +117,54 @@ impl Core {
         self.tick
     }
 
-    /// Takes a loaded command in.
+    /// Takes a loaded command in and gives it a name.
     ///
     /// # Errors
     /// Gives it back if the table is full or its period does not fit the tick.
     pub fn insert(&mut self, command: Box<Command>) -> Result<CommandId, (Box<Command>, Refused)> {
-        let period = command.machine.image().period_ns;
-        if !period.is_multiple_of(self.tick_ns) {
-            return Err((command, Refused::Period));
-        }
         let Some(place) = self.entries.iter().position(Option::is_none) else {
             return Err((command, Refused::Full));
         };
         self.serial = self.serial.wrapping_add(1);
-        self.entries[place] = Some(Entry {
+        let id = CommandId {
+            // The table has fewer than 2^32 places.
+            place: place as u32,
             serial: self.serial,
-            command,
-            ticks: period / self.tick_ns,
-            due: 0,
-            start_ns: 0,
-            successor: None,
-            predecessor: None,
-            kept: false,
-            gone: false,
-        });
-        Ok(self.id(place))
+        };
+        self.insert_as(id, command).map(|()| id)
+    }
+
+    /// Takes a loaded command in under a name that [`crate::Places`] gave.
+    ///
+    /// # Errors
+    /// Gives it back if the place is taken or its period does not fit the tick.
+    pub fn insert_as(
+        &mut self,
+        id: CommandId,
+        command: Box<Command>,
+    ) -> Result<(), (Box<Command>, Refused)> {
+        let period = command.machine.image().period_ns;
+        if !period.is_multiple_of(self.tick_ns) || period == 0 {
+            return Err((command, Refused::Period));
+        }
+        match self.entries.get_mut(id.place as usize) {
+            Some(slot) if slot.is_none() => {
+                *slot = Some(Entry {
+                    serial: id.serial,
+                    command,
+                    ticks: period / self.tick_ns,
+                    due: 0,
+                    start_ns: 0,
+                    kept: false,
+                    gone: false,
+                    leaving: false,
+                    fresh: false,
+                    live: true,
+                });
+                Ok(())
+            }
+            _ => Err((command, Refused::Full)),
+        }
     }
 
     /// Starts a command: its first cycle is the next tick.
@@ -121,33 +174,13 @@ impl Core {
     pub fn start(&mut self, id: CommandId, bank: &mut dyn DeviceBank) -> Result<(), Refused> {
         let place = self.place(id)?;
         self.fits(place, Event::Start)?;
-        self.free_for(place, None)?;
-        let tick = self.tick;
-        self.begin(place, tick, Event::Start, bank);
+        self.free_for(place)?;
+        self.begin(place, self.tick, Event::Start, bank);
+        self.conclude(bank);
         Ok(())
     }
 
-    /// Lets a command follow another one: what it needs must be free or the predecessor's, and the free part is taken at
-    /// once. `kept` says what becomes of it if the predecessor fails: ready again, or gone.
-    ///
-    /// # Errors
-    /// If states, resources or the predecessor's successor do not allow it.
-    pub fn schedule(&mut self, id: CommandId, after: CommandId, kept: bool) -> Result<(), Refused> {
-        let (place, before) = (self.place(id)?, self.place(after)?);
-        self.fits(place, Event::Schedule)?;
-        let state = self.entry(before)?.command.state;
-        if !matches!(state, State::Running | State::Scheduled) {
-            return Err(Refused::State(state));
-        }
-        if self.entry(before)?.successor.is_some() || place == before {
-            return Err(Refused::Successor);
-        }
-        self.free_for(place, Some(before))?;
-        self.join(place, before, kept);
-        Ok(())
-    }
-
-    /// Takes a scheduled command back; it is ready again and holds nothing.
+    /// Takes a scheduled command back; it is ready again and holds nothing. The rules that were to start it are dropped.
     ///
     /// # Errors
     /// If it is not scheduled.
@@ -155,10 +188,11 @@ impl Core {
         let place = self.place(id)?;
         self.fits(place, Event::Orphan { kept: true })?;
         self.orphan(place, true);
+        self.settle();
         Ok(())
     }
 
-    /// Asks a command to end; it sees `cancel` from its next cycle on. Whoever was scheduled on it is not started.
+    /// Asks a command to end; it sees `cancel` from its next cycle on. What is scheduled on its regular end is not started.
     ///
     /// # Errors
     /// If it does not run.
@@ -168,7 +202,7 @@ impl Core {
         if let Some(entry) = self.entries[place].as_mut() {
             entry.command.happen(Event::Cancel);
         }
-        self.orphan_successor(place);
+        self.settle();
         Ok(())
     }
 
@@ -176,26 +210,49 @@ impl Core {
     ///
     /// # Errors
     /// If it does not run.
-    pub fn abort(&mut self, id: CommandId, bank: &mut dyn DeviceBank) -> Result<(), Refused> {
+    pub fn abort(
+        &mut self,
+        id: CommandId,
+        why: Why,
+        bank: &mut dyn DeviceBank,
+    ) -> Result<(), Refused> {
         let place = self.place(id)?;
         self.fits(place, Event::End)?;
-        if let Some(entry) = self.entries[place].as_ref() {
-            let ending = entry.command.ending_by(Cause::Aborted, -1);
-            self.end(place, ending, bank);
-        }
+        self.leave_by(place, Cause::Aborted(why), -1);
+        self.conclude(bank);
         Ok(())
     }
 
-    /// Moves a command out, to be freed off the cycle. Who is scheduled is unscheduled first.
+    /// Ends every command by force and drops every rule; all devices that they moved stop on their own limits.
+    pub fn emergency_stop(&mut self, bank: &mut dyn DeviceBank) {
+        while let Some(last) = self.rules.len().checked_sub(1) {
+            self.drop_rule(last, Outcome::Dropped);
+        }
+        for place in 0..self.entries.len() {
+            if self.entry(place).is_ok_and(|e| e.command.state.runs()) {
+                self.leave_by(place, Cause::Aborted(Why::EmergencyStop), -1);
+            }
+        }
+        self.changed = true;
+        self.conclude(bank);
+    }
+
+    /// Moves a command out, to be freed off the cycle. Who is scheduled is unscheduled first; what rules asked about it is
+    /// settled as it stands.
     ///
     /// # Errors
     /// If it runs.
     pub fn remove(&mut self, id: CommandId) -> Result<Box<Command>, Refused> {
         let place = self.place(id)?;
         self.fits(place, Event::Unload)?;
-        self.orphan(place, true);
-        self.orphan_successor(place);
+        if self.entry(place)?.command.state == State::Scheduled {
+            self.unschedule(id)?;
+        }
         let entry = self.entries[place].take().ok_or(Refused::Unknown)?;
+        for pending in &mut self.rules {
+            pending.rule.condition.freeze(id, |fact| entry.know(fact));
+        }
+        self.settle();
         Ok(entry.command)
     }
 
@@ -207,39 +264,61 @@ impl Core {
         self.entries[place].take().map(|e| (id, e.command))
     }
 
+    /// What has happened, in order; to be asked after each tick and request.
+    pub fn next_notice(&mut self) -> Option<Notice> {
+        self.notices.pop()
+    }
+
+    /// How many notices were lost because nobody asked for them.
+    #[must_use]
+    pub fn notices_lost(&self) -> u64 {
+        self.notices.lost
+    }
+
     /// A command, to look at.
     #[must_use]
     pub fn command(&self, id: CommandId) -> Option<&Command> {
-        let place = self.place(id).ok()?;
-        self.entries[place].as_ref().map(|e| &*e.command)
+        self.entries[self.find(id)?].as_ref().map(|e| &*e.command)
     }
 
     /// A command, to set its inputs between ticks.
     pub fn command_mut(&mut self, id: CommandId) -> Option<&mut Command> {
-        let place = self.place(id).ok()?;
+        let place = self.find(id)?;
         self.entries[place].as_mut().map(|e| &mut *e.command)
     }
 
+    /// All commands in the table.
+    pub fn commands(&self) -> impl Iterator<Item = (CommandId, &Command)> + '_ {
+        let entries = self.entries.iter().enumerate();
+        entries.filter_map(|(place, entry)| {
+            let entry = entry.as_ref().filter(|e| !e.gone)?;
+            Some((self.id(place), &*entry.command))
+        })
+    }
+
+    /// The rules that may still fire, in the order in which they were made.
+    pub fn rules(&self) -> impl Iterator<Item = (RuleId, &Rule)> + '_ {
+        self.rules.iter().map(|p| (p.id, &*p.rule))
+    }
+
     pub(crate) fn id(&self, place: usize) -> CommandId {
-        let serial = self
-            .entries
-            .get(place)
-            .and_then(|e| e.as_ref())
-            .map_or(0, |e| e.serial);
+        let entry = self.entries.get(place).and_then(|e| e.as_ref());
         CommandId {
             // The table has fewer than 2^32 places.
             place: place as u32,
-            serial,
+            serial: entry.map_or(0, |e| e.serial),
         }
     }
 
-    fn place(&self, id: CommandId) -> Result<usize, Refused> {
+    /// Where a command stands, if it is there.
+    pub(crate) fn find(&self, id: CommandId) -> Option<usize> {
         let place = id.place as usize;
-        let entry = self.entries.get(place).and_then(|e| e.as_ref());
-        entry
-            .filter(|e| e.serial == id.serial && !e.gone)
-            .map(|_| place)
-            .ok_or(Refused::Unknown)
+        let entry = self.entries.get(place)?.as_ref()?;
+        (entry.serial == id.serial && !entry.gone).then_some(place)
+    }
+
+    fn place(&self, id: CommandId) -> Result<usize, Refused> {
+        self.find(id).ok_or(Refused::Unknown)
     }
 
     pub(crate) fn entry(&self, place: usize) -> Result<&Entry, Refused> {
@@ -249,7 +328,7 @@ impl Core {
             .ok_or(Refused::Unknown)
     }
 
-    fn fits(&self, place: usize, event: Event) -> Result<(), Refused> {
+    pub(crate) fn fits(&self, place: usize, event: Event) -> Result<(), Refused> {
         let state = self.entry(place)?.command.state;
         match state.next(event) {
             Next::Refused => Err(Refused::State(state)),

@@ -5,7 +5,7 @@
 //! | Loading | Loaded | Ready |
 //! | Loading | Faulty | Rejected |
 //! | Ready | Start | Running |
-//! | Ready | Schedule | Scheduled |
+//! | Ready, Scheduled | Schedule | Scheduled |
 //! | Ready, Rejected, Terminated, Scheduled | Unload | gone |
 //! | Scheduled | Fire | Running |
 //! | Scheduled | Orphan, kept | Ready |
@@ -25,7 +25,7 @@ pub enum State {
     Rejected,
     /// It can be started or scheduled. It holds nothing.
     Ready,
-    /// It waits for its predecessor's end, and holds what was free of what it needs.
+    /// It waits for a rule to fire, and holds what was free of what it needs.
     Scheduled,
     /// It runs in every cycle that is due.
     Running,
@@ -44,9 +44,9 @@ pub enum Event {
     Faulty,
     /// It is started, and all its resources are free.
     Start,
-    /// It is scheduled on another, and its resources are free or the predecessor's.
+    /// A rule names it, and its resources are free or come from those who end before.
     Schedule,
-    /// Its predecessor has ended without error.
+    /// Its rule fires.
     Fire,
     /// Nothing can start it any more.
     Orphan {
@@ -91,7 +91,7 @@ impl State {
             (State::Loading, Event::Loaded) => Next::To(State::Ready),
             (State::Loading, Event::Faulty) => Next::To(State::Rejected),
             (State::Ready, Event::Start) => Next::To(State::Running),
-            (State::Ready, Event::Schedule) => Next::To(State::Scheduled),
+            (State::Ready | State::Scheduled, Event::Schedule) => Next::To(State::Scheduled),
             (State::Scheduled, Event::Fire) => Next::To(State::Running),
             (State::Scheduled, Event::Orphan { kept: true }) => Next::To(State::Ready),
             (State::Scheduled, Event::Orphan { kept: false }) => Next::Gone,
@@ -135,7 +135,7 @@ mod tests {
         (State::Loading, "DJ........"),
         (State::Rejected, ".........-"),
         (State::Ready, "..RS.....-"),
-        (State::Scheduled, "....RD-..-"),
+        (State::Scheduled, "...SRD-..-"),
         (State::Running, ".......CT."),
         (State::Cancelling, ".......CT."),
         (State::Terminated, ".........-"),

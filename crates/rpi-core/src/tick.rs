@@ -1,7 +1,8 @@
 //! The cycle.
 
 use crate::command::Command;
-use crate::commands::{CommandId, Core, Entry};
+use crate::commands::{Core, Entry};
+use crate::id::CommandId;
 use crate::lifecycle::State;
 use crate::machine::Moment;
 use rpi_device::DeviceBank;
@@ -38,9 +39,15 @@ impl Core {
     /// the next cycle on.
     fn tell(&mut self, bank: &dyn DeviceBank, wall_ns: i64) {
         for place in 0..self.entries.len() {
-            let covered = self.covered(place, bank);
+            if !self.entries[place]
+                .as_ref()
+                .is_some_and(|e| is_due(e, self.tick))
+            {
+                continue;
+            }
+            let covered = self.latch_cover(place, bank);
             let entry = self.entries[place].as_mut();
-            let Some(entry) = entry.filter(|e| is_due(e, self.tick)) else {
+            let Some(entry) = entry else {
                 continue;
             };
             let (cycle, command) = (entry.command.machine.cycle(), &mut entry.command);
@@ -48,7 +55,6 @@ impl Core {
                 entry.start_ns = wall_ns;
             }
             let since = cycle.saturating_mul(command.machine.image().period_ns);
-            command.covered.fill(covered);
             command.moment = Moment {
                 net_ns: entry.start_ns.saturating_add_unsigned(since),
                 wall_ns,
@@ -67,7 +73,7 @@ impl Core {
         }
     }
 
-    /// Decides once what comes next, in the order of the table.
+    /// Decides once what comes next: who has ended, then which rules fire.
     fn decide(&mut self, bank: &mut dyn DeviceBank) {
         let now = self.tick;
         for place in 0..self.entries.len() {
@@ -77,9 +83,10 @@ impl Core {
             };
             entry.due += entry.ticks;
             if let Some(ending) = entry.command.ends() {
-                self.end(place, ending, bank);
+                self.leave(place, ending);
             }
         }
+        self.fire_all(now + 1, bank);
     }
 }
 

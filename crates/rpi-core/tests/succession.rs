@@ -2,10 +2,10 @@
 
 mod support;
 
-use rpi_core::{Cause, Refused, State};
+use rpi_core::{Cause, Refused, State, Why};
 use rpi_net::ResultKind;
 use rpi_prims::FaultCode;
-use support::{Axes, ROOT, core, load, mover, mover_flow, over, ticks};
+use support::{Axes, ROOT, core, follow, load, mover, mover_flow, over, ticks};
 
 rpi_testkit::trap_allocations!();
 
@@ -41,7 +41,7 @@ fn a_successor_takes_over_in_motion() {
     let mut bank = Axes::new();
     let (mut core, ids) = core(&[mover(0, 9, 4), mover(0, 5, 100)], &mut bank);
     core.start(ids[0], &mut bank).unwrap();
-    core.schedule(ids[1], ids[0], true).unwrap();
+    follow(&mut core, ids[1], ids[0], true, &mut bank).unwrap();
     ticks(&mut core, &mut bank, 12);
     assert_eq!(core.command(ids[0]).unwrap().result(), Some("early"));
     assert_eq!(core.command(ids[1]).unwrap().result(), Some("done"));
@@ -57,9 +57,9 @@ fn without_a_successor_a_yield_is_passed_over() {
     core.start(ids[0], &mut bank).unwrap();
     ticks(&mut core, &mut bank, 7);
     assert_eq!(core.command(ids[0]).unwrap().result(), Some("done"));
-    let late = core.schedule(ids[1], ids[0], true);
-    assert_eq!(late, Err(Refused::State(State::Terminated)));
-    core.start(ids[1], &mut bank).unwrap();
+    let late = follow(&mut core, ids[1], ids[0], true, &mut bank);
+    assert_eq!(late, Ok(()));
+    assert_eq!(core.command(ids[1]).unwrap().state(), State::Running);
     ticks(&mut core, &mut bank, 4);
     assert_eq!(steps(&bank, 0), [1, 1, 1, 1, 1, 0, 1, 1, 0]);
 }
@@ -70,7 +70,7 @@ fn a_yield_needs_a_successor_that_takes_what_moves() {
     let mut bank = Axes::new();
     let (mut core, ids) = core(&[mover(0, 6, 3), mover(1, 2, 100)], &mut bank);
     core.start(ids[0], &mut bank).unwrap();
-    core.schedule(ids[1], ids[0], true).unwrap();
+    follow(&mut core, ids[1], ids[0], true, &mut bank).unwrap();
     ticks(&mut core, &mut bank, 10);
     assert_eq!(core.command(ids[0]).unwrap().result(), Some("done"));
     assert_eq!(core.command(ids[1]).unwrap().result(), Some("done"));
@@ -93,15 +93,15 @@ fn resources_are_exclusive_and_inherited() {
         by: ids[0],
     });
     assert_eq!(core.start(ids[1], &mut bank), held);
-    core.schedule(ids[1], ids[0], true).unwrap();
+    follow(&mut core, ids[1], ids[0], true, &mut bank).unwrap();
     // A scheduled command holds what was free at once.
-    core.schedule(ids[2], ids[1], true).unwrap();
+    follow(&mut core, ids[2], ids[1], true, &mut bank).unwrap();
     let held = Err(Refused::Held {
         resource: 1,
         by: ids[2],
     });
     assert_eq!(core.start(ids[3], &mut bank), held);
-    assert_eq!(core.schedule(ids[3], ids[0], true), Err(Refused::Successor));
+    assert_eq!(follow(&mut core, ids[3], ids[0], true, &mut bank), held);
     core.unschedule(ids[2]).unwrap();
     core.start(ids[3], &mut bank).unwrap();
     ticks(&mut core, &mut bank, 14);
@@ -127,8 +127,8 @@ fn who_waits_for_a_failed_or_cancelled_command_is_not_started() {
         let mut bank = Axes::new();
         let (mut core, ids) = core(&[failing(), mover(0, 5, 100), mover(0, 5, 100)], &mut bank);
         core.start(ids[0], &mut bank).unwrap();
-        core.schedule(ids[1], ids[0], kept).unwrap();
-        core.schedule(ids[2], ids[1], kept).unwrap();
+        follow(&mut core, ids[1], ids[0], kept, &mut bank).unwrap();
+        follow(&mut core, ids[2], ids[1], kept, &mut bank).unwrap();
         ticks(&mut core, &mut bank, 5);
         let ending = *core.command(ids[0]).unwrap().ending().unwrap();
         assert_eq!(
@@ -150,16 +150,16 @@ fn cancel_is_a_request_that_drops_the_successor() {
     let (mut core, ids) = core(&[mover(0, 5, 1), mover(0, 5, 100)], &mut bank);
     assert_eq!(core.cancel(ids[0]), Err(Refused::State(State::Ready)));
     core.start(ids[0], &mut bank).unwrap();
-    core.schedule(ids[1], ids[0], true).unwrap();
+    follow(&mut core, ids[1], ids[0], true, &mut bank).unwrap();
     core.cancel(ids[0]).unwrap();
     assert_eq!(core.command(ids[1]).unwrap().state(), State::Ready);
     ticks(&mut core, &mut bank, 3);
     assert_eq!(core.command(ids[0]).unwrap().state(), State::Cancelling);
-    core.abort(ids[0], &mut bank).unwrap();
+    core.abort(ids[0], Why::Request, &mut bank).unwrap();
     let ending = *core.command(ids[0]).unwrap().ending().unwrap();
     assert_eq!(
         (ending.cause, ending.left_moving, bank.stops[0]),
-        (Cause::Aborted, true, 1)
+        (Cause::Aborted(Why::Request), true, 1)
     );
     core.start(ids[1], &mut bank).unwrap();
 }

@@ -3,7 +3,7 @@
 
 use std::path::PathBuf;
 
-use rpi_core::{Command, Core, State, catalogue};
+use rpi_core::{Command, Core, Rule, State, catalogue};
 use rpi_driver::{Compiled, Input, Kind, compile, lower_to_run};
 use rpi_image::{Image, verify};
 use rpi_sim::{Cell, SimBank};
@@ -109,7 +109,9 @@ fn a_tick_and_a_switch_neither_allocate_nor_free() {
     };
     let (first, second) = (load(&mut bank), load(&mut bank));
     core.start(first, &mut bank).expect("nothing is taken");
-    core.schedule(second, first, true).expect("it may follow");
+    let rule = Rule::follow(first).start(second).keep();
+    let made = core.schedule(Box::new(rule), &mut bank);
+    made.unwrap_or_else(|(_, why)| panic!("{why:?}"));
     let mut switched = None;
     no_alloc(|| {
         for tick in 0..100 {

@@ -2,7 +2,7 @@
 #![allow(dead_code, unreachable_pub)]
 
 use rpi_bench::{Build, build, twin};
-use rpi_core::{Command, CommandId, Core};
+use rpi_core::{Command, CommandId, Core, Refused, Rule};
 use rpi_device::{DeviceBank, PortId, PortName, Refusal, ResolveError};
 use rpi_image::Value;
 use rpi_lower::LowerOptions;
@@ -167,4 +167,18 @@ pub fn ticks(core: &mut Core, bank: &mut Axes, count: u64) {
             core.tick(bank, wall_ns, &mut ());
         }
     });
+}
+
+/// Schedules a command on another one.
+pub fn follow(
+    core: &mut Core,
+    next: CommandId,
+    after: CommandId,
+    kept: bool,
+    bank: &mut Axes,
+) -> Result<(), Refused> {
+    let rule = Rule::follow(after).start(next);
+    let rule = if kept { rule.keep() } else { rule };
+    let made = core.schedule(Box::new(rule), bank);
+    made.map(|_| ()).map_err(|refused| refused.1)
 }

@@ -3,7 +3,7 @@
 use std::sync::Arc;
 use std::time::Instant;
 
-use rpi_core::{Command, CommandId, Core, State, Watch};
+use rpi_core::{Command, CommandId, Core, Rule, State, Watch, Why};
 use rpi_device::{DeviceBank, PortId};
 use rpi_image::Image;
 use rpi_image::image::Signal;
@@ -147,7 +147,11 @@ impl Cycle {
         let slot = Slot { id, serial };
         let done = match self.running {
             None => self.core.start(id, &mut self.bank),
-            Some(before) => self.core.schedule(id, before.id, false),
+            Some(before) => {
+                let rule = Box::new(Rule::follow(before.id).start(id));
+                let made = self.core.schedule(rule, &mut self.bank);
+                made.map(|_| ()).map_err(|refused| refused.1)
+            }
         };
         match (done, self.running) {
             (Ok(()), None) => self.begin(slot),
@@ -195,6 +199,8 @@ impl Cycle {
         if let Some(next) = self.next.take().filter(|n| self.runs(n.id)) {
             self.begin(next);
         }
+        while self.core.take_spent().is_some() {}
+        while self.core.next_notice().is_some() {}
         while let Some((_, gone)) = self.core.take_gone() {
             self.ends.bury(gone);
         }
@@ -221,7 +227,11 @@ impl Cycle {
     fn cut_off(&mut self) {
         self.cut_off = true;
         for slot in [self.next.take(), self.running].into_iter().flatten() {
-            if self.core.abort(slot.id, &mut self.bank).is_ok() {
+            if self
+                .core
+                .abort(slot.id, Why::Request, &mut self.bank)
+                .is_ok()
+            {
                 self.follow(self.core.now().saturating_sub(1));
             } else {
                 self.bury(slot.id);

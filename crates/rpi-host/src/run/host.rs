@@ -108,7 +108,7 @@ impl Host<'_> {
 fn end(image: &Image, ending: Ending) -> RunEnd {
     let number = ending.error;
     match ending.cause {
-        Cause::Aborted => RunEnd::CutOff,
+        Cause::Aborted(_) | Cause::Stopped(_) => RunEnd::CutOff,
         Cause::Fault(fault) => RunEnd::Fault {
             what: what(fault.code).to_owned(),
             place: image
@@ -144,7 +144,9 @@ fn refused(why: Refused) -> String {
         Refused::Unknown => "the core does not know it".to_owned(),
         Refused::State(state) => format!("that does not fit the state {state:?}"),
         Refused::Held { resource, .. } => format!("actuator {resource} is held by another command"),
-        Refused::Successor => "its predecessor has a successor already".to_owned(),
+        Refused::Successor => "it would follow itself or start twice".to_owned(),
+        Refused::Never => "nothing can start it any more".to_owned(),
+        Refused::Condition => "its rule's condition is nested too deeply".to_owned(),
         Refused::Period => "its period is no whole multiple of the tick".to_owned(),
         Refused::Full => "the core's table is full".to_owned(),
     }

@@ -1,0 +1,314 @@
+//! Conditions of rules: three-valued expressions over what commands tell.
+//!
+//! A fact is true, false or not known yet. `and`, `or` and `not` follow Kleene's logic, so that `false and unknown` is
+//! false. Beside what is true now an evaluation tells what can still become true: a rule whose condition cannot is dropped.
+
+use crate::id::CommandId;
+
+use alloc::boxed::Box;
+use alloc::vec;
+use alloc::vec::Vec;
+use core::ops;
+
+/// Something that can be said about a command.
+#[derive(Clone, Copy, PartialEq, Eq, Hash, Debug)]
+pub enum Fact {
+    /// Its exported Boolean of this index is true in its latest cycle. Not known before its first cycle and where the flow
+    /// is absent; after its end as in its last cycle.
+    Export(u32),
+    /// It has ended, however.
+    Ended,
+    /// It has ended by itself, without an error, and nobody had cancelled it.
+    Regular,
+    /// It has ended with an error, a fault or an abort.
+    Failed,
+    /// It has ended by the named result of this index.
+    Result(u32),
+    /// It has ended with this error number.
+    Error(i64),
+}
+
+/// What is known about a fact or a condition.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub(crate) struct Truth(u8);
+
+impl Truth {
+    /// Nothing, and that remains so.
+    pub(crate) const NEVER: Truth = Truth(0);
+    const TRUE: u8 = 1;
+    const FALSE: u8 = 2;
+    const MAY_BE_TRUE: u8 = 4;
+    const MAY_BE_FALSE: u8 = 8;
+    /// Nothing yet.
+    pub(crate) const OPEN: Truth = Truth(Self::MAY_BE_TRUE | Self::MAY_BE_FALSE);
+
+    /// What remains so.
+    pub(crate) const fn fixed(value: bool) -> Truth {
+        Truth(if value {
+            Self::TRUE | Self::MAY_BE_TRUE
+        } else {
+            Self::FALSE | Self::MAY_BE_FALSE
+        })
+    }
+
+    /// What is so now and may change.
+    pub(crate) const fn now(value: bool) -> Truth {
+        Truth(Self::OPEN.0 | if value { Self::TRUE } else { Self::FALSE })
+    }
+
+    pub(crate) const fn is_true(self) -> bool {
+        self.0 & Self::TRUE != 0
+    }
+
+    pub(crate) const fn may_be_true(self) -> bool {
+        self.0 & Self::MAY_BE_TRUE != 0
+    }
+
+    /// Only what cannot change any more.
+    pub(crate) const fn lasting(self) -> Truth {
+        match self.0 & Self::OPEN.0 == Self::OPEN.0 {
+            true => Self::OPEN,
+            false => self,
+        }
+    }
+
+    /// Its value, if it has one that cannot change any more.
+    const fn constant(self) -> Option<bool> {
+        match (
+            self.lasting().0 & Self::TRUE,
+            self.lasting().0 & Self::FALSE,
+        ) {
+            (0, 0) => None,
+            (0, _) => Some(false),
+            (_, _) => Some(true),
+        }
+    }
+
+    const fn not(self) -> Truth {
+        let odd = self.0 & (Self::TRUE | Self::MAY_BE_TRUE);
+        let even = self.0 & (Self::FALSE | Self::MAY_BE_FALSE);
+        Truth(odd << 1 | even >> 1)
+    }
+
+    const fn and(self, other: Truth) -> Truth {
+        let all = (self.0 & other.0) & (Self::TRUE | Self::MAY_BE_TRUE);
+        let any = (self.0 | other.0) & (Self::FALSE | Self::MAY_BE_FALSE);
+        Truth(all | any)
+    }
+
+    const fn or(self, other: Truth) -> Truth {
+        self.not().and(other.not()).not()
+    }
+}
+
+/// One word of a condition, operands first.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+enum Word {
+    Fact(CommandId, Fact),
+    Constant(bool),
+    Never,
+    Not,
+    And,
+    Or,
+}
+
+/// Operands that wait at once; conditions that need more are refused.
+const DEPTH: usize = 32;
+
+/// When a rule fires: an expression over facts of commands.
+///
+/// Made beside the cycle, with `&`, `|` and `!` from [`Condition::of`] and [`Condition::always`].
+#[derive(Clone, PartialEq, Eq, Debug)]
+pub struct Condition(Box<[Word]>);
+
+impl Condition {
+    /// A fact about a command.
+    #[must_use]
+    pub fn of(command: CommandId, fact: Fact) -> Condition {
+        Condition(vec![Word::Fact(command, fact)].into())
+    }
+
+    /// True at once.
+    #[must_use]
+    pub fn always() -> Condition {
+        Condition(vec![Word::Constant(true)].into())
+    }
+
+    /// The commands that it speaks of, as often as it does.
+    pub fn commands(&self) -> impl Iterator<Item = CommandId> + '_ {
+        self.0.iter().filter_map(|word| match word {
+            Word::Fact(command, _) => Some(*command),
+            _ => None,
+        })
+    }
+
+    /// True if it needs no more room than there is.
+    pub(crate) fn fits(&self) -> bool {
+        let mut depth = 0usize;
+        self.0.iter().all(|word| {
+            depth = match word {
+                Word::Not => depth,
+                Word::And | Word::Or => depth.saturating_sub(1),
+                _ => depth + 1,
+            };
+            depth <= DEPTH
+        })
+    }
+
+    /// What is known about it, given what is known about each fact.
+    pub(crate) fn truth(&self, know: impl Fn(CommandId, Fact) -> Truth) -> Truth {
+        let mut stack = [Truth::NEVER; DEPTH];
+        let mut top = 0;
+        for word in &self.0 {
+            let (drop, truth) = match *word {
+                Word::Fact(command, fact) => (0, know(command, fact)),
+                Word::Constant(value) => (0, Truth::fixed(value)),
+                Word::Never => (0, Truth::NEVER),
+                Word::Not => (1, stack[top - 1].not()),
+                Word::And => (2, stack[top - 2].and(stack[top - 1])),
+                Word::Or => (2, stack[top - 2].or(stack[top - 1])),
+            };
+            top -= drop;
+            stack[top] = truth;
+            top += 1;
+        }
+        stack[0]
+    }
+
+    /// True if it can only become true once this command has ended.
+    fn requires_end_of(&self, command: CommandId) -> bool {
+        let know = |of: CommandId, fact: Fact| match fact {
+            Fact::Export(_) => Truth::OPEN,
+            _ if of == command => Truth::fixed(false),
+            _ => Truth::OPEN,
+        };
+        !self.truth(know).may_be_true()
+    }
+
+    /// The commands that must have ended before it can be true, ascending.
+    pub(crate) fn requires(&self) -> Vec<CommandId> {
+        if !self.fits() {
+            return Vec::new();
+        }
+        let mut all: Vec<CommandId> = self.commands().collect();
+        all.sort_unstable();
+        all.dedup();
+        all.retain(|command| self.requires_end_of(*command));
+        all
+    }
+
+    /// A command is about to be freed: puts what is known about it in the place of its facts.
+    pub(crate) fn freeze(&mut self, gone: CommandId, know: impl Fn(Fact) -> Truth) {
+        for word in &mut self.0 {
+            if let Word::Fact(command, fact) = *word
+                && command == gone
+            {
+                let known = know(fact).constant();
+                *word = known.map_or(Word::Never, Word::Constant);
+            }
+        }
+    }
+
+    fn join(self, other: Condition, word: Word) -> Condition {
+        let words = self.0.into_iter().chain(other.0).chain([word]);
+        Condition(words.collect())
+    }
+}
+
+impl ops::BitAnd for Condition {
+    type Output = Condition;
+    fn bitand(self, other: Condition) -> Condition {
+        self.join(other, Word::And)
+    }
+}
+
+impl ops::BitOr for Condition {
+    type Output = Condition;
+    fn bitor(self, other: Condition) -> Condition {
+        self.join(other, Word::Or)
+    }
+}
+
+impl ops::Not for Condition {
+    type Output = Condition;
+    fn not(self) -> Condition {
+        Condition(self.0.into_iter().chain([Word::Not]).collect())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const ALL: [Truth; 6] = [
+        Truth::NEVER,
+        Truth::OPEN,
+        Truth::fixed(true),
+        Truth::fixed(false),
+        Truth::now(true),
+        Truth::now(false),
+    ];
+
+    /// Every future of one truth: what it is now and what it may be later.
+    fn futures(t: Truth) -> (Option<bool>, Vec<Option<bool>>) {
+        let now = (t.0 & 3 != 0).then(|| t.is_true());
+        let mut later = vec![now];
+        later.extend((t.0 & 4 != 0).then_some(Some(true)));
+        later.extend((t.0 & 8 != 0).then_some(Some(false)));
+        (now, later)
+    }
+
+    fn kleene(a: Option<bool>, b: Option<bool>) -> Option<bool> {
+        match (a, b) {
+            (Some(false), _) | (_, Some(false)) => Some(false),
+            (Some(true), Some(true)) => Some(true),
+            _ => None,
+        }
+    }
+
+    #[test]
+    fn and_is_kleenes_now_and_in_every_future() {
+        for a in ALL {
+            for b in ALL {
+                let ((now_a, later_a), (now_b, later_b)) = (futures(a), futures(b));
+                let got = a.and(b);
+                assert_eq!(got.is_true(), kleene(now_a, now_b) == Some(true));
+                let may = later_a
+                    .iter()
+                    .any(|x| later_b.iter().any(|y| kleene(*x, *y) == Some(true)));
+                assert_eq!(got.may_be_true(), may, "{a:?} and {b:?}");
+                assert_eq!(a.or(b), a.not().and(b.not()).not());
+            }
+            assert_eq!(a.not().not(), a);
+        }
+    }
+
+    #[test]
+    fn what_must_have_ended_is_found_through_the_operators() {
+        let command = |place| CommandId { place, serial: 1 };
+        let ended = |place| Condition::of(command(place), Fact::Ended);
+        let flag = Condition::of(command(9), Fact::Export(0));
+        assert_eq!((ended(1) & flag.clone()).requires(), [command(1)]);
+        assert_eq!((ended(1) | ended(2)).requires(), []);
+        let both = (ended(1) & ended(2)) | (ended(2) & flag.clone());
+        assert_eq!(both.requires(), [command(2)]);
+        assert_eq!((!flag).requires(), []);
+    }
+
+    #[test]
+    fn too_deep_conditions_are_refused() {
+        let fact = || {
+            Condition::of(
+                CommandId {
+                    place: 0,
+                    serial: 1,
+                },
+                Fact::Ended,
+            )
+        };
+        let deep = |n| (0..n).fold(fact(), |c, _| fact() & c);
+        assert!(deep(DEPTH - 1).fits() && !deep(DEPTH).fits());
+        let wide = (0..1000).fold(fact(), |c, _| c & fact());
+        assert!(wide.fits());
+    }
+}

@@ -1,0 +1,78 @@
+//! What is known about a command, as conditions ask for it.
+
+use crate::command::{Cause, Command, Ending};
+use crate::commands::{Core, Entry};
+use crate::condition::{Fact, Truth};
+use crate::id::CommandId;
+use crate::lifecycle::State;
+
+impl Core {
+    /// What is known about a command now and what may become of it. A scheduled one that nothing is known to start counts
+    /// as one that never runs, unless `waiting` commands may.
+    pub(crate) fn know(&self, id: CommandId, fact: Fact) -> Truth {
+        match self.find(id).and_then(|place| self.entries[place].as_ref()) {
+            Some(entry) => entry.know(fact),
+            None => Truth::NEVER,
+        }
+    }
+}
+
+impl Entry {
+    pub(crate) fn know(&self, fact: Fact) -> Truth {
+        if let Fact::Export(index) = fact {
+            return self.know_export(index);
+        }
+        match &self.command.ending {
+            Some(ending) => Truth::fixed(holds(fact, ending)),
+            None if self.will_never_be(fact) => Truth::fixed(false),
+            None => Truth::now(false),
+        }
+    }
+
+    /// True if a fact about its end cannot come true.
+    fn will_never_be(&self, fact: Fact) -> bool {
+        match self.command.state {
+            State::Scheduled => !self.live,
+            State::Cancelling => fact == Fact::Regular,
+            State::Rejected => true,
+            _ => false,
+        }
+    }
+
+    fn know_export(&self, index: u32) -> Truth {
+        let value = self.command.exported(index);
+        match self.command.state {
+            State::Running | State::Cancelling => value.map_or(Truth::OPEN, Truth::now),
+            State::Terminated => value.map_or(Truth::NEVER, Truth::fixed),
+            State::Scheduled if !self.live => Truth::NEVER,
+            _ => Truth::OPEN,
+        }
+    }
+}
+
+impl Command {
+    /// An exported Boolean after its latest cycle; none before the first, or where the flow is absent or no Boolean.
+    #[must_use]
+    pub fn exported(&self, index: u32) -> Option<bool> {
+        let export = self.machine.image().exports.get(index as usize)?;
+        let boolean = export.value.ty == rpi_image::Type::One(rpi_image::Scalar::Bool);
+        let ran = self.machine.cycle() > 0;
+        let value = self
+            .machine
+            .value(export.value)
+            .filter(|_| boolean && ran)?;
+        Some(value[0] != 0)
+    }
+}
+
+/// Whether a fact is true of a command that has ended so.
+pub(crate) fn holds(fact: Fact, ending: &Ending) -> bool {
+    match fact {
+        Fact::Export(_) => false,
+        Fact::Ended => true,
+        Fact::Regular => ending.is_regular(),
+        Fact::Failed => ending.error != 0,
+        Fact::Result(k) => ending.cause == Cause::Result(k as usize),
+        Fact::Error(number) => ending.error == number,
+    }
+}

@@ -1,0 +1,146 @@
+//! Who holds which actuator, and who may have it next.
+
+use crate::commands::{Core, Refused};
+use crate::lifecycle::State;
+use crate::rule::Rule;
+
+impl Core {
+    /// All commands that hold an actuator: one, or several scheduled ones that are alternatives.
+    pub(crate) fn holders(&self, resource: u32) -> impl Iterator<Item = usize> + '_ {
+        let holds = move |(place, entry): (usize, &Option<crate::commands::Entry>)| {
+            let holds = entry.as_ref().is_some_and(|e| e.command.holds(resource));
+            holds.then_some(place)
+        };
+        self.entries.iter().enumerate().filter_map(holds)
+    }
+
+    /// Checks that all a command needs is free.
+    pub(crate) fn free_for(&self, place: usize) -> Result<(), Refused> {
+        let mut needs = self.entry(place)?.command.resources();
+        needs.try_for_each(|resource| match self.holders(resource).next() {
+            Some(by) => Err(self.held(resource, by)),
+            None => Ok(()),
+        })
+    }
+
+    pub(crate) fn held(&self, resource: u32, by: usize) -> Refused {
+        Refused::Held {
+            resource,
+            by: self.id(by),
+        }
+    }
+
+    /// Checks that a command which a rule is to start has, can take, or will get an actuator from those who end before.
+    pub(crate) fn within_reach(
+        &self,
+        rule: &Rule,
+        place: usize,
+        resource: u32,
+    ) -> Result<(), Refused> {
+        let has = self.entry(place)?.command.holds(resource);
+        if has || self.comes_from_before(rule, resource) {
+            return Ok(());
+        }
+        let mut others = self.holders(resource);
+        match others.find(|h| !self.shares(rule, *h)) {
+            Some(by) => Err(self.held(resource, by)),
+            None => Ok(()),
+        }
+    }
+
+    /// True if somebody who ends before the rule fires needs this actuator and will hand it on.
+    pub(crate) fn comes_from_before(&self, rule: &Rule, resource: u32) -> bool {
+        let before = rule.after.iter().filter_map(|id| self.find(*id));
+        before
+            .filter_map(|place| self.entries[place].as_ref())
+            .any(|e| e.is_live() && e.command.needs(resource))
+    }
+
+    /// True if a holder is scheduled as an alternative to what this rule starts: after the same command.
+    fn shares(&self, rule: &Rule, holder: usize) -> bool {
+        let scheduled = self.entries[holder]
+            .as_ref()
+            .is_some_and(|e| e.command.state == State::Scheduled);
+        let id = self.id(holder);
+        let common = |other: &Rule| other.after.iter().any(|a| rule.after.contains(a));
+        scheduled
+            && self
+                .rules
+                .iter()
+                .any(|p| p.rule.start.contains(&id) && common(&p.rule))
+    }
+
+    /// Checks at the moment of firing that nobody else has what a command needs: those who end now or are alternatives
+    /// do not count.
+    pub(crate) fn obtainable(&self, rule: &Rule, place: usize) -> Result<(), Refused> {
+        let mut needs = self.entry(place)?.command.resources();
+        needs.try_for_each(|resource| {
+            let mut others = self.holders(resource).filter(|h| *h != place);
+            match others.find(|h| !self.lets_go(rule, *h) && !self.shares(rule, *h)) {
+                Some(by) => Err(self.held(resource, by)),
+                None => Ok(()),
+            }
+        })
+    }
+
+    /// True if a holder ends in this decision, by itself or by this rule.
+    fn lets_go(&self, rule: &Rule, holder: usize) -> bool {
+        let leaving = self.entries[holder].as_ref().is_some_and(|e| e.leaving);
+        leaving || rule.stop.contains(&self.id(holder))
+    }
+
+    /// Gives a command all that it needs; nobody else has it any more.
+    pub(crate) fn take_all(&mut self, place: usize) {
+        let count = self.need_count(place);
+        for k in 0..count {
+            let Some(resource) = self.need(place, k) else {
+                continue;
+            };
+            for entry in self.entries.iter_mut().flatten() {
+                entry.command.hold(resource, false);
+            }
+            if let Some(entry) = self.entries[place].as_mut() {
+                entry.command.hold(resource, true);
+            }
+        }
+    }
+
+    /// Lets every scheduled command take what is free of what it needs, unless it comes to it from somebody before.
+    pub(crate) fn take_free(&mut self) {
+        for place in 0..self.entries.len() {
+            let scheduled = self.entries[place]
+                .as_ref()
+                .is_some_and(|e| e.command.state == State::Scheduled && !e.gone);
+            if scheduled {
+                (0..self.need_count(place)).for_each(|k| self.take_if_free(place, k));
+            }
+        }
+    }
+
+    fn take_if_free(&mut self, place: usize, k: usize) {
+        let Some(resource) = self.need(place, k) else {
+            return;
+        };
+        let id = self.id(place);
+        let mine = || self.rules.iter().filter(|p| p.rule.start.contains(&id));
+        let comes = mine().any(|p| self.comes_from_before(&p.rule, resource));
+        let taken = mine().any(|p| self.holders(resource).any(|h| !self.shares(&p.rule, h)));
+        if !comes
+            && !taken
+            && let Some(entry) = self.entries[place].as_mut()
+        {
+            entry.command.hold(resource, true);
+        }
+    }
+
+    fn need_count(&self, place: usize) -> usize {
+        self.entries[place]
+            .as_ref()
+            .map_or(0, |e| e.command.holds.len())
+    }
+
+    fn need(&self, place: usize, k: usize) -> Option<u32> {
+        let entry = self.entries.get(place)?.as_ref()?;
+        Some(entry.command.holds.get(k)?.resource)
+    }
+}

@@ -1,0 +1,106 @@
+//! Rules: when this holds, stop these, cancel those, start others, all between the same two cycles.
+
+use crate::condition::{Condition, Fact};
+use crate::id::{CommandId, RuleId};
+
+use alloc::boxed::Box;
+use alloc::vec::Vec;
+
+/// A rule, made beside the cycle. It fires once.
+///
+/// `Rule::follow(a).start(b)` schedules command `b` on command `a`; `Rule::follow_by(a, &[0])` only for its first result.
+#[derive(Clone, PartialEq, Eq, Debug)]
+pub struct Rule {
+    pub(crate) condition: Condition,
+    /// Commands that have ended, or are stopped, by the time it fires: what they held may be taken over.
+    pub(crate) after: Vec<CommandId>,
+    pub(crate) stop: Vec<CommandId>,
+    pub(crate) cancel: Vec<CommandId>,
+    pub(crate) start: Vec<CommandId>,
+    pub(crate) kept: bool,
+}
+
+impl Rule {
+    /// A rule that does nothing yet when this holds.
+    #[must_use]
+    pub fn when(condition: Condition) -> Rule {
+        Rule {
+            after: condition.requires(),
+            condition,
+            stop: Vec::new(),
+            cancel: Vec::new(),
+            start: Vec::new(),
+            kept: false,
+        }
+    }
+
+    /// When a command has ended by itself without an error and was not cancelled.
+    #[must_use]
+    pub fn follow(predecessor: CommandId) -> Rule {
+        Rule::when(Condition::of(predecessor, Fact::Regular))
+    }
+
+    /// As [`Rule::follow`], but only for these results (by index). Without any it never fires.
+    #[must_use]
+    pub fn follow_by(predecessor: CommandId, results: &[u32]) -> Rule {
+        let one = |k: &u32| Condition::of(predecessor, Fact::Result(*k));
+        let any = results.iter().map(one).reduce(|a, b| a | b);
+        let regular = Condition::of(predecessor, Fact::Regular);
+        Rule::when(match any {
+            Some(any) => regular & any,
+            None => !Condition::always(),
+        })
+    }
+
+    /// Ends this command, or takes it off the schedule.
+    #[must_use]
+    pub fn stop(mut self, command: CommandId) -> Rule {
+        self.stop.push(command);
+        if let Err(place) = self.after.binary_search(&command) {
+            self.after.insert(place, command);
+        }
+        self
+    }
+
+    /// Asks this command to end.
+    #[must_use]
+    pub fn cancel(mut self, command: CommandId) -> Rule {
+        self.cancel.push(command);
+        self
+    }
+
+    /// Starts this command.
+    #[must_use]
+    pub fn start(mut self, command: CommandId) -> Rule {
+        self.start.push(command);
+        self
+    }
+
+    /// Commands that nothing can start any more are ready again instead of gone.
+    #[must_use]
+    pub fn keep(mut self) -> Rule {
+        self.kept = true;
+        self
+    }
+
+    /// The commands that it starts.
+    #[must_use]
+    pub fn starts(&self) -> &[CommandId] {
+        &self.start
+    }
+
+    /// All commands that its condition or its stop set names.
+    pub(crate) fn mentions(&self) -> impl Iterator<Item = CommandId> + '_ {
+        self.condition.commands().chain(self.stop.iter().copied())
+    }
+}
+
+/// A rule in the table.
+pub(crate) struct Pending {
+    pub(crate) id: RuleId,
+    pub(crate) rule: Box<Rule>,
+    /// Its condition holds at the decision of this tick.
+    pub(crate) fires: bool,
+    /// Its condition can still become true.
+    pub(crate) open: bool,
+}

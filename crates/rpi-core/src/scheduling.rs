@@ -1,0 +1,212 @@
+//! Making rules, and dropping those that can no longer fire together with the commands that only they could start.
+
+use crate::commands::{Core, Refused};
+use crate::id::{CommandId, RuleId};
+use crate::lifecycle::{Event, State};
+use crate::notice::{Notice, Outcome};
+use crate::rule::{Pending, Rule};
+use rpi_device::DeviceBank;
+
+use alloc::boxed::Box;
+
+impl Core {
+    /// Makes a rule. The commands that it starts are scheduled and take at once what is free of what they need, unless
+    /// somebody who ends before will hand it on. If its condition holds already, it fires at once.
+    ///
+    /// # Errors
+    /// Gives it back, and nothing has changed, if a command that it starts is neither ready nor scheduled, needs what
+    /// somebody else holds, or is asked to follow itself; or if the rule could never fire.
+    pub fn schedule_as(
+        &mut self,
+        id: RuleId,
+        rule: Box<Rule>,
+        bank: &mut dyn DeviceBank,
+    ) -> Result<(), (Box<Rule>, Refused)> {
+        if let Err(why) = self.may_be_made(&rule) {
+            return Err((rule, why));
+        }
+        for k in 0..rule.start.len() {
+            let entry = self
+                .find(rule.start[k])
+                .and_then(|p| self.entries[p].as_mut());
+            if let Some(entry) = entry {
+                entry.command.happen(Event::Schedule);
+                (entry.kept, entry.live) = (entry.kept | rule.kept, true);
+            }
+        }
+        self.rules.push(Pending {
+            id,
+            rule,
+            fires: false,
+            open: true,
+        });
+        self.take_free();
+        self.fire_if_true(bank);
+        Ok(())
+    }
+
+    /// As [`Core::schedule_as`], with a name that the core chooses.
+    ///
+    /// # Errors
+    /// See there.
+    pub fn schedule(
+        &mut self,
+        rule: Box<Rule>,
+        bank: &mut dyn DeviceBank,
+    ) -> Result<RuleId, (Box<Rule>, Refused)> {
+        self.named += 1;
+        let id = RuleId(self.named);
+        self.schedule_as(id, rule, bank).map(|()| id)
+    }
+
+    /// Drops a rule; commands that only it could start are unscheduled.
+    ///
+    /// # Errors
+    /// If there is no such rule any more.
+    pub fn withdraw(&mut self, id: RuleId) -> Result<(), Refused> {
+        let at = self.rules.iter().position(|p| p.id == id);
+        let at = at.ok_or(Refused::Unknown)?;
+        self.drop_rule(at, Outcome::Dropped);
+        self.settle();
+        Ok(())
+    }
+
+    /// Moves out a rule that is over, to be freed off the cycle.
+    pub fn take_spent(&mut self) -> Option<(RuleId, Box<Rule>)> {
+        self.spent.pop()
+    }
+
+    fn may_be_made(&mut self, rule: &Rule) -> Result<(), Refused> {
+        if self.rules.len() + self.spent.len() >= self.most_rules {
+            return Err(Refused::Full);
+        }
+        if !rule.condition.fits() {
+            return Err(Refused::Condition);
+        }
+        for (k, id) in rule.start.iter().enumerate() {
+            if rule.start[..k].contains(id) || rule.after.contains(id) {
+                return Err(Refused::Successor);
+            }
+            let place = self.find(*id).ok_or(Refused::Unknown)?;
+            self.fits(place, Event::Schedule)?;
+        }
+        self.all_within_reach(rule)?;
+        match rule
+            .condition
+            .truth(|id, fact| self.know(id, fact))
+            .may_be_true()
+        {
+            true => Ok(()),
+            false => Err(Refused::Never),
+        }
+    }
+
+    fn all_within_reach(&self, rule: &Rule) -> Result<(), Refused> {
+        for (k, id) in rule.start.iter().enumerate() {
+            let place = self.find(*id).ok_or(Refused::Unknown)?;
+            for resource in self.entry(place)?.command.resources() {
+                self.within_reach(rule, place, resource)?;
+                let earlier = rule.start[..k].iter().filter_map(|s| self.find(*s));
+                let needs = |p: &usize| self.entry(*p).is_ok_and(|e| e.command.needs(resource));
+                if let Some(by) = earlier.into_iter().find(needs) {
+                    return Err(self.held(resource, by));
+                }
+            }
+        }
+        Ok(())
+    }
+
+    /// Drops the rules that can no longer fire, gives up the commands that nothing can start any more, and lets those
+    /// that still wait take what has become free. Called whenever a command's state has changed.
+    pub(crate) fn settle(&mut self) {
+        self.mark_live();
+        let mut at = 0;
+        while at < self.rules.len() {
+            match self.rules[at].open {
+                true => at += 1,
+                false => self.drop_rule(at, Outcome::Dropped),
+            }
+        }
+        for place in 0..self.entries.len() {
+            if self.is_forlorn(place) {
+                self.orphan(place, false);
+            }
+        }
+        self.take_free();
+    }
+
+    /// Finds out which scheduled commands may still run and which rules may still fire: the least set that supports
+    /// itself, so that commands which wait for one another in a circle are given up.
+    fn mark_live(&mut self) {
+        let entries = self.entries.iter_mut().flatten();
+        entries.for_each(|e| e.live = e.command.state != State::Scheduled && !e.gone);
+        self.rules.iter_mut().for_each(|p| p.open = false);
+        for _ in 0..=self.rules.len() {
+            let mut found = false;
+            for at in 0..self.rules.len() {
+                if !self.rules[at].open && self.may_fire(&self.rules[at].rule) {
+                    self.rules[at].open = true;
+                    self.enliven(at);
+                    found = true;
+                }
+            }
+            if !found {
+                return;
+            }
+        }
+    }
+
+    fn enliven(&mut self, at: usize) {
+        for k in 0..self.rules[at].rule.start.len() {
+            let place = self.find(self.rules[at].rule.start[k]);
+            if let Some(entry) = place.and_then(|p| self.entries[p].as_mut()) {
+                entry.live = true;
+            }
+        }
+    }
+
+    /// True if a rule's condition may become true and all that it starts can be had then.
+    fn may_fire(&self, rule: &Rule) -> bool {
+        let truth = rule.condition.truth(|id, fact| self.know(id, fact));
+        let startable = |id: &CommandId| {
+            let place = self.find(*id);
+            let entry = place.and_then(|p| Some((p, self.entries[p].as_ref()?)));
+            entry.is_some_and(|(place, e)| {
+                let mut needs = e.command.resources();
+                e.command.state == State::Scheduled
+                    && needs.all(|r| self.within_reach(rule, place, r).is_ok())
+            })
+        };
+        truth.may_be_true() && rule.start.iter().all(startable)
+    }
+
+    fn is_forlorn(&self, place: usize) -> bool {
+        let Some(entry) = self.entries[place].as_ref() else {
+            return false;
+        };
+        let id = self.id(place);
+        let named = self.rules.iter().any(|p| p.rule.start.contains(&id));
+        entry.command.state == State::Scheduled && !entry.gone && !named
+    }
+
+    /// Nothing can start this command any more: it gives back what it holds.
+    pub(crate) fn orphan(&mut self, place: usize, keep: bool) {
+        let command = self.id(place);
+        let Some(entry) = self.entries[place].as_mut() else {
+            return;
+        };
+        let kept = keep || entry.kept;
+        entry.command.happen(Event::Orphan { kept });
+        entry.command.hold_all(false);
+        (entry.gone, entry.kept, entry.live) = (!kept, false, kept);
+        self.notices.push(Notice::Orphaned { command, kept });
+    }
+
+    /// Takes a rule out of the table and says what became of it.
+    pub(crate) fn drop_rule(&mut self, at: usize, outcome: Outcome) {
+        let Pending { id, rule, .. } = self.rules.remove(at);
+        self.notices.push(Notice::Rule { rule: id, outcome });
+        // There is room: both lists together never hold more rules than one of them has room for.
+        self.spent.push((id, rule));
+    }
+}

@@ -1,0 +1,277 @@
+//! The decision between two cycles: who ends, which rules fire, who takes over, what is braked.
+
+use crate::command::{Cause, Ending};
+use crate::commands::{Core, Refused};
+use crate::condition::{Fact, Truth};
+use crate::facts::holds;
+use crate::id::{CommandId, RuleId};
+use crate::lifecycle::{Event, State};
+use crate::notice::{Notice, Outcome};
+use crate::rule::{Pending, Rule};
+use rpi_device::DeviceBank;
+
+impl Core {
+    /// Fires all rules whose condition holds now, in the order in which they were made. All conditions are looked at
+    /// before the first one fires. What starts runs from tick `next` on, or when who it follows would have been due.
+    pub(crate) fn fire_all(&mut self, next: u64, bank: &mut dyn DeviceBank) {
+        for at in 0..self.rules.len() {
+            self.rules[at].fires = self.is_true(&self.rules[at].rule);
+        }
+        let mut at = 0;
+        while at < self.rules.len() {
+            match self.rules[at].fires {
+                true => self.fire(at, next, bank),
+                false => at += 1,
+            }
+        }
+        self.conclude(bank);
+    }
+
+    /// Fires the rule that was made last if its condition holds already.
+    pub(crate) fn fire_if_true(&mut self, bank: &mut dyn DeviceBank) {
+        let Some(at) = self.rules.len().checked_sub(1) else {
+            return;
+        };
+        if self.is_true(&self.rules[at].rule) {
+            self.fire(at, self.tick, bank);
+            self.conclude(bank);
+        }
+    }
+
+    fn is_true(&self, rule: &Rule) -> bool {
+        rule.condition
+            .truth(|id, fact| self.know(id, fact))
+            .is_true()
+    }
+
+    /// Fires a rule as a whole, or not at all if it cannot start what it is to start.
+    fn fire(&mut self, at: usize, next: u64, bank: &mut dyn DeviceBank) {
+        self.changed = true;
+        if let Err(why) = self.can_fire(&self.rules[at].rule) {
+            return self.drop_rule(at, Outcome::Failed(why));
+        }
+        let Pending { id, rule, .. } = self.rules.remove(at);
+        self.notices.push(Notice::Rule {
+            rule: id,
+            outcome: Outcome::Fired,
+        });
+        rule.stop.iter().for_each(|c| self.stop_by(*c, id));
+        rule.cancel.iter().for_each(|c| self.cancel_by(*c));
+        let (due, predecessor) = (self.due_after(&rule, next), self.predecessor(&rule));
+        for command in &rule.start {
+            self.take_over(*command, due, predecessor, bank);
+        }
+        // There is room: both lists together never hold more rules than one of them has room for.
+        self.spent.push((id, rule));
+    }
+
+    fn can_fire(&self, rule: &Rule) -> Result<(), Refused> {
+        rule.start.iter().try_for_each(|id| {
+            let place = self.find(*id).ok_or(Refused::Unknown)?;
+            self.fits(place, Event::Fire)?;
+            self.obtainable(rule, place)
+        })
+    }
+
+    fn stop_by(&mut self, command: CommandId, rule: RuleId) {
+        let Some(place) = self.find(command) else {
+            return;
+        };
+        let state = self.entry(place).map(|e| e.command.state);
+        match state {
+            Ok(state) if state.runs() => self.leave_by(place, Cause::Stopped(rule), 0),
+            Ok(State::Scheduled) => self.orphan(place, false),
+            _ => {}
+        }
+    }
+
+    fn cancel_by(&mut self, command: CommandId) {
+        let place = self.find(command);
+        if let Some(entry) = place.and_then(|p| self.entries[p].as_mut()) {
+            entry.command.happen(Event::Cancel);
+        }
+    }
+
+    fn take_over(
+        &mut self,
+        command: CommandId,
+        due: u64,
+        predecessor: Option<i64>,
+        bank: &mut dyn DeviceBank,
+    ) {
+        let Some(place) = self.find(command) else {
+            return;
+        };
+        self.begin(place, due, Event::Fire, bank);
+        if let Some(entry) = self.entries[place].as_mut() {
+            entry.command.moment.predecessor = predecessor;
+        }
+    }
+
+    /// Lets a command run from tick `due` on, holding all that it needs.
+    pub(crate) fn begin(
+        &mut self,
+        place: usize,
+        due: u64,
+        event: Event,
+        bank: &mut dyn DeviceBank,
+    ) {
+        self.changed = true;
+        self.take_all(place);
+        if let Some(entry) = self.entries[place].as_mut() {
+            entry.command.happen(event);
+            (entry.due, entry.fresh, entry.live) = (due, true, true);
+            let ticks = u32::try_from(entry.ticks).unwrap_or(u32::MAX);
+            entry.command.resources().for_each(|r| bank.pace(r, ticks));
+        }
+    }
+
+    /// When what a rule starts is due: when the first of those that it names and that end now would have been.
+    fn due_after(&self, rule: &Rule, next: u64) -> u64 {
+        let named = rule.mentions().filter_map(|id| self.find(id));
+        let ending = named
+            .filter_map(|place| self.entries[place].as_ref())
+            .filter(|e| e.leaving);
+        ending.map(|e| e.due).min().unwrap_or(next)
+    }
+
+    /// The result of the first command that a rule names and that has ended by one.
+    fn predecessor(&self, rule: &Rule) -> Option<i64> {
+        let mut named = rule.mentions().filter_map(|id| self.find(id));
+        named.find_map(|place| self.entries[place].as_ref()?.command.result_id())
+    }
+
+    /// Ends a command; what it holds is still its own until the decision is over.
+    pub(crate) fn leave(&mut self, place: usize, ending: Ending) {
+        self.changed = true;
+        if let Some(entry) = self.entries[place].as_mut() {
+            entry.command.happen(Event::End);
+            entry.command.ending = Some(ending);
+            entry.leaving = true;
+        }
+    }
+
+    pub(crate) fn leave_by(&mut self, place: usize, cause: Cause, error: i64) {
+        if let Some(entry) = self.entries[place].as_ref() {
+            let ending = entry.command.ending_by(cause, error);
+            self.leave(place, ending);
+        }
+    }
+
+    /// The end of each decision: what nobody took over is let go and braked, what happened is told, what has become
+    /// impossible is dropped.
+    pub(crate) fn conclude(&mut self, bank: &mut dyn DeviceBank) {
+        if !core::mem::take(&mut self.changed) {
+            return;
+        }
+        (0..self.entries.len()).for_each(|place| self.let_go(place, bank));
+        self.announce_ends(false);
+        self.announce_starts();
+        self.announce_ends(true);
+        self.settle();
+    }
+
+    /// Frees what an ended command still holds; what of it moves is braked by its device.
+    fn let_go(&mut self, place: usize, bank: &mut dyn DeviceBank) {
+        let command = self.id(place);
+        let entry = self.entries[place].as_mut();
+        let Some(entry) = entry.filter(|e| e.leaving) else {
+            return;
+        };
+        for hold in entry.command.holds.iter_mut().filter(|h| h.held) {
+            hold.held = false;
+            let resource = hold.resource;
+            if bank.moving(resource) {
+                bank.stop(resource);
+                self.notices.push(Notice::Braked { command, resource });
+                if let Some(ending) = &mut entry.command.ending {
+                    ending.left_moving = true;
+                }
+            }
+        }
+    }
+
+    fn announce_starts(&mut self) {
+        for place in 0..self.entries.len() {
+            let command = self.id(place);
+            if let Some(entry) = self.entries[place].as_mut().filter(|e| e.fresh) {
+                let tick = entry.due;
+                self.notices.push(Notice::Started { command, tick });
+            }
+        }
+    }
+
+    /// Tells who has ended: those that had run before first, then those that were ended as soon as they were started.
+    fn announce_ends(&mut self, fresh: bool) {
+        let tick = self.tick;
+        for place in 0..self.entries.len() {
+            let command = self.id(place);
+            let entry = self.entries[place].as_mut();
+            let Some(entry) = entry.filter(|e| e.fresh == fresh) else {
+                continue;
+            };
+            entry.fresh = false;
+            if let Some(ending) = entry.command.ending.filter(|_| entry.leaving) {
+                entry.leaving = false;
+                self.notices.push(Notice::Ended {
+                    command,
+                    tick,
+                    ending,
+                });
+            }
+        }
+    }
+
+    /// For each `yield` of a command, or for its port `terminate`, tells whether ending so now would certainly start
+    /// somebody who takes every actuator that moves; true if any is.
+    pub(crate) fn latch_cover(&mut self, place: usize, bank: &dyn DeviceBank) -> bool {
+        let results = self.entries[place]
+            .as_ref()
+            .map_or(0, |e| e.command.covered.len());
+        if results == 0 {
+            return self.would_cover(place, Cause::Terminate, bank);
+        }
+        let mut any = false;
+        for k in 0..results {
+            let yields = self.entries[place]
+                .as_ref()
+                .is_some_and(|e| e.command.yields(k));
+            let covered = yields && self.would_cover(place, Cause::Result(k), bank);
+            if let Some(entry) = self.entries[place].as_mut() {
+                entry.command.covered[k] = covered;
+            }
+            any |= covered;
+        }
+        any
+    }
+
+    fn would_cover(&self, place: usize, cause: Cause, bank: &dyn DeviceBank) -> bool {
+        let Some(entry) = self.entries[place].as_ref() else {
+            return false;
+        };
+        let (id, ending) = (self.id(place), entry.command.ending_by(cause, 0));
+        let know = |of: CommandId, fact: Fact| match fact {
+            Fact::Export(_) if of == id => Truth::OPEN,
+            _ if of == id => Truth::fixed(holds(fact, &ending)),
+            _ => self.know(of, fact).lasting(),
+        };
+        self.rules.iter().any(|p| {
+            let after = p.rule.after.contains(&id);
+            after && p.rule.condition.truth(know).is_true() && self.covers(&p.rule, place, bank)
+        })
+    }
+
+    /// True if what a rule starts takes every actuator of a command that moves now.
+    fn covers(&self, rule: &Rule, place: usize, bank: &dyn DeviceBank) -> bool {
+        let takes = |resource: u32| {
+            let mut starts = rule.start.iter().filter_map(|id| self.find(*id));
+            starts.any(|p| self.entry(p).is_ok_and(|e| e.command.needs(resource)))
+        };
+        let entry = self.entries[place].as_ref();
+        let mut moving = entry
+            .into_iter()
+            .flat_map(|e| e.command.resources())
+            .filter(|r| bank.moving(*r));
+        moving.all(takes)
+    }
+}
