@@ -3,9 +3,9 @@
 use std::collections::BTreeSet;
 use std::path::Path;
 
-use rpi_diag::{Finding, Severity, SourceMap, Span};
+use rpi_diag::{Code, Finding, Severity, SourceMap, Span};
 use rpi_net::Net;
-use rpi_sema::elab::{Argument, Elaborated, elaborate};
+use rpi_sema::elab::{Argument, Elaborated, elaborate, elaborate_steps};
 use rpi_sema::facts::{self, Facts};
 use rpi_sema::program::Program;
 use rpi_sema::typed::{Kind, UnitId, UnitKind};
@@ -89,6 +89,9 @@ fn one(
     } = elaborate(&checked.units, facts, unit, &args);
     if found.is_empty() {
         match rpi_net::passes::analyse(net.clone(), |_| false) {
+            Ok(analysis) if analysis.findings.iter().any(is_ring) => {
+                found.extend(rings(checked, facts, unit, &args));
+            }
             Ok(analysis) => {
                 found.extend(analysis.findings);
                 found.extend(rpi_sema::init::check(&net));
@@ -101,6 +104,17 @@ fn one(
     let faulty = has_errors(&found);
     findings.append(&mut found);
     ((!faulty).then_some(net), runnable)
+}
+
+fn is_ring(finding: &Finding) -> bool {
+    finding.code == Code::RPI4001
+}
+
+/// The rings of a unit, drawn with every equation on the way: a net for running leaves out those that only pass on.
+fn rings(checked: &Checked, facts: &[Facts], unit: UnitId, args: &[Argument]) -> Vec<Finding> {
+    let net = elaborate_steps(&checked.units, facts, unit, args);
+    let analysis = rpi_net::passes::analyse(net, |_| false);
+    analysis.map_or_else(|_| Vec::new(), |analysis| analysis.findings)
 }
 
 /// What a command's parameters are when it is run by itself: devices by their names, values by constants of the same

@@ -1,6 +1,5 @@
 //! `rpic fmt`: one style for all programs.
 
-use std::fs;
 use std::io::Read as _;
 use std::path::Path;
 
@@ -18,8 +17,9 @@ pub(crate) fn fmt(args: &FmtArgs) -> Outcome {
     }
     let mut exit = Exit::Good;
     for file in &args.files {
-        let text = fs::read_to_string(file).map_err(|e| format!("{}: {e}", file.display()))?;
-        exit = match formatted(&file.display().to_string(), &text)? {
+        let input = rpi_driver::read(file)?;
+        let text = input.text()?;
+        exit = match formatted(&file.display().to_string(), text)? {
             Some(new) if new == text => exit,
             Some(_) if args.check => not_formatted(file),
             Some(new) => {

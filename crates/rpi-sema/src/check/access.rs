@@ -30,6 +30,21 @@ struct Range {
     len: u32,
 }
 
+/// What a reader calls a value of this type: outputs of a call are known by their names, not by a type.
+fn owner(ty: &Ty) -> String {
+    match ty {
+        Ty::Tuple(_) => "this call".to_owned(),
+        ty => format!("`{ty}`"),
+    }
+}
+
+/// The outputs to choose from, where it is a call that has them.
+fn outputs(ty: &Ty) -> Option<String> {
+    let Ty::Tuple(members) = ty else { return None };
+    let names: Vec<&str> = members.iter().filter_map(|m| m.name.as_deref()).collect();
+    (!names.is_empty()).then(|| format!("its outputs are {}", names.join(", ")))
+}
+
 impl<'a> Body<'_, 'a> {
     /// `base.field`
     pub(super) fn field(&mut self, field: &'a Field, span: Span) -> ExprId {
@@ -89,7 +104,8 @@ impl<'a> Body<'_, 'a> {
                 None => {
                     let names = ty.members().iter().filter_map(|m| m.name.as_deref());
                     let near = rpi_diag::suggest(&field.name, names);
-                    let finding = no_member(&format!("`{ty}`"), &field.name, field.span, near);
+                    let finding = no_member(&owner(&ty), &field.name, field.span, near);
+                    let finding = outputs(&ty).into_iter().fold(finding, Finding::help);
                     self.fault_with(finding, span)
                 }
             },

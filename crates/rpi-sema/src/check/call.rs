@@ -330,7 +330,10 @@ impl<'a> Body<'_, 'a> {
             return self.fault(span);
         };
         let Some(args) = self.match_ports(&header, &given, span) else {
-            return self.fault(span);
+            return match open.is_empty() {
+                true => self.add(Kind::Fault, result_type(&header), span),
+                false => self.fault(span),
+            };
         };
         let free = header.free_frames.iter();
         let mut subst = Subst {
@@ -340,7 +343,12 @@ impl<'a> Body<'_, 'a> {
         let sound = self.fit_args(&header, &args, &mut subst);
         match self.instance(&header, statics, &open, &subst, span) {
             Some(header) if sound => self.call_unit(&header, args, activation, &subst, span),
-            _ => self.fault(span),
+            // What is done with the outputs is looked at all the same.
+            Some(header) => {
+                let ty = result_type(&header).substituted(&subst);
+                self.add(Kind::Fault, ty, span)
+            }
+            None => self.fault(span),
         }
     }
 

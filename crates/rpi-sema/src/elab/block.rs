@@ -1,10 +1,11 @@
 //! Bodies: equations, claims, fragments in place.
 
+use super::expr::leaf_scalars;
 use super::scope::Scope;
 use super::signal::{Signal, Wire, alias_of};
-use super::{At, Elab};
-use crate::typed::{BlockId, Claim, Equation, Place, Target, Unit};
-use rpi_net::{self as net, Restart};
+use super::{At, Elab, Mode};
+use crate::typed::{BlockId, Claim, Equation, Expr, Place, Target, Unit};
+use rpi_net::{self as net, PortRef, Restart};
 
 impl<'u> Elab<'u> {
     /// Everything that stands in a unit. Blocks come after those around them.
@@ -85,7 +86,10 @@ impl<'u> Elab<'u> {
         self.begin(&format!("{}{name}", scope.prefix));
         self.top = Some(equation.value);
         let before = self.net.nodes.len();
-        let wire = self.expr(scope, equation.value, at);
+        let mut wire = self.expr(scope, equation.value, at);
+        if self.mode == Mode::Steps {
+            wire = self.steps(&wire, scope.unit.expr(equation.value), at);
+        }
         let path = self.name.clone();
         self.name_results(&path, equation, &wire, before);
         self.define_all(scope, equation, &wire);
@@ -98,6 +102,23 @@ impl<'u> Elab<'u> {
             }
             first += count;
         }
+    }
+
+    /// Puts a node behind each leaf that the equation only passes on.
+    fn steps(&mut self, wire: &Wire, value: &Expr, at: At) -> Wire {
+        let leaves = leaf_scalars(&value.ty).into_iter().zip(&**wire);
+        leaves
+            .map(|(scalar, signal)| match signal {
+                Signal::Port(port) if self.is_of_another_flow(*port) => {
+                    self.passing_on(*port, scalar, at.fragment, value.span)
+                }
+                other => other.clone(),
+            })
+            .collect()
+    }
+
+    fn is_of_another_flow(&self, port: PortRef) -> bool {
+        alias_of(port).is_some() || self.net.node(port.node).origin.flow.is_some()
     }
 
     /// The nodes that compute a flow's leaves bear its name.

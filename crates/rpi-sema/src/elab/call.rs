@@ -202,7 +202,7 @@ impl<'u> Elab<'u> {
         span: Span,
     ) -> Wire {
         let mut scope = Scope::new(unit, Some(id));
-        let in_fragment = unit.kind == UnitKind::Fragment && self.mode == Mode::Net;
+        let in_fragment = unit.kind == UnitKind::Fragment && self.mode != Mode::Constant;
         scope.prefix = if in_fragment || path.is_empty() {
             String::new()
         } else {
@@ -218,7 +218,7 @@ impl<'u> Elab<'u> {
             true => At::fragment(self.fragment_of_unit(&mut scope, &path, at, span)),
             false => at,
         };
-        if self.mode == Mode::Net {
+        if self.mode != Mode::Constant {
             self.body(&mut scope, at);
         }
         let mut leaves = Vec::new();

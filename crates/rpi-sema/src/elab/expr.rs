@@ -166,7 +166,7 @@ impl<'u> Elab<'u> {
             ),
             None => condition.clone(),
         };
-        if self.mode == Mode::Net {
+        if self.mode != Mode::Constant {
             self.named("Rpi::Assert", &[condition], at, span);
         } else {
             self.fail(NotConstant::Fault(

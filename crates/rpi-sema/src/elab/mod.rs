@@ -33,7 +33,7 @@ mod scope;
 mod settle;
 mod signal;
 
-pub use root::{Argument, Elaborated, PortShape, elaborate, parameters};
+pub use root::{Argument, Elaborated, PortShape, elaborate, elaborate_steps, parameters};
 
 use crate::facts::Facts;
 use crate::hash::Map;
@@ -76,6 +76,9 @@ pub(crate) fn constant(units: &[Unit], unit: &Unit, id: ExprId) -> Result<Rc<[Le
 enum Mode {
     /// A net.
     Net,
+    /// A net in which every equation leaves a node of its own, even one that only passes on: what messages about rings
+    /// are drawn from.
+    Steps,
     /// A constant.
     Constant,
 }

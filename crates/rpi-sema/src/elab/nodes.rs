@@ -74,6 +74,27 @@ impl Elab<'_> {
         }
     }
 
+    /// A node that gives what it reads; the port itself where no primitive does so for its type.
+    pub(super) fn passing_on(
+        &mut self,
+        port: PortRef,
+        scalar: Scalar,
+        fragment: FragmentId,
+        span: Span,
+    ) -> Signal {
+        let Some(prim) = member(Family::Conditional, scalar) else {
+            return Signal::Port(port);
+        };
+        let inputs = vec![
+            Input::Const(Value::bool(true)),
+            Input::Port(port),
+            Input::Port(port),
+        ];
+        let outputs = vec![Type::One(scalar)];
+        let node = self.node(prim, inputs, Vec::new(), outputs, fragment, span);
+        Signal::Port(PortRef { node, port: 0 })
+    }
+
     /// Adds a node.
     pub(super) fn node(
         &mut self,
@@ -209,7 +230,7 @@ impl Elab<'_> {
             Mode::Constant => {
                 self.fail(NotConstant::Fault(span, what.to_owned()));
             }
-            Mode::Net => self
+            Mode::Net | Mode::Steps => self
                 .findings
                 .push(Finding::new(Code::RPI2010, what).at(span, "in every cycle")),
         }

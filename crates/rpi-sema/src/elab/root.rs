@@ -45,7 +45,23 @@ pub struct Elaborated {
 /// Makes the net of a unit. `args` are for its parameters, in order; what is missing is not known.
 #[must_use]
 pub fn elaborate(units: &[Unit], facts: &[Facts], id: UnitId, args: &[Argument]) -> Elaborated {
-    let mut elab = Elab::new(units, facts, Mode::Net);
+    elaborate_in(Mode::Net, units, facts, id, args)
+}
+
+/// The net of a unit with a node for every equation, so that a dependency cycle through it names each step.
+#[must_use]
+pub fn elaborate_steps(units: &[Unit], facts: &[Facts], id: UnitId, args: &[Argument]) -> Net {
+    elaborate_in(Mode::Steps, units, facts, id, args).net
+}
+
+fn elaborate_in(
+    mode: Mode,
+    units: &[Unit],
+    facts: &[Facts],
+    id: UnitId,
+    args: &[Argument],
+) -> Elaborated {
+    let mut elab = Elab::new(units, facts, mode);
     let unit = &units[id.0 as usize];
     elab.net.name = unit.name.to_string();
     let mut scope = Scope::new(unit, Some(id));

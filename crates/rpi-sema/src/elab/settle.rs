@@ -1,10 +1,9 @@
 //! The end of an elaboration: aliases become what they stand for.
 
-use super::families::{Family, member};
 use super::signal::{Signal, alias_of};
 use super::{At, Elab};
 use rpi_diag::Span;
-use rpi_image::{Type, Value};
+use rpi_image::Value;
 use rpi_net::{Activation, Driver, FragmentId, Input, PortRef, Restart};
 
 impl Elab<'_> {
@@ -52,26 +51,15 @@ impl Elab<'_> {
         }
     }
 
-    /// A primitive that passes its input on, reading itself through the aliases.
+    /// A primitive that reads itself through the aliases.
     fn knot(&mut self, alias: usize, port: PortRef) -> Signal {
         let scalar = self.alias_types[alias];
-        let Some(prim) = member(Family::Conditional, scalar) else {
-            return Signal::Const(Value::neutral(scalar.into()));
-        };
-        let inputs = vec![
-            Input::Const(Value::bool(true)),
-            Input::Port(port),
-            Input::Port(port),
-        ];
-        let node = self.node(
-            prim,
-            inputs,
-            Vec::new(),
-            vec![Type::One(scalar)],
-            FragmentId::ROOT,
-            Span::NONE,
-        );
-        Signal::Port(PortRef { node, port: 0 })
+        match self.passing_on(port, scalar, FragmentId::ROOT, Span::NONE) {
+            Signal::Port(port) if alias_of(port).is_some() => {
+                Signal::Const(Value::neutral(scalar.into()))
+            }
+            knot => knot,
+        }
     }
 
     /// A flow that is never defined has been reported; a neutral value stands in.

@@ -1,0 +1,221 @@
+//! The compiler as its users meet it: arguments in; text, files and exit status out.
+
+use std::io::Write;
+use std::path::{Path, PathBuf};
+use std::process::{Command, Output, Stdio};
+
+const PROGRAM: &str = "\
+--| Twice what came in, one cycle late.
+node late (x: real) returns (y: real)
+let
+  y = 0.0 -> pre (2.0 * x);
+tel
+";
+const UNTIDY: &str = "node late(x:real)returns(y:real)let y=0.0->pre(2.0*x);tel";
+const WRONG: &str = "node f (x: real) returns (y: real)\nlet\n  y = a + x;\n  a = y;\ntel\n";
+const FIXABLE: &str = "// a comment\nnode f (x: real) returns (y: real)\nlet\n  y = x;\ntel\n";
+const NET: &str = "{a=Core::Clock(Increment='1'),b=Core::DoubleAdd(inFirst=a.outValue,Second='1')}";
+
+fn rpic(args: &[&str]) -> Output {
+    Command::new(env!("CARGO_BIN_EXE_rpic"))
+        .args(args)
+        .env("NO_COLOR", "1")
+        .output()
+        .unwrap()
+}
+
+fn out(output: &Output) -> String {
+    String::from_utf8_lossy(&output.stdout).into_owned()
+}
+
+fn err(output: &Output) -> String {
+    String::from_utf8_lossy(&output.stderr).into_owned()
+}
+
+/// A folder with one file, and the file's path.
+fn file(name: &str, text: &str) -> (tempfile::TempDir, String) {
+    let dir = tempfile::tempdir().unwrap();
+    let path = dir.path().join(name);
+    std::fs::write(&path, text).unwrap();
+    let path = path.display().to_string();
+    (dir, path)
+}
+
+fn example(name: &str) -> String {
+    let path = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../../examples");
+    path.join(name).display().to_string()
+}
+
+#[test]
+fn a_program_in_order_is_checked_in_silence() {
+    let (_dir, path) = file("late.rpi", PROGRAM);
+    let output = rpic(&["check", &path]);
+    assert_eq!(output.status.code(), Some(0), "{}", err(&output));
+    assert_eq!(err(&output), "");
+}
+
+#[test]
+fn a_ring_is_drawn_and_ends_with_1() {
+    let (_dir, path) = file("ring.rpi", WRONG);
+    let output = rpic(&["check", &path]);
+    assert_eq!(output.status.code(), Some(1));
+    let text = err(&output);
+    for part in [
+        "RPI4001",
+        "`y` reads `a` here",
+        "`a` reads `y` here",
+        "fix:",
+    ] {
+        assert!(text.contains(part), "{part} in {text}");
+    }
+}
+
+#[test]
+fn findings_come_in_the_form_that_was_asked_for() {
+    let (_dir, path) = file("ring.rpi", WRONG);
+    let form = |name| out(&rpic(&["check", "--format", name, &path]));
+    let json: serde_json::Value = serde_json::from_str(&form("json")).expect("JSON");
+    assert!(json.to_string().contains("RPI4001"));
+    let sarif: serde_json::Value = serde_json::from_str(&form("sarif")).expect("SARIF is JSON");
+    assert_eq!(sarif["version"], "2.1.0");
+    assert!(form("github").starts_with("::error "), "{}", form("github"));
+    assert!(form("short").contains("ring.rpi:4:7"), "{}", form("short"));
+}
+
+#[test]
+fn sure_fixes_are_applied() {
+    let (_dir, path) = file("near.rpi", FIXABLE);
+    let output = rpic(&["check", "--fix", &path]);
+    assert_eq!(output.status.code(), Some(0), "{}", err(&output));
+    let text = std::fs::read_to_string(&path).unwrap();
+    assert!(text.starts_with("-- a comment"), "{text}");
+}
+
+#[test]
+fn analyses_tell_what_they_found() {
+    let output = rpic(&["check", "--explain-analysis", &example("first/first.rpi")]);
+    assert_eq!(output.status.code(), Some(0), "{}", err(&output));
+    let text = out(&output) + &err(&output);
+    for analysis in ["presence", "schedule"] {
+        assert!(text.contains(analysis), "{analysis} in {text}");
+    }
+}
+
+#[test]
+fn formatting_is_checked_done_and_done_once() {
+    let (_dir, path) = file("untidy.rpi", UNTIDY);
+    assert_eq!(rpic(&["fmt", "--check", &path]).status.code(), Some(1));
+    assert_eq!(std::fs::read_to_string(&path).unwrap(), UNTIDY);
+    assert_eq!(rpic(&["fmt", &path]).status.code(), Some(0));
+    assert_eq!(rpic(&["fmt", "--check", &path]).status.code(), Some(0));
+    let tidy = std::fs::read_to_string(&path).unwrap();
+    assert_eq!(out(&through_fmt(UNTIDY)), tidy);
+}
+
+/// What `rpic fmt --stdin` makes of a text.
+fn through_fmt(text: &str) -> Output {
+    let mut child = Command::new(env!("CARGO_BIN_EXE_rpic"))
+        .args(["fmt", "--stdin"])
+        .stdin(Stdio::piped())
+        .stdout(Stdio::piped())
+        .spawn()
+        .unwrap();
+    let mut stdin = child.stdin.take().unwrap();
+    stdin.write_all(text.as_bytes()).unwrap();
+    drop(stdin);
+    child.wait_with_output().unwrap()
+}
+
+#[test]
+fn a_text_that_cannot_be_read_is_not_formatted() {
+    let text = "node f (";
+    let (_dir, path) = file("broken.rpi", text);
+    let output = rpic(&["fmt", &path]);
+    assert_ne!(output.status.code(), Some(0));
+    assert!(err(&output).contains("RPI0"), "{}", err(&output));
+    assert_eq!(std::fs::read_to_string(&path).unwrap(), text);
+}
+
+#[test]
+fn every_form_can_be_shown() {
+    let program = example("first/first.rpi");
+    let forms = [
+        "tokens", "ast", "typed", "net", "schedule", "image", "dot", "mermaid", "rpinet",
+    ];
+    for form in forms {
+        let output = rpic(&["compile", &program, "--emit", form]);
+        assert_eq!(output.status.code(), Some(0), "{form}: {}", err(&output));
+        assert!(!out(&output).is_empty(), "{form}");
+    }
+}
+
+#[test]
+fn an_image_is_written_where_it_was_asked_for() {
+    let dir = tempfile::tempdir().unwrap();
+    let image = dir.path().join("first.rpib");
+    let args = ["compile", &example("first/first.rpi"), "-o"];
+    let output = rpic(&[&args[..], &[&image.display().to_string()]].concat());
+    assert_eq!(output.status.code(), Some(0), "{}", err(&output));
+    assert!(rpi_image::Image::from_bytes(&std::fs::read(&image).unwrap()).is_ok());
+}
+
+#[test]
+fn of_several_commands_one_is_to_be_chosen() {
+    let dir = tempfile::tempdir().unwrap();
+    let image = dir.path().join("blending.rpib").display().to_string();
+    let program = example("blending/blending.rpi");
+    let output = rpic(&["compile", &program, "-o", &image]);
+    assert_eq!(output.status.code(), Some(2));
+    assert!(err(&output).contains("MoveToA, MoveToC, MoveToE"));
+    let output = rpic(&["compile", &program, "--command", "MoveToC", "-o", &image]);
+    assert_eq!(output.status.code(), Some(0), "{}", err(&output));
+    assert!(Path::new(&image).is_file());
+}
+
+#[test]
+fn a_net_becomes_a_program_that_compiles() {
+    let (dir, path) = file("small.rpinet", NET);
+    let program = dir.path().join("small.rpi").display().to_string();
+    let output = rpic(&["import", &path, "-o", &program]);
+    assert_eq!(output.status.code(), Some(0), "{}", err(&output));
+    assert_eq!(rpic(&["fmt", "--check", &program]).status.code(), Some(0));
+    let output = rpic(&["compile", &program, "--emit", "rpinet"]);
+    assert_eq!(output.status.code(), Some(0), "{}", err(&output));
+    assert!(out(&output).contains("Core::Clock"), "{}", out(&output));
+}
+
+#[test]
+fn nets_are_drawn() {
+    let program = example("first/first.rpi");
+    assert!(out(&rpic(&["graph", &program])).starts_with("flowchart"));
+    assert!(out(&rpic(&["graph", "--format", "dot", &program])).starts_with("digraph"));
+}
+
+#[test]
+fn codes_are_explained_and_unknown_ones_told() {
+    let output = rpic(&["explain", "RPI4001"]);
+    assert_eq!(output.status.code(), Some(0));
+    assert!(out(&output).contains("pre"), "{}", out(&output));
+    let output = rpic(&["explain", "RPI4999"]);
+    assert_eq!(output.status.code(), Some(2));
+    assert!(err(&output).contains("RPI4999"), "{}", err(&output));
+}
+
+#[test]
+fn what_is_not_there_is_told() {
+    for args in [
+        &["check", "nothing.rpi"][..],
+        &["compile", "nothing.rpi"],
+        &["import", "nothing.rpinet"],
+        &["graph", "nothing.rpi"],
+        &["fmt", "nothing.rpi"],
+    ] {
+        let output = rpic(args);
+        assert_eq!(output.status.code(), Some(2), "{args:?}: {}", err(&output));
+        assert!(
+            err(&output).contains("there is no such file"),
+            "{args:?}: {}",
+            err(&output)
+        );
+    }
+}
