@@ -9,6 +9,7 @@ use rpi_syntax::{Mode, Parens};
 use std::fmt::Write as _;
 
 use crate::compile::lower;
+use crate::files::Disk;
 use crate::input::{Input, InputError};
 use crate::modules::Modules;
 
@@ -40,7 +41,8 @@ pub fn typed(input: &Input) -> Result<String, InputError> {
     let mut sources = SourceMap::new();
     let path = input.path.display().to_string();
     let folder = input.path.parent();
-    let modules = Modules::load(&input.stem(), &path, input.text()?, folder, &mut sources);
+    let text = input.text()?;
+    let modules = Modules::load(&input.stem(), &path, text, folder, &Disk, &mut sources);
     let texts = modules.sources();
     let (program, _) = Program::collect(&texts);
     let checked = rpi_sema::check(&program);

@@ -51,9 +51,7 @@ impl Input {
     /// The file's name without folders and extensions.
     #[must_use]
     pub fn stem(&self) -> String {
-        let name = unpacked_name(&self.path);
-        name.split_once('.')
-            .map_or(name.clone(), |(stem, _)| stem.to_owned())
+        stem(&self.path)
     }
 
     /// The content as text.
@@ -135,6 +133,13 @@ fn unpacked(bytes: Vec<u8>) -> std::io::Result<Vec<u8>> {
     let mut out = Vec::new();
     MultiGzDecoder::new(bytes.as_slice()).read_to_end(&mut out)?;
     Ok(out)
+}
+
+/// A file's name without folders and extensions.
+pub(crate) fn stem(path: &Path) -> String {
+    let name = unpacked_name(path);
+    let stem = name.split_once('.').map(|(stem, _)| stem.to_owned());
+    stem.unwrap_or(name)
 }
 
 fn unpacked_name(path: &Path) -> String {

@@ -1,21 +1,25 @@
 //! From a file name to findings, nets and an image: the pipeline that the tools share.
 //!
 //! [`read`] opens a file, [`compile`] takes it as far as its kind and its faults allow, [`lower_to_run`] and [`lower_to_look`] lower
-//! one of its commands. This crate knows files and the order of the stages; it must not know what any of them finds, nor
+//! one of its commands. [`inspect`] does the same for an editor, which asks for more than findings. This crate knows files and the order of the stages; it must not know what any of them finds, nor
 //! what a command does once it runs.
 
 mod compile;
 pub mod emit;
+mod files;
 pub mod graph;
 pub mod import;
 mod input;
+mod inspect;
 mod modules;
 mod period;
 mod source;
 mod task;
 
 pub use compile::{Compiled, Program, compile, lower_to_look, lower_to_run};
+pub use files::{Disk, Files};
 pub use input::{Input, InputError, Kind, read};
-pub use modules::library_modules;
+pub use inspect::{Inspected, inspect};
+pub use modules::{library_modules, library_text};
 pub use period::{parse_period, period_text};
 pub use task::{Task, TaskStep};

@@ -5,8 +5,10 @@ use std::path::{Path, PathBuf};
 
 use rpi_diag::{FileId, Finding, SourceMap};
 use rpi_sema::program::Source;
-use rpi_syntax::ast::{File, ItemKind};
+use rpi_syntax::ast::{File, Item, ItemKind};
 use rpi_syntax::{Mode, Name, parse};
+
+use crate::files::Files;
 
 /// A module of the standard library.
 struct Library {
@@ -34,6 +36,7 @@ const LIBRARY: &[Library] = &[
 ];
 
 /// A module that was found.
+#[derive(Debug)]
 struct Module {
     name: String,
     mode: Mode,
@@ -42,6 +45,7 @@ struct Module {
 }
 
 /// The modules of a program, parsed.
+#[derive(Debug)]
 pub(crate) struct Modules {
     modules: Vec<Module>,
     pub(crate) findings: Vec<Finding>,
@@ -54,10 +58,12 @@ impl Modules {
         path: &str,
         text: &str,
         folder: Option<&Path>,
+        disk: &dyn Files,
         sources: &mut SourceMap,
     ) -> Modules {
         let mut loader = Loader {
             folder: folder.map(Path::to_owned),
+            disk,
             sources,
             modules: Vec::new(),
             findings: Vec::new(),
@@ -78,6 +84,12 @@ impl Modules {
         }
     }
 
+    /// All declarations of all files.
+    pub(crate) fn items(&self) -> impl Iterator<Item = &Item> {
+        let files = self.modules.iter().flat_map(|module| &module.files);
+        files.flat_map(|file| &file.items)
+    }
+
     /// As the checker takes them.
     pub(crate) fn sources(&self) -> Vec<Source<'_>> {
         let mut all = Vec::with_capacity(self.modules.len());
@@ -95,6 +107,7 @@ impl Modules {
 
 struct Loader<'a> {
     folder: Option<PathBuf>,
+    disk: &'a dyn Files,
     sources: &'a mut SourceMap,
     modules: Vec<Module>,
     findings: Vec<Finding>,
@@ -135,7 +148,7 @@ impl Loader<'_> {
             .sources
             .files()
             .any(|id| self.sources.name(id) == path_text);
-        let text = std::fs::read_to_string(&path).ok().filter(|_| !known)?;
+        let text = self.disk.text(&path).filter(|_| !known)?;
         let file = self.sources.add(path_text, text.as_str());
         Some(self.parse(file, &text, mode))
     }
@@ -167,7 +180,7 @@ impl Loader<'_> {
             .as_ref()
             .map(|folder| folder.join(format!("{name}.rpi")));
         if let Some(path) = beside
-            && let Ok(text) = std::fs::read_to_string(&path)
+            && let Some(text) = self.disk.text(&path)
         {
             return self.module(name, &path.display().to_string(), &text, Mode::Rpi, false);
         }
@@ -196,6 +209,13 @@ fn uses(file: &File) -> Vec<String> {
         }
     }
     names
+}
+
+/// The text of a module of the standard library.
+#[must_use]
+pub fn library_text(name: &str) -> Option<&'static str> {
+    let found = LIBRARY.iter().find(|library| library.name == name);
+    found.map(|library| library.text)
 }
 
 /// The names of the standard library's modules.

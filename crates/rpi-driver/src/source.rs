@@ -11,6 +11,7 @@ use rpi_sema::program::Program;
 use rpi_sema::typed::{Kind, UnitId, UnitKind};
 use rpi_sema::{Checked, check};
 
+use crate::files::Disk;
 use crate::modules::Modules;
 
 /// What became of a program.
@@ -29,7 +30,11 @@ pub(crate) fn build(
     folder: Option<&Path>,
     sources: &mut SourceMap,
 ) -> Built {
-    let modules = Modules::load(name, path, text, folder, sources);
+    build_modules(&Modules::load(name, path, text, folder, &Disk, sources)).0
+}
+
+/// Takes parsed modules through all other stages; what the checker made of them is kept for who wants to look at it.
+pub(crate) fn build_modules(modules: &Modules) -> (Built, Checked) {
     let texts = modules.sources();
     let (program, mut findings) = Program::collect(&texts);
     findings.splice(0..0, modules.findings.iter().cloned());
@@ -45,10 +50,8 @@ pub(crate) fn build(
         let file = finding.span().file.0 as usize;
         finding.severity() == Severity::Error || finding.span().is_none() || file < own
     });
-    Built {
-        nets,
-        findings: once(findings),
-    }
+    let findings = once(findings);
+    (Built { nets, findings }, checked)
 }
 
 fn nets(program: &Program<'_>, checked: &Checked, findings: &mut Vec<Finding>) -> Vec<Net> {

@@ -8,6 +8,8 @@
 //! 4. [`elab`]: a unit that is run becomes an [`rpi_net::Net`];
 //! 5. [`init`]: nothing in the net is read before it has a value.
 //!
+//! Beside it, [`query`] says what stands where, for editors.
+//!
 //! This crate must not know files, memory layout or devices.
 
 mod check;
@@ -16,6 +18,7 @@ pub mod facts;
 mod hash;
 pub mod init;
 pub mod program;
+pub mod query;
 pub mod ty;
 pub mod typed;
 pub mod units;

@@ -28,6 +28,7 @@ pub mod ops;
 mod outside;
 mod parse;
 mod phrase;
+mod pieces;
 mod print;
 mod split;
 mod structure;
@@ -39,7 +40,8 @@ pub use comments::{Comment, CommentKind, Comments};
 pub use dump::{Parens, dump_ast, dump_tokens};
 pub use name::Name;
 pub use parse::parse;
-pub use print::{format, print};
+pub use pieces::{Piece, PieceKind, pieces};
+pub use print::{format, head, print};
 pub use token::{KEYWORDS, Keyword, Place, is_name};
 
 use rpi_diag::Finding;

@@ -13,7 +13,7 @@ use rpi_syntax::ast::{self, Access, ExprKind, Field, Ident, Index, Slice, SliceO
 use std::rc::Rc;
 
 /// Parts of spatial values: whose, name, primitive that takes it apart, which of its out-ports.
-const SPATIAL_PARTS: &[(Scalar, &str, &str, u32)] = &[
+pub(super) const SPATIAL_PARTS: &[(Scalar, &str, &str, u32)] = &[
     (Scalar::Vector, "x", "World::VectorToXYZ", 0),
     (Scalar::Vector, "y", "World::VectorToXYZ", 1),
     (Scalar::Vector, "z", "World::VectorToXYZ", 2),

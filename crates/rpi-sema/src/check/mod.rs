@@ -13,6 +13,7 @@
 //! | `expr.rs`, `names.rs`, `ops.rs`, `access.rs`, `compose.rs`, `clocked.rs` | expressions |
 //! | `call.rs`, `args.rs`, `prim.rs`, `special.rs`, `iterate.rs` | calls |
 //! | `report.rs` | words that several of them use |
+//! | `words.rs` | names that are there without a declaration, for others |
 
 mod access;
 mod args;
@@ -39,6 +40,7 @@ mod statics;
 mod targets;
 mod types;
 mod unit;
+mod words;
 
 use crate::elab::Argument;
 use crate::hash::Map;
@@ -52,6 +54,9 @@ use std::rc::Rc;
 
 pub use names::result_identity;
 pub(crate) use prim::{packed, param_default};
+#[cfg(test)]
+pub(crate) use words::operator_names;
+pub(crate) use words::{predeclared, spatial_parts};
 
 /// A checked program.
 #[derive(Debug)]

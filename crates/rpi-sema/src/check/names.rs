@@ -13,15 +13,15 @@ use rpi_syntax::Name;
 use rpi_syntax::ast::{self, CommandDecl, ExprKind};
 
 /// A flow that is there without being declared: its name, primitive, and whether only commands have it.
-struct Predeclared {
-    name: &'static str,
-    prim: &'static str,
-    ty: Ty,
+pub(super) struct Predeclared {
+    pub(super) name: &'static str,
+    pub(super) prim: &'static str,
+    pub(super) ty: Ty,
     of_command: bool,
 }
 
 /// The predeclared flows.
-const PREDECLARED: &[Predeclared] = &[
+pub(super) const PREDECLARED: &[Predeclared] = &[
     flow("cancel", "Cancel", Ty::Bool, true),
     flow("takeover", "Takeover", Ty::Bool, true),
     flow("predecessor", "Rpi::Predecessor", Ty::Result, true),

@@ -17,6 +17,7 @@ use rpi_image::{Need, Presence, Role};
 #[derive(Clone, Debug, Default)]
 pub struct Facts {
     exprs: Vec<Absence>,
+    flows: Vec<Absence>,
 }
 
 impl Facts {
@@ -27,6 +28,13 @@ impl Facts {
             .get(id.0 as usize)
             .cloned()
             .unwrap_or(Absence::NEVER)
+    }
+
+    /// Whether some leaf of a flow can be absent.
+    #[must_use]
+    pub fn flow(&self, id: FlowId) -> Absence {
+        let known = self.flows.get(id.0 as usize);
+        known.cloned().unwrap_or(Absence::NEVER)
     }
 }
 
@@ -43,6 +51,7 @@ pub fn find(units: &[Unit]) -> (Vec<Facts>, Vec<Finding>) {
             super::demand::demand(&inference, &reads, &mut findings);
             facts.push(Facts {
                 exprs: inference.exprs,
+                flows: inference.flows,
             });
         } else {
             facts.push(Facts::default());

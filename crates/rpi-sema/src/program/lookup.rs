@@ -42,6 +42,13 @@ impl Program<'_> {
         }
     }
 
+    /// The modules in which names are looked for that a module does not declare itself, in this order.
+    pub fn used_by(&self, module: ModuleId) -> impl Iterator<Item = ModuleId> + '_ {
+        let module = self.module(module);
+        let used = module.uses.iter().chain(self.implicit_of(module));
+        used.copied()
+    }
+
     /// The modules that a module uses without saying so; Lustre has none.
     fn implicit_of(&self, module: &Module<'_>) -> &[ModuleId] {
         match module.mode {

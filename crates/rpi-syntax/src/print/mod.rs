@@ -6,6 +6,7 @@
 //! | `trivia.rs` | comments |
 //! | `list.rs` | lists in brackets and lists of lines, with their comments |
 //! | `parens.rs` | where parentheses must stand |
+//! | `head.rs` | declarations without their bodies |
 //! | `expr.rs`, `call.rs`, `ty.rs`, `decl.rs`, `body.rs`, `contract.rs`, `task.rs` | the forms of the language |
 
 mod body;
@@ -13,6 +14,7 @@ mod call;
 mod contract;
 mod decl;
 mod expr;
+mod head;
 mod layout;
 mod list;
 mod parens;
@@ -25,6 +27,8 @@ use crate::{Mode, parse};
 use layout::lay_out;
 use rpi_diag::{FileId, Finding, Severity};
 use trivia::Trivia;
+
+pub use head::head;
 
 /// Writes a tree that has no text, in the style of the language; doc comments in it are kept.
 ///

@@ -1,0 +1,154 @@
+//! A program as an editor wants it: all that [`compile`](crate::compile) finds, and what stands where in it.
+//!
+//! The findings are there at once; the table of names and the facts about presence are made when they are first asked for.
+
+use std::cell::OnceCell;
+use std::path::Path;
+
+use rpi_diag::{FileId, Finding, SourceMap, Span};
+use rpi_sema::Checked;
+use rpi_sema::facts::{self, Facts};
+use rpi_sema::program::Program;
+use rpi_sema::query::{Def, Index, Typed, type_around, types_of_flow, types_of_read};
+use rpi_syntax::Mode;
+use rpi_syntax::ast::Item;
+
+use crate::files::Files;
+use crate::input::stem;
+use crate::modules::Modules;
+use crate::source::build_modules;
+
+/// What is known of a program, however broken it is. Its own text is file 0.
+#[derive(Debug)]
+pub struct Inspected {
+    /// The texts that findings point into. Those of the standard library are named `stdlib/....rpi`.
+    pub sources: SourceMap,
+    /// What was found.
+    pub findings: Vec<Finding>,
+    modules: Modules,
+    checked: Checked,
+    index: OnceCell<Index>,
+    facts: OnceCell<Vec<Facts>>,
+}
+
+/// Takes a text through all stages; other files that it needs come from `files`. The name of the file tells the language.
+#[must_use]
+pub fn inspect(path: &Path, text: &str, files: &dyn Files) -> Inspected {
+    let mut sources = SourceMap::new();
+    let name = path.display().to_string();
+    let modules = Modules::load(&stem(path), &name, text, path.parent(), files, &mut sources);
+    let (built, checked) = build_modules(&modules);
+    Inspected {
+        sources,
+        findings: built.findings,
+        modules,
+        checked,
+        index: OnceCell::new(),
+        facts: OnceCell::new(),
+    }
+}
+
+impl Inspected {
+    /// The language of the program's own text.
+    #[must_use]
+    pub fn mode(&self) -> Mode {
+        Mode::of_path(self.sources.name(FileId(0)))
+    }
+
+    /// Every definition and reference.
+    pub fn index(&self) -> &Index {
+        self.index.get_or_init(|| {
+            let sources = self.modules.sources();
+            let (program, _) = Program::collect(&sources);
+            Index::of(&program, &sources)
+        })
+    }
+
+    /// The types of a definition that is a flow, each once: there are several if it is checked for several choices of
+    /// static arguments, and none if the checker did not come that far.
+    #[must_use]
+    pub fn types_of(&self, def: &Def) -> Vec<Typed> {
+        types_of_flow(&self.checked.units, self.facts(), def.span)
+    }
+
+    /// The types of what a name stands for where it is read, each once.
+    #[must_use]
+    pub fn types_of_read(&self, name: Span) -> Vec<Typed> {
+        types_of_read(&self.checked.units, self.facts(), name)
+    }
+
+    /// The smallest expression around a place, and its types.
+    #[must_use]
+    pub fn type_around(&self, file: FileId, offset: u32) -> Option<(Span, Vec<Typed>)> {
+        type_around(&self.checked.units, self.facts(), file, offset)
+    }
+
+    /// The top-level declaration around a place.
+    #[must_use]
+    pub fn item_around(&self, place: Span) -> Option<&Item> {
+        let holds = |item: &&Item| {
+            let span = item.span;
+            span.file == place.file && span.start <= place.start && place.end <= span.end
+        };
+        self.modules.items().find(holds)
+    }
+
+    fn facts(&self) -> &[Facts] {
+        self.facts
+            .get_or_init(|| facts::find(&self.checked.units).0)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::Disk;
+
+    fn offset(text: &str, what: &str) -> u32 {
+        u32::try_from(text.find(what).unwrap()).unwrap()
+    }
+
+    const TEXT: &str = "--| Half of it.\nfunction half (x: real[m]) returns (y: real[m])\nlet y = x / 2.0; tel\n\
+                        node main (a: real[mm]; on: bool) returns (b: real[m]?)\nlet\n  fragment F when on\n\
+                        \x20 let z = half(a); tel\n  b = F.z;\n  c = \ntel\n";
+
+    #[test]
+    fn names_types_and_presence_are_known_beside_a_fault() {
+        let seen = inspect(Path::new("a.rpi"), TEXT, &Disk);
+        assert_eq!(seen.findings.len(), 1, "{:?}", seen.findings);
+        let index = seen.index();
+        let at = |what: &str| {
+            index
+                .at(FileId(0), offset(TEXT, what))
+                .map(|r| index.def(r.def))
+        };
+        let half = at("half(a)").unwrap();
+        assert_eq!(half.doc.as_deref(), Some("Half of it."));
+        let z = at("z;").unwrap();
+        assert_eq!(z.span.start, offset(TEXT, "z = half"));
+        let text = |types: Vec<Typed>| types.iter().map(Typed::to_string).collect::<Vec<_>>();
+        assert_eq!(text(seen.types_of(z)), ["real[m]"]);
+        let read = index.at(FileId(0), offset(TEXT, "z;\n  c")).unwrap();
+        assert_eq!(text(seen.types_of_read(read.span)), ["real[m]?"]);
+        let item = seen.item_around(half.whole).unwrap();
+        let head = rpi_syntax::head(item, seen.mode());
+        assert_eq!(head, "function half (x: real[m]) returns (y: real[m])");
+    }
+
+    #[test]
+    fn an_editor_may_have_changed_other_files() {
+        struct Changed;
+        impl Files for Changed {
+            fn text(&self, path: &Path) -> Option<String> {
+                path.ends_with("parts.rpi")
+                    .then(|| "const n: int = 3;".to_owned())
+            }
+        }
+        let text = "use parts;\nconst m: int = n + 1;\n";
+        let seen = inspect(Path::new("a.rpi"), text, &Changed);
+        assert_eq!(seen.findings, []);
+        let n = seen.index().at(FileId(0), offset(text, "n +")).unwrap();
+        let def = seen.index().def(n.def);
+        assert_eq!(seen.sources.name(def.span.file), "parts.rpi");
+    }
+}

@@ -1,0 +1,206 @@
+//! From syntax trees to the table of definitions and references.
+//!
+//! In two steps, as the order of the text does not matter: everything that has a name is declared in its scope
+//! (`items.rs`, `bodies.rs`), and what refers to names is put on a list; then the list is worked off (`refs.rs`), where
+//! it may have to be found out what the members of something are (`shapes.rs`). The rules by which names are found are
+//! those of the checker.
+
+mod bodies;
+mod items;
+mod refs;
+mod shapes;
+
+use super::def::{Def, DefId, DefKind};
+use super::index::{Index, Inside, Reference, Scope, ScopeId};
+use crate::hash::Map;
+use crate::program::{ModuleId, Program, Source};
+use rpi_diag::{FileId, Span};
+use rpi_syntax::Mode;
+use rpi_syntax::ast::{Body, Callee, Clock, Doc, Dotted, Expr, Ident, Run, Target, Type, Update};
+use shapes::Shapes;
+
+/// The table of a program.
+pub(super) fn build<'a>(program: &Program<'a>, sources: &[Source<'a>]) -> Index {
+    let mut builder = Builder::new();
+    let scopes: Vec<ScopeId> = sources
+        .iter()
+        .map(|source| builder.module(source))
+        .collect();
+    for (module, scope) in (0..).map(ModuleId).zip(&scopes) {
+        let used = program.used_by(module);
+        let used = used.filter_map(|id| scopes.get(id.0 as usize).copied());
+        builder.index.scopes[scope.0 as usize].uses = used.collect();
+    }
+    for (source, scope) in sources.iter().zip(&scopes) {
+        builder.mode = source.mode;
+        builder.items(source, *scope);
+    }
+    builder.work_off();
+    builder.index.references.sort_unstable();
+    builder.index.references.dedup();
+    builder.index
+}
+
+/// Something that refers to names.
+#[derive(Clone, Copy)]
+enum Work<'a> {
+    Expr(&'a Expr),
+    Type(&'a Type),
+    Clock(&'a Clock),
+    Target(&'a Target),
+    Dotted(&'a Dotted),
+    Callee(&'a Callee),
+    Run(&'a Run),
+    /// A plain name: a state, a step.
+    Name(&'a Ident),
+    /// The name of a module.
+    Module(&'a Ident),
+}
+
+/// What tells the members of a definition.
+#[derive(Clone, Copy)]
+enum Origin<'a> {
+    Type(&'a Type),
+    Value(&'a Expr),
+    Alias(&'a Callee),
+}
+
+/// Where a definition stands.
+#[derive(Clone, Copy)]
+struct At<'a> {
+    scope: ScopeId,
+    whole: Span,
+    doc: Option<&'a Doc>,
+}
+
+impl<'a> At<'a> {
+    /// With another range and, if there is one, its own doc comment.
+    fn within(self, whole: Span, doc: Option<&'a Doc>) -> At<'a> {
+        At {
+            whole,
+            doc: doc.or(self.doc),
+            ..self
+        }
+    }
+}
+
+/// The table on its way.
+struct Builder<'a> {
+    index: Index,
+    mode: Mode,
+    work: Vec<(ScopeId, Work<'a>)>,
+    shapes: Shapes<'a>,
+    modules: Map<rpi_syntax::Name, DefId>,
+}
+
+impl<'a> Builder<'a> {
+    fn new() -> Self {
+        Builder {
+            index: Index {
+                defs: Vec::new(),
+                references: Vec::new(),
+                scopes: Vec::new(),
+                inside: Vec::new(),
+                files: Vec::new(),
+            },
+            mode: Mode::Rpi,
+            work: Vec::new(),
+            shapes: Shapes::default(),
+            modules: Map::default(),
+        }
+    }
+
+    /// Declares a module: what `use` names, and the scope of its declarations.
+    fn module(&mut self, source: &Source<'a>) -> ScopeId {
+        let file = file_of(source);
+        let start = file.map_or(Span::NONE, |file| Span::new(file, 0, 0));
+        let def = self.push(Def {
+            name: source.name.clone(),
+            kind: DefKind::Module,
+            span: start,
+            whole: start,
+            doc: None,
+            parent: None,
+            ty: None,
+            shape: None,
+        });
+        self.modules.insert(source.name.clone(), def);
+        let scope = self.scope(start, None, Some(def));
+        for file in source.files.iter().flat_map(|file| file.items.first()) {
+            self.index.files.push((file.span.file, scope));
+        }
+        scope
+    }
+
+    fn scope(&mut self, span: Span, parent: Option<ScopeId>, owner: Option<DefId>) -> ScopeId {
+        let id = ScopeId(u32::try_from(self.index.scopes.len()).unwrap_or(u32::MAX));
+        self.index.scopes.push(Scope {
+            span,
+            parent,
+            owner,
+            names: Map::default(),
+            order: Vec::new(),
+            uses: Vec::new(),
+        });
+        id
+    }
+
+    /// A scope for what is inside a definition.
+    fn inner(&mut self, at: At<'a>, owner: DefId) -> ScopeId {
+        self.scope(at.whole, Some(at.scope), Some(owner))
+    }
+
+    fn push(&mut self, def: Def) -> DefId {
+        let id = DefId(u32::try_from(self.index.defs.len()).unwrap_or(u32::MAX));
+        self.index.defs.push(def);
+        self.index.inside.push(Inside::default());
+        id
+    }
+
+    /// Gives a name a meaning in a scope; the first one counts.
+    fn define(&mut self, at: At<'a>, name: &'a Ident, kind: DefKind) -> DefId {
+        let id = self.push(Def {
+            name: name.name.clone(),
+            kind,
+            span: name.span,
+            whole: at.whole,
+            doc: at.doc.cloned(),
+            parent: self.index.scope(at.scope).owner,
+            ty: None,
+            shape: None,
+        });
+        let scope = &mut self.index.scopes[at.scope.0 as usize];
+        scope.names.entry(name.name.clone()).or_insert(id);
+        scope.order.push(id);
+        self.refer(name.span, id);
+        id
+    }
+
+    /// Notes that a name at a place means a definition.
+    fn refer(&mut self, span: Span, def: DefId) {
+        if !span.is_none() {
+            self.index.references.push(Reference { span, def });
+        }
+    }
+
+    /// Notes what the type of a definition is.
+    fn typed(&mut self, def: DefId, scope: ScopeId, ty: &'a Type) {
+        self.index.defs[def.0 as usize].ty = Some(ty.span);
+        self.shapes.set(def, scope, Origin::Type(ty));
+    }
+
+    fn later(&mut self, scope: ScopeId, work: Work<'a>) {
+        self.work.push((scope, work));
+    }
+
+    fn exprs(&mut self, scope: ScopeId, exprs: impl IntoIterator<Item = &'a Expr>) {
+        let work = exprs.into_iter().map(|expr| (scope, Work::Expr(expr)));
+        self.work.extend(work);
+    }
+}
+
+/// The file of a module, by what is in it.
+fn file_of(source: &Source<'_>) -> Option<FileId> {
+    let items = source.files.iter().flat_map(|file| &file.items);
+    items.map(|item| item.span.file).next()
+}

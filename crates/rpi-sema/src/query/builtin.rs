@@ -1,0 +1,132 @@
+//! What every program has without a declaration: flows, operators that are written as calls, parts of spatial values.
+
+use crate::check;
+use rpi_image::Scalar;
+use rpi_prims::PrimId;
+
+/// Something that is there without a declaration.
+#[derive(Clone, PartialEq, Eq, Debug)]
+pub struct Builtin {
+    /// Its name.
+    pub name: &'static str,
+    /// How it is used: `time: real[s]`, `hold(x, init)`.
+    pub form: String,
+    /// What it is.
+    pub doc: String,
+    /// Whether it is called.
+    pub is_call: bool,
+}
+
+/// Operators that are written as calls: name, form, what they give.
+const CALLS: &[(&str, &str, &str)] = &[
+    (
+        "present",
+        "present(x)",
+        "Whether a flow is there in this cycle.",
+    ),
+    (
+        "hold",
+        "hold(x, init)",
+        "The latest value of `x`; `init` before there was one.",
+    ),
+    (
+        "condact",
+        "condact(c, f(x), d)",
+        "`f(x)` in the cycles in which `c` holds, else what it gave last; `d` before the first.",
+    ),
+    (
+        "sqrt",
+        "sqrt(x)",
+        "Square root; the unit takes the root, too.",
+    ),
+    (
+        "map",
+        "map<<f; n>>(a, b)",
+        "`f` of the elements, one by one: an array of what it gives.",
+    ),
+    (
+        "red",
+        "red<<f; n>>(init, a)",
+        "`f` of what came out so far and the next element; the last of it.",
+    ),
+    ("fold", "fold<<f; n>>(init, a)", "The same as `red`."),
+    (
+        "fill",
+        "fill<<f; n>>(init)",
+        "`f` of what came out so far, over and over: its last state and an array of its results.",
+    ),
+    (
+        "fillred",
+        "fillred<<f; n>>(init, a)",
+        "`f` of the state and the next elements: its last state and arrays of its results.",
+    ),
+    (
+        "mapfold",
+        "mapfold<<n, f>>(init, a)",
+        "The same as `fillred`, with the size first.",
+    ),
+    (
+        "boolred",
+        "boolred<<least, most, n>>(a)",
+        "Whether at least so many and at most so many elements are true.",
+    ),
+];
+
+/// Everything that is there without a declaration in a `.rpi` file, in a fixed order.
+pub fn builtins() -> impl Iterator<Item = Builtin> {
+    let none = Builtin {
+        name: "none",
+        form: "none".to_owned(),
+        doc: "The absent value.".to_owned(),
+        is_call: false,
+    };
+    let calls = CALLS.iter().map(|(name, form, doc)| Builtin {
+        name,
+        form: (*form).to_owned(),
+        doc: (*doc).to_owned(),
+        is_call: true,
+    });
+    flows().chain([none]).chain(calls)
+}
+
+/// The one of this name.
+#[must_use]
+pub fn builtin(name: &str) -> Option<Builtin> {
+    builtins().find(|builtin| builtin.name == name)
+}
+
+fn flows() -> impl Iterator<Item = Builtin> {
+    check::predeclared().map(|(name, prim, ty)| Builtin {
+        name,
+        form: format!("{name}: {ty}"),
+        doc: PrimId::of(prim).map_or_else(String::new, |prim| prim.desc().doc.to_owned()),
+        is_call: false,
+    })
+}
+
+/// The parts of a spatial value that are read by name.
+pub fn spatial_parts(scalar: Scalar) -> impl Iterator<Item = &'static str> {
+    check::spatial_parts(scalar)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_operator_that_the_checker_knows_is_told() {
+        for name in check::operator_names() {
+            assert!(builtin(name).is_some_and(|b| b.is_call), "{name}");
+        }
+        assert!(builtins().all(|builtin| !builtin.doc.is_empty()));
+    }
+
+    #[test]
+    fn predeclared_flows_have_types() {
+        assert_eq!(builtin("time").unwrap().form, "time: real[s]");
+        assert_eq!(
+            spatial_parts(Scalar::Vector).collect::<Vec<_>>(),
+            ["x", "y", "z"]
+        );
+    }
+}

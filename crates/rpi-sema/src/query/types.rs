@@ -1,0 +1,100 @@
+//! Types and presence at places, from the checked units.
+//!
+//! A text that is checked several times, for several choices of static arguments, may have several types.
+
+use crate::facts::Facts;
+use crate::ty::Ty;
+use crate::typed::{Expr, ExprId, Flow, FlowId, Optional, Unit};
+use rpi_diag::{FileId, Span};
+
+/// A type, and whether the value may be absent.
+#[derive(Clone, PartialEq, Debug)]
+pub struct Typed {
+    /// The type.
+    pub ty: Ty,
+    /// Whether it is absent in some cycles.
+    pub optional: bool,
+}
+
+impl std::fmt::Display for Typed {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        write!(f, "{}{}", self.ty, if self.optional { "?" } else { "" })
+    }
+}
+
+/// The types of the flow whose name is declared at a place, each once.
+#[must_use]
+pub fn types_of_flow(units: &[Unit], facts: &[Facts], declared: Span) -> Vec<Typed> {
+    let mut types = Vec::new();
+    for (unit, facts) in units.iter().zip(facts) {
+        for (id, flow) in (0..).map(FlowId).zip(&unit.flows) {
+            if flow.span == declared && !flow.ty.has_unknown() {
+                once(&mut types, of_flow(flow, id, facts));
+            }
+        }
+    }
+    types
+}
+
+fn of_flow(flow: &Flow, id: FlowId, facts: &Facts) -> Typed {
+    let optional = match flow.optional {
+        Optional::Declared(optional) => optional,
+        Optional::Inferred => facts.flow(id).any(),
+    };
+    Typed {
+        ty: flow.ty.clone(),
+        optional,
+    }
+}
+
+/// The types of what a name stands for where it is read, each once: the smallest expression that ends with it. A flow of
+/// a fragment is always present inside of it, and may be absent where it is read from outside.
+#[must_use]
+pub fn types_of_read(units: &[Unit], facts: &[Facts], name: Span) -> Vec<Typed> {
+    let ends = |e: &Expr| {
+        let span = e.span;
+        span.file == name.file && span.start <= name.start && span.end == name.end
+    };
+    let exprs = units.iter().flat_map(|unit| &unit.exprs);
+    let found = exprs.filter(|e| ends(e)).map(|e| e.span);
+    let smallest = found.min_by_key(|span| span.end - span.start);
+    smallest.map_or_else(Vec::new, |span| types_at(units, facts, span))
+}
+
+/// The smallest expression around a place, and its types, each once.
+#[must_use]
+pub fn type_around(
+    units: &[Unit],
+    facts: &[Facts],
+    file: FileId,
+    offset: u32,
+) -> Option<(Span, Vec<Typed>)> {
+    let holds = |e: &Expr| e.span.file == file && e.span.start <= offset && offset < e.span.end;
+    let known = |e: &Expr| !e.ty.has_unknown();
+    let exprs = units.iter().flat_map(|unit| &unit.exprs);
+    let around = exprs.filter(|e| holds(e) && known(e)).map(|e| e.span);
+    let smallest = around.min_by_key(|span| span.end - span.start)?;
+    Some((smallest, types_at(units, facts, smallest)))
+}
+
+/// The types of the outermost expression with this very place.
+fn types_at(units: &[Unit], facts: &[Facts], span: Span) -> Vec<Typed> {
+    let mut types = Vec::new();
+    for (unit, facts) in units.iter().zip(facts) {
+        let all = (0..).map(ExprId).zip(&unit.exprs);
+        // What an expression is made of comes before it.
+        let last = all.filter(|(_, e)| e.span == span && !e.ty.has_unknown());
+        if let Some((id, expr)) = last.last() {
+            let optional = facts.absence(id).any();
+            let ty = expr.ty.clone();
+            once(&mut types, Typed { ty, optional });
+        }
+    }
+    types
+}
+
+fn once(types: &mut Vec<Typed>, one: Typed) {
+    if !types.contains(&one) {
+        types.push(one);
+    }
+}

@@ -1,0 +1,91 @@
+//! The head of a declaration: what a reader wants to see of it who asks what a name means.
+
+use super::print;
+use crate::Mode;
+use crate::ast::{Body, File, Item, ItemKind, NodeDef};
+
+/// A declaration without its body and contract, in the style of the language, as one text without a line end.
+pub fn head(item: &Item, mode: Mode) -> String {
+    let mut item = Item {
+        doc: None,
+        ..item.clone()
+    };
+    match &mut item.kind {
+        ItemKind::Node(node) => {
+            node.contract = None;
+            if let NodeDef::Body(body) = &mut node.definition {
+                *body = Body::default();
+            }
+        }
+        ItemKind::Fragment(fragment) => {
+            fragment.contract = None;
+            fragment.body = Body::default();
+        }
+        ItemKind::Command(command) => {
+            command.contract = None;
+            command.body = Body::default();
+        }
+        ItemKind::Task(task) => task.steps.clear(),
+        ItemKind::Test(test) => test.body = Body::default(),
+        _ => {}
+    }
+    let text = print(&File { items: vec![item] }, mode);
+    without_body(&text)
+        .trim_end()
+        .trim_end_matches(';')
+        .to_owned()
+}
+
+/// The text before the last `let` that begins a line or stands between blanks, which is that of the empty body.
+fn without_body(text: &str) -> &str {
+    let trimmed = text.trim_end().trim_end_matches(['.', ';']);
+    let Some(before_tel) = trimmed.strip_suffix("tel") else {
+        return text;
+    };
+    before_tel.trim_end().strip_suffix("let").unwrap_or(text)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::parse;
+    use rpi_diag::FileId;
+
+    fn heads(text: &str, mode: Mode) -> Vec<String> {
+        let parsed = parse(FileId(0), text, mode);
+        parsed
+            .file
+            .items
+            .iter()
+            .map(|item| head(item, mode))
+            .collect()
+    }
+
+    #[test]
+    fn bodies_are_left_out() {
+        let text = "--| Twice.\nfunction twice (x: int) returns (y: int) let y = x + x; tel\n\
+                    command C (io: Io) given (x: real) let finish done when true; tel\n\
+                    fragment F (x: int) returns (y: int) when x > 0 let y = x; tel\n";
+        let expected = [
+            "function twice (x: int) returns (y: int)",
+            "command C (io: Io) given (x: real)",
+            "fragment F (x: int) returns (y: int) when x > 0",
+        ];
+        assert_eq!(heads(text, Mode::Rpi), expected);
+    }
+
+    #[test]
+    fn what_has_no_body_is_shown_whole() {
+        let text = "const n: int = 3;\nprimitive Core::Clock () returns (outValue: real);\n";
+        let expected = [
+            "const n: int = 3",
+            "primitive Core::Clock () returns (outValue: real)",
+        ];
+        assert_eq!(heads(text, Mode::Rpi), expected);
+        let lustre = heads(
+            "node f(x: int) returns (y: int); let y = x; tel",
+            Mode::Lustre,
+        );
+        assert_eq!(lustre, ["node f (x: int) returns (y: int)"]);
+    }
+}
