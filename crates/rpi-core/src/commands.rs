@@ -199,9 +199,7 @@ impl Core {
     pub fn cancel(&mut self, id: CommandId) -> Result<(), Refused> {
         let place = self.place(id)?;
         self.fits(place, Event::Cancel)?;
-        if let Some(entry) = self.entries[place].as_mut() {
-            entry.command.happen(Event::Cancel);
-        }
+        self.cancel_by(id);
         self.settle();
         Ok(())
     }

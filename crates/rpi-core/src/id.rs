@@ -10,6 +10,12 @@ pub struct CommandId {
 }
 
 impl CommandId {
+    /// Its place in the table: less than the number of commands that the core has room for.
+    #[must_use]
+    pub const fn place(self) -> usize {
+        self.place as usize
+    }
+
     /// As one number, for those who show it or send it.
     #[must_use]
     pub const fn number(self) -> u64 {

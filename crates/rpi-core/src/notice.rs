@@ -10,6 +10,16 @@ use alloc::vec;
 /// Something that happened to a command or a rule.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub enum Notice {
+    /// A rule that may start a command was made, and it was ready before.
+    Scheduled {
+        /// Which.
+        command: CommandId,
+    },
+    /// A command is asked to end.
+    Cancelling {
+        /// Which.
+        command: CommandId,
+    },
     /// A command runs; its first cycle is this tick.
     Started {
         /// Which.

@@ -25,15 +25,9 @@ impl Core {
         if let Err(why) = self.may_be_made(&rule) {
             return Err((rule, why));
         }
-        for k in 0..rule.start.len() {
-            let entry = self
-                .find(rule.start[k])
-                .and_then(|p| self.entries[p].as_mut());
-            if let Some(entry) = entry {
-                entry.command.happen(Event::Schedule);
-                (entry.kept, entry.live) = (entry.kept | rule.kept, true);
-            }
-        }
+        rule.start
+            .iter()
+            .for_each(|c| self.await_rule(*c, rule.kept));
         self.rules.push(Pending {
             id,
             rule,
@@ -76,7 +70,19 @@ impl Core {
         self.spent.pop()
     }
 
-    fn may_be_made(&mut self, rule: &Rule) -> Result<(), Refused> {
+    fn await_rule(&mut self, command: CommandId, kept: bool) {
+        let place = self.find(command);
+        let Some(entry) = place.and_then(|p| self.entries[p].as_mut()) else {
+            return;
+        };
+        if entry.command.state == State::Ready {
+            self.notices.push(Notice::Scheduled { command });
+        }
+        entry.command.happen(Event::Schedule);
+        (entry.kept, entry.live) = (entry.kept | kept, true);
+    }
+
+    fn may_be_made(&self, rule: &Rule) -> Result<(), Refused> {
         if self.rules.len() + self.spent.len() >= self.most_rules {
             return Err(Refused::Full);
         }

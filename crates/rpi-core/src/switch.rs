@@ -85,10 +85,13 @@ impl Core {
         }
     }
 
-    fn cancel_by(&mut self, command: CommandId) {
+    /// Asks a command to end, if it runs.
+    pub(crate) fn cancel_by(&mut self, command: CommandId) {
         let place = self.find(command);
-        if let Some(entry) = place.and_then(|p| self.entries[p].as_mut()) {
+        let entry = place.and_then(|p| self.entries[p].as_mut());
+        if let Some(entry) = entry.filter(|e| e.command.state == State::Running) {
             entry.command.happen(Event::Cancel);
+            self.notices.push(Notice::Cancelling { command });
         }
     }
 

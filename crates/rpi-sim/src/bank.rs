@@ -15,10 +15,9 @@ use rpi_device::{DeviceBank, PortId, PortName, Refusal, ResolveError};
 /// The simulated devices of a cell, and the cell's time.
 ///
 /// One [`step`](Self::step) for each tick; between two of them the core reads, checks and writes. Apart from
-/// [`resolve`](DeviceBank::resolve) and [`inject`](Self::inject) nothing allocates.
+/// [`inject`](Self::inject) nothing allocates.
 pub struct SimBank {
     devices: Vec<Named>,
-    ports: Vec<Port>,
     tick: f64,
     ticks: u64,
 }
@@ -35,6 +34,37 @@ struct Named {
 struct Port {
     device: usize,
     slot: Slot,
+}
+
+/// Bits of a port's number for its index and for its line in the device's table; the rest is the device, from 1. So numbers
+/// follow from the cell alone, and two banks of one cell give the same.
+const INDEX_BITS: u32 = 12;
+const LINE_BITS: u32 = 8;
+
+impl Port {
+    fn number(self) -> Result<PortId, ResolveError> {
+        let (line, index) = (u32::from(self.slot.line), u32::from(self.slot.index));
+        let device = u32::try_from(self.device + 1).map_err(|_| ResolveError::NoIndex)?;
+        let fits = index >> INDEX_BITS == 0
+            && line >> LINE_BITS == 0
+            && device.leading_zeros() >= INDEX_BITS + LINE_BITS;
+        let number = (device << LINE_BITS | line) << INDEX_BITS | index;
+        fits.then_some(PortId(number)).ok_or(ResolveError::NoIndex)
+    }
+
+    fn of(number: PortId) -> Port {
+        let (index, rest) = (number.0 & ((1 << INDEX_BITS) - 1), number.0 >> INDEX_BITS);
+        let line = rest & ((1 << LINE_BITS) - 1);
+        // Both are masked to less than 16 bits.
+        let slot = Slot {
+            line: line as u16,
+            index: index as u16,
+        };
+        Port {
+            device: ((rest >> LINE_BITS) as usize).wrapping_sub(1),
+            slot,
+        }
+    }
 }
 
 /// How a device does.
@@ -66,7 +96,6 @@ impl SimBank {
         }
         Self {
             devices,
-            ports: Vec::new(),
             tick,
             ticks: 0,
         }
@@ -115,12 +144,12 @@ impl SimBank {
 
     /// The device and its port behind a number that `resolve` gave.
     fn at(&self, port: PortId) -> Option<(&Named, Slot)> {
-        let port = self.ports.get(port.0 as usize)?;
+        let port = Port::of(port);
         Some((self.devices.get(port.device)?, port.slot))
     }
 
     fn at_mut(&mut self, port: PortId) -> Option<(&mut Named, Slot)> {
-        let port = *self.ports.get(port.0 as usize)?;
+        let port = Port::of(port);
         Some((self.devices.get_mut(port.device)?, port.slot))
     }
 
@@ -155,14 +184,7 @@ impl DeviceBank for SimBank {
             device,
             slot: self.devices[device].device.resolve(name)?,
         };
-        let known = self.ports.iter().position(|other| *other == port);
-        let number = known.unwrap_or_else(|| {
-            self.ports.push(port);
-            self.ports.len() - 1
-        });
-        u32::try_from(number)
-            .map(PortId)
-            .map_err(|_| ResolveError::NoIndex)
+        port.number()
     }
 
     fn resource(&self, port: PortId) -> u32 {

@@ -1,0 +1,230 @@
+//! The cycle's side: takes requests, ticks the core, steps the devices, tells what happened.
+
+use rpi_core::{Command, CommandId, Core, Refused, Watch};
+
+use super::event::Event;
+use super::plant::Plant;
+use super::queue::{CycleEnds, Dead, Options, Request};
+use super::subscription::Subscription;
+
+/// A control core with its devices, to be ticked by one thread.
+pub struct Executive<P> {
+    core: Core,
+    plant: P,
+    ends: CycleEnds,
+    /// By place of the command.
+    subscriptions: Box<[Option<Box<Subscription>>]>,
+    /// What was last told of each device.
+    told: Vec<(i64, bool)>,
+    per_tick: usize,
+}
+
+/// Devices whose state is watched.
+const DEVICES: usize = 256;
+
+impl<P: Plant> Executive<P> {
+    pub(super) fn new(plant: P, ends: CycleEnds, options: Options) -> Self {
+        let mut devices = 0;
+        plant.conditions(&mut |_, _, _| devices += 1);
+        Executive {
+            core: Core::with_capacity(options.commands, options.tick_ns),
+            plant,
+            ends,
+            subscriptions: (0..options.commands).map(|_| None).collect(),
+            told: vec![(0, false); devices.min(DEVICES)],
+            per_tick: options.requests_per_tick.max(1),
+        }
+    }
+
+    /// Number of the next tick.
+    #[must_use]
+    pub fn now(&self) -> u64 {
+        self.core.now()
+    }
+
+    /// One tick: requests, cycles, devices, events. `wall_ns` is the machine's clock, nanoseconds since the Unix epoch;
+    /// `watch` looks at every command at the end of its cycle.
+    pub fn tick(&mut self, wall_ns: i64, watch: &mut dyn Watch) {
+        self.take_requests();
+        let mut watch = Watching {
+            tick: self.core.now(),
+            subscriptions: &mut self.subscriptions,
+            samples: &mut self.ends.samples,
+            further: watch,
+        };
+        self.core.tick(&mut self.plant, wall_ns, &mut watch);
+        self.plant.step();
+        self.tell();
+    }
+
+    /// The devices, between ticks.
+    pub fn plant(&mut self) -> &mut P {
+        &mut self.plant
+    }
+
+    /// The core, to look at between ticks.
+    #[must_use]
+    pub fn core(&self) -> &Core {
+        &self.core
+    }
+
+    /// Tells the core that a command's cycles take too long: it is ended and its devices stop on their own.
+    pub fn overrun(&mut self, command: CommandId) {
+        let why = rpi_core::Why::Overrun;
+        // Who has ended meanwhile takes no more time.
+        let _ = self.core.abort(command, why, &mut self.plant);
+    }
+
+    fn take_requests(&mut self) {
+        for _ in 0..self.per_tick {
+            if self.ends.events.is_full() {
+                return;
+            }
+            let Ok((ticket, request)) = self.ends.requests.pop() else {
+                return;
+            };
+            let tick = self.core.now();
+            let refused = self.carry_out(request).err();
+            // There is room, as was just seen.
+            let _ = self.ends.events.push(Event::Answer {
+                ticket,
+                tick,
+                refused,
+            });
+            self.tell_notices();
+            self.ends.send_dead();
+        }
+    }
+
+    fn carry_out(&mut self, request: Request) -> Result<(), Refused> {
+        let (core, plant) = (&mut self.core, &mut self.plant);
+        match request {
+            Request::Insert(id, command) => self.insert(id, command),
+            Request::Start(id) => core.start(id, plant),
+            Request::Unschedule(id) => core.unschedule(id),
+            Request::Cancel(id) => core.cancel(id),
+            Request::Abort(id, why) => core.abort(id, why, plant),
+            Request::Unload(id) => self.unload(id),
+            Request::Schedule(id, rule) => {
+                core.schedule_as(id, rule, plant).map_err(|(rule, why)| {
+                    self.ends.bury(Dead::Rule(rule));
+                    why
+                })
+            }
+            Request::Withdraw(id) => core.withdraw(id),
+            Request::Set(settings) => self.set(settings),
+            Request::Subscribe(subscription) => self.subscribe(subscription),
+            Request::EmergencyStop => {
+                core.emergency_stop(plant);
+                Ok(())
+            }
+        }
+    }
+
+    fn insert(&mut self, id: CommandId, command: Box<Command>) -> Result<(), Refused> {
+        self.core.insert_as(id, command).map_err(|(command, why)| {
+            self.ends.bury(Dead::Command(id, command));
+            why
+        })
+    }
+
+    fn unload(&mut self, id: CommandId) -> Result<(), Refused> {
+        let command = self.core.remove(id)?;
+        self.bury(id, command);
+        Ok(())
+    }
+
+    fn bury(&mut self, id: CommandId, command: Box<Command>) {
+        let subscription = self.subscriptions.get_mut(id.place());
+        if let Some(old) = subscription.and_then(|s| s.take_if(|s| s.command == id)) {
+            self.ends.bury(Dead::Subscription(old));
+        }
+        self.ends.bury(Dead::Command(id, command));
+    }
+
+    /// Sets all or nothing.
+    fn set(&mut self, settings: Box<[super::Setting]>) -> Result<(), Refused> {
+        let known = settings
+            .iter()
+            .all(|s| self.core.command(s.command).is_some());
+        for setting in settings.iter().filter(|_| known) {
+            if let Some(command) = self.core.command_mut(setting.command) {
+                command.set_input(setting.input, &setting.value);
+            }
+        }
+        self.ends.bury(Dead::Settings(settings));
+        match known {
+            true => Ok(()),
+            false => Err(Refused::Unknown),
+        }
+    }
+
+    fn subscribe(&mut self, new: Box<Subscription>) -> Result<(), Refused> {
+        let known = self.core.command(new.command).is_some();
+        let slot = self.subscriptions.get_mut(new.command.place());
+        let old = match slot.filter(|_| known) {
+            Some(slot) => slot.replace(new),
+            None => {
+                self.ends.bury(Dead::Subscription(new));
+                return Err(Refused::Unknown);
+            }
+        };
+        old.into_iter()
+            .for_each(|old| self.ends.bury(Dead::Subscription(old)));
+        Ok(())
+    }
+
+    fn tell(&mut self) {
+        self.tell_notices();
+        while let Some((id, gone)) = self.core.take_gone() {
+            self.bury(id, gone);
+        }
+        while let Some((_, rule)) = self.core.take_spent() {
+            self.ends.bury(Dead::Rule(rule));
+        }
+        self.ends.send_dead();
+        let (told, events) = (&mut self.told, &mut self.ends.events);
+        self.plant.conditions(&mut |device, code, moving| {
+            let Some(last) = told.get_mut(device) else {
+                return;
+            };
+            let event = Event::Device {
+                device,
+                code,
+                moving,
+            };
+            if *last != (code, moving) && events.push(event).is_ok() {
+                *last = (code, moving);
+            }
+        });
+    }
+
+    /// What finds no room stays in the core's log until the host has made some.
+    fn tell_notices(&mut self) {
+        while !self.ends.events.is_full() {
+            let Some(notice) = self.core.next_notice() else {
+                return;
+            };
+            let _ = self.ends.events.push(Event::Notice(notice));
+        }
+    }
+}
+
+/// Looks at commands for those who have subscribed, and lets others look.
+struct Watching<'a> {
+    tick: u64,
+    subscriptions: &'a mut [Option<Box<Subscription>>],
+    samples: &'a mut rtrb::Producer<u64>,
+    further: &'a mut dyn Watch,
+}
+
+impl Watch for Watching<'_> {
+    fn cycle(&mut self, id: CommandId, command: &Command) {
+        let subscription = self.subscriptions.get_mut(id.place());
+        let subscription = subscription.and_then(Option::as_mut);
+        if let Some(own) = subscription.filter(|s| s.command == id) {
+            own.look(command, self.tick, self.samples);
+        }
+        self.further.cycle(id, command);
+    }
+}

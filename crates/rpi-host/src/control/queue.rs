@@ -1,0 +1,134 @@
+//! The queues between host and cycle: bounded, and nobody ever waits at them.
+
+use rpi_core::{Command, CommandId, Rule, RuleId, Why};
+use rtrb::{Consumer, Producer, RingBuffer};
+
+use super::event::{Event, Ticket};
+use super::subscription::Subscription;
+
+/// How large a control core is.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub struct Options {
+    /// Length of a tick, nanoseconds.
+    pub tick_ns: u64,
+    /// Commands that can be there at once.
+    pub commands: usize,
+    /// Requests that can be under way at once.
+    pub requests: usize,
+    /// Requests that are carried out in one tick at most, so that no flood of them makes a tick long.
+    pub requests_per_tick: usize,
+}
+
+impl Default for Options {
+    fn default() -> Self {
+        Options {
+            tick_ns: 1_000_000,
+            commands: 64,
+            requests: 256,
+            requests_per_tick: 16,
+        }
+    }
+}
+
+impl Options {
+    /// Rules that can be there at once.
+    pub(super) fn rules(&self) -> usize {
+        self.commands * 4
+    }
+}
+
+/// A value for an input of a command.
+#[derive(Clone, PartialEq, Eq, Debug)]
+pub struct Setting {
+    /// The command.
+    pub command: CommandId,
+    /// The input's index in its image.
+    pub input: usize,
+    /// The value's cells.
+    pub value: Box<[u64]>,
+}
+
+/// What the host asks of the cycle.
+pub(super) enum Request {
+    Insert(CommandId, Box<Command>),
+    Start(CommandId),
+    Unschedule(CommandId),
+    Cancel(CommandId),
+    Abort(CommandId, Why),
+    Unload(CommandId),
+    Schedule(RuleId, Box<Rule>),
+    Withdraw(RuleId),
+    Set(Box<[Setting]>),
+    Subscribe(Box<Subscription>),
+    EmergencyStop,
+}
+
+/// What is over and must be freed by the host.
+pub(super) enum Dead {
+    Command(CommandId, Box<Command>),
+    Rule(Box<Rule>),
+    Settings(Box<[Setting]>),
+    Subscription(Box<Subscription>),
+}
+
+/// The cycle's ends.
+pub(super) struct CycleEnds {
+    pub(super) requests: Consumer<(Ticket, Request)>,
+    pub(super) events: Producer<Event>,
+    pub(super) samples: Producer<u64>,
+    dead: Producer<Dead>,
+    /// What goes there once all that happened before has been told.
+    staged: Vec<Dead>,
+}
+
+/// The host's ends.
+pub(super) struct HostEnds {
+    pub(super) requests: Producer<(Ticket, Request)>,
+    pub(super) events: Consumer<Event>,
+    pub(super) samples: Consumer<u64>,
+    pub(super) dead: Consumer<Dead>,
+}
+
+/// Words of samples between two visits of the host.
+const SAMPLES: usize = 1 << 18;
+
+pub(super) fn queues(options: Options) -> (CycleEnds, HostEnds) {
+    let (request_in, requests) = RingBuffer::new(options.requests);
+    let (events, event_out) = RingBuffer::new(options.commands * 16 + options.requests);
+    let (samples, sample_out) = RingBuffer::new(SAMPLES);
+    // Room for all that can be with the cycle at once: see `Control`, which counts.
+    let most = options.commands * 2 + options.rules() + options.requests;
+    let (dead, dead_out) = RingBuffer::new(most);
+    let cycle = CycleEnds {
+        requests,
+        events,
+        samples,
+        dead,
+        staged: Vec::with_capacity(most),
+    };
+    let host = HostEnds {
+        requests: request_in,
+        events: event_out,
+        samples: sample_out,
+        dead: dead_out,
+    };
+    (cycle, host)
+}
+
+impl CycleEnds {
+    /// Gives something away, to be freed by the host.
+    pub(super) fn bury(&mut self, dead: Dead) {
+        // There is room for all that can be with the cycle.
+        self.staged.push(dead);
+    }
+
+    /// Sends what was given away, after the events that tell why.
+    pub(super) fn send_dead(&mut self) {
+        while !self.dead.is_full() {
+            let Some(dead) = self.staged.pop() else {
+                return;
+            };
+            let _ = self.dead.push(dead);
+        }
+    }
+}

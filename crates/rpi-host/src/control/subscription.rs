@@ -1,0 +1,105 @@
+//! Exported flows on their way to the host: words in a bounded ring, sent where a value has changed.
+
+use rpi_core::{Command, CommandId};
+use rpi_image::image::Signal;
+use rtrb::{Consumer, Producer};
+
+/// Exported flows of one command that somebody wants to see. It replaces the one before.
+#[derive(Clone, PartialEq, Eq, Debug)]
+pub struct Subscription {
+    pub(super) command: CommandId,
+    every: u64,
+    flows: Box<[Flow]>,
+    /// Samples for which there was no room.
+    pub(super) lost: u64,
+}
+
+#[derive(Clone, PartialEq, Eq, Debug)]
+struct Flow {
+    export: u32,
+    signal: Signal,
+    /// What was last sent: nothing yet, absent, or the value in `cells`.
+    sent: Option<bool>,
+    cells: Box<[u64]>,
+}
+
+/// Words before a sample's cells: place and serial of the command, export with width and presence, tick.
+const HEADER: usize = 3;
+const PRESENT: u64 = 1 << 63;
+
+impl Subscription {
+    pub(super) fn new(command: CommandId, flows: &[(u32, Signal)], every: u64) -> Subscription {
+        let flow = |&(export, signal): &(u32, Signal)| Flow {
+            export,
+            signal,
+            sent: None,
+            cells: vec![0; signal.ty.cells() as usize].into(),
+        };
+        Subscription {
+            command,
+            every: every.max(1),
+            flows: flows.iter().map(flow).collect(),
+            lost: 0,
+        }
+    }
+
+    /// Sends what has changed since it was last sent, if it is time to.
+    pub(super) fn look(&mut self, command: &Command, tick: u64, ring: &mut Producer<u64>) {
+        if !command.machine().cycle().is_multiple_of(self.every) && command.ending().is_none() {
+            return;
+        }
+        let id = self.command;
+        for flow in &mut self.flows {
+            let value = command.machine().value(flow.signal);
+            let same =
+                flow.sent == Some(value.is_some()) && value.is_none_or(|v| *v == *flow.cells);
+            if same {
+                continue;
+            }
+            if ring.slots() < HEADER + flow.cells.len() {
+                self.lost += 1;
+                continue;
+            }
+            flow.sent = Some(value.is_some());
+            value
+                .into_iter()
+                .for_each(|v| flow.cells.copy_from_slice(v));
+            flow.send(id, tick, ring);
+        }
+    }
+}
+
+impl Flow {
+    fn send(&self, id: CommandId, tick: u64, ring: &mut Producer<u64>) {
+        let present = if self.sent == Some(true) { PRESENT } else { 0 };
+        let cells = if present == 0 { &[][..] } else { &self.cells };
+        let width = (cells.len() as u64) << 32;
+        let header = [id.number(), present | width | u64::from(self.export), tick];
+        for word in header.iter().chain(cells) {
+            // There is room, as was just seen; nobody else writes.
+            let _ = ring.push(*word);
+        }
+    }
+}
+
+/// Hands on all samples that have arrived whole: command's number, export, tick, value.
+pub(super) fn drain(
+    ring: &mut Consumer<u64>,
+    buffer: &mut Vec<u64>,
+    mut take: impl FnMut(u64, u32, u64, Option<&[u64]>),
+) {
+    while let Ok(header) = ring.read_chunk(HEADER) {
+        let (first, second) = header.as_slices();
+        let word = first.iter().chain(second).nth(1).copied().unwrap_or(0);
+        let width = (word >> 32 & 0x7fff_ffff) as usize;
+        if ring.slots() < HEADER + width {
+            return;
+        }
+        let mut next = || ring.pop().unwrap_or(0);
+        let (id, _, tick) = (next(), next(), next());
+        buffer.clear();
+        buffer.extend((0..width).map(|_| next()));
+        let present = word & PRESENT != 0;
+        take(id, word as u32, tick, present.then_some(&buffer[..]));
+    }
+}

@@ -1,0 +1,176 @@
+//! A control core in operation, from outside: requests, events, samples, and what is freed.
+
+mod support;
+
+use rpi_host::control::{Cause, Event, Fact, Notice, Refused, Rejected, Rule, Setting, State, Why};
+use support::{Rig, counter};
+
+rpi_testkit::trap_allocations!();
+
+#[test]
+fn requests_can_name_what_has_not_arrived_yet() {
+    let mut rig = Rig::new(4);
+    let a = rig.load(counter("A", 3));
+    let b = rig.load(counter("B", 2));
+    rig.control.schedule(Rule::follow(a).start(b)).unwrap();
+    rig.control.start(a).unwrap();
+    rig.ticks(10);
+    let log = rig.log();
+    let started = |id| move |e: &Event| matches!(e, Event::Notice(Notice::Started { command, .. }) if *command == id);
+    assert!(log.iter().any(started(a)) && log.iter().any(started(b)));
+    let (one, two) = (rig.control.get(a).unwrap(), rig.control.get(b).unwrap());
+    assert_eq!(
+        (one.state, two.state),
+        (State::Terminated, State::Terminated)
+    );
+    // No tick lies between the last cycle of one and the first of the other.
+    let cycles = one.ending.unwrap().cycles;
+    assert_eq!(two.first_tick, one.first_tick.map(|t| t + cycles));
+    assert_eq!(one.ending.unwrap().cause, Cause::Result(0));
+}
+
+#[test]
+fn every_ticket_is_answered_once_and_in_order() {
+    let mut rig = Rig::new(4);
+    let a = rig.load(counter("A", 1000));
+    let tickets = [
+        rig.control.cancel(a).unwrap(),
+        rig.control.start(a).unwrap(),
+        rig.control.start(a).unwrap(),
+        rig.control.unload(a).unwrap(),
+        rig.control.abort(a, Why::ClientLost).unwrap(),
+        rig.control.unload(a).unwrap(),
+    ];
+    rig.ticks(2);
+    let answers: Vec<_> = rig
+        .log()
+        .into_iter()
+        .filter_map(|e| match e {
+            Event::Answer {
+                ticket, refused, ..
+            } if tickets.contains(&ticket) => Some((ticket, refused)),
+            _ => None,
+        })
+        .collect();
+    let refused = |state| Some(Refused::State(state));
+    let expected = [
+        refused(State::Ready),
+        None,
+        refused(State::Running),
+        refused(State::Running),
+        None,
+        None,
+    ];
+    assert_eq!(
+        answers,
+        tickets.into_iter().zip(expected).collect::<Vec<_>>()
+    );
+    assert!(rig.control.get(a).is_none(), "it is freed");
+}
+
+#[test]
+fn places_come_back_and_the_table_has_its_size() {
+    let mut rig = Rig::new(2);
+    for _ in 0..20 {
+        let a = rig.load(counter("A", 1));
+        let b = rig.load(counter("B", 1));
+        assert_eq!(rig.control.load(counter("C", 1)), Err(Rejected::Full));
+        // Nobody starts A: B falls with the rule and frees itself.
+        let (rule, _) = rig.control.schedule(Rule::follow(a).start(b)).unwrap();
+        rig.control.withdraw(rule).unwrap();
+        rig.control.unload(a).unwrap();
+        rig.ticks(1);
+        let freed = rig
+            .log()
+            .iter()
+            .filter(|e| matches!(e, Event::Freed(_)))
+            .count();
+        assert_eq!(freed, 2);
+    }
+}
+
+#[test]
+fn a_flood_is_held_back_and_carried_out_piece_by_piece() {
+    let mut rig = Rig::new(2);
+    let a = rig.load(counter("A", 1_000_000));
+    rig.control.start(a).unwrap();
+    let mut asked = 0;
+    while rig.control.cancel(a).is_ok() {
+        asked += 1;
+    }
+    assert_eq!(rig.control.cancel(a), Err(Rejected::Busy));
+    let mut answered = 0;
+    for _ in 0..1000 {
+        rig.ticks(1);
+        let now = rig
+            .log()
+            .iter()
+            .filter(|e| matches!(e, Event::Answer { .. }))
+            .count();
+        assert!(now <= rig.options.requests_per_tick);
+        answered += now;
+    }
+    assert_eq!(answered, asked + 2);
+}
+
+#[test]
+fn inputs_and_exports_go_through() {
+    let mut rig = Rig::new(2);
+    let a = rig.load(counter("A", 1_000_000));
+    rig.control.start(a).unwrap();
+    rig.control.subscribe(a, &[0], 1).unwrap();
+    let step = |value: f64| Setting {
+        command: a,
+        input: 0,
+        value: [value.to_bits()].into(),
+    };
+    rig.ticks(2);
+    rig.control.set(vec![step(10.0)]).unwrap();
+    rig.ticks(2);
+    let mut seen = Vec::new();
+    rig.control.samples(|id, export, tick, value| {
+        assert_eq!((id, export), (a, 0));
+        seen.push((tick, value.map(|v| f64::from_bits(v[0]))));
+    });
+    assert_eq!(
+        seen,
+        [
+            (0, Some(1.0)),
+            (1, Some(2.0)),
+            (2, Some(12.0)),
+            (3, Some(22.0))
+        ]
+    );
+    let bad = Setting {
+        command: a,
+        input: 9,
+        value: [0].into(),
+    };
+    assert_eq!(
+        rig.control.set(vec![bad]),
+        Err(Rejected::Value {
+            command: a,
+            input: 9
+        })
+    );
+    assert_eq!(rig.control.fact(a, "done"), Some(Fact::Result(0)));
+    assert_eq!(rig.control.fact(a, "late"), Some(Fact::Export(1)));
+    assert_eq!(rig.control.fact(a, "count"), None, "it is no Boolean");
+}
+
+#[test]
+fn an_emergency_stop_ends_everything() {
+    let mut rig = Rig::new(4);
+    let a = rig.load(counter("A", 1_000_000));
+    let b = rig.load(counter("B", 1));
+    rig.control
+        .schedule(Rule::follow(a).start(b).keep())
+        .unwrap();
+    rig.control.start(a).unwrap();
+    rig.control.emergency_stop().unwrap();
+    rig.ticks(1);
+    rig.log();
+    let ending = rig.control.get(a).unwrap().ending.unwrap();
+    assert_eq!(ending.cause, Cause::Aborted(Why::EmergencyStop));
+    assert_eq!(rig.control.get(b).unwrap().state, State::Ready);
+}
