@@ -130,6 +130,7 @@ codes! {
     RPI7001 Error "budget exceeded";
     RPI8001 Error "end of a command in the wrong place";
     RPI9101 Error "primitive without a form in C";
+    RPI9901 Error "fault of the compiler";
 }
 
 impl Code {

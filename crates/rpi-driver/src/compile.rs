@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use rpi_diag::{FileId, Finding, Severity, SourceMap};
+use rpi_diag::{FileId, Finding, Severity, SourceMap, Span};
 use rpi_image::Image;
 use rpi_lower::{LowerOptions, Plan};
 use rpi_net::Net;
@@ -12,6 +12,7 @@ use rpi_syntax::Mode;
 use crate::input::{Input, InputError, Kind};
 use crate::source;
 use crate::task::{self, Task};
+use crate::violation;
 
 /// What became of a file.
 #[derive(Debug)]
@@ -96,7 +97,10 @@ fn checked(net: Net, findings: &mut Vec<Finding>) -> Option<Net> {
             findings.extend(analysis.findings);
             analysis.schedule.map(|_| analysis.net)
         }
-        Err(violation) => panic!("the reader made a net that is not in order: {violation}"),
+        Err(violation) => {
+            findings.push(violation::finding(&violation, Span::NONE));
+            None
+        }
     }
 }
 

@@ -15,6 +15,7 @@ mod modules;
 mod period;
 mod source;
 mod task;
+mod violation;
 
 pub use compile::{Compiled, Program, compile, lower_to_look, lower_to_run};
 pub use files::{Disk, Files};

@@ -13,6 +13,7 @@ use rpi_sema::{Checked, check};
 
 use crate::files::Disk;
 use crate::modules::Modules;
+use crate::violation;
 
 /// What became of a program.
 pub(crate) struct Built {
@@ -99,9 +100,7 @@ fn one(
                 found.extend(analysis.findings);
                 found.extend(rpi_sema::init::check(&net));
             }
-            Err(violation) => {
-                panic!("the elaboration made a net that is not in order: {violation}")
-            }
+            Err(violation) => found.push(violation::finding(&violation, checked.unit(unit).span)),
         }
     }
     let faulty = has_errors(&found);

@@ -16,14 +16,15 @@ pub fn verify(net: &Net) -> Result<(), Violation> {
         return Err(Violation::new("the first fragment is no root"));
     }
     for id in net.fragment_ids() {
-        fragment(net, id)?;
+        fragment(net, id).map_err(|v| v.at(net.fragment(id).origin.span))?;
     }
     for id in net.node_ids() {
-        node(net, id)?;
+        node(net, id).map_err(|v| v.at(net.node(id).origin.span))?;
     }
     driver(net)?;
     for export in &net.exports {
-        ports(net, &export.key, std::iter::once(export.source))?;
+        let place = export.origin.span;
+        ports(net, &export.key, std::iter::once(export.source)).map_err(|v| v.at(place))?;
     }
     Ok(())
 }
@@ -112,7 +113,8 @@ fn driver(net: &Net) -> Result<(), Violation> {
     match &net.driver {
         Driver::Results(results) => {
             for result in results {
-                is_boolean(net, &result.name, &result.condition)?;
+                let place = result.origin.span;
+                is_boolean(net, &result.name, &result.condition).map_err(|v| v.at(place))?;
             }
             Ok(())
         }

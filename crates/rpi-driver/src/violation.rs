@@ -1,0 +1,40 @@
+//! What is said when a stage of the compiler breaks its promise to the next one.
+
+use rpi_diag::{Code, Finding, Span};
+use rpi_net::Violation;
+
+/// The finding of a violation; `around` is the place of all that was being compiled.
+pub(crate) fn finding(violation: &Violation, around: Span) -> Finding {
+    let message = format!("the compiler made a net that is not in order: {violation}");
+    let place = match violation.place() {
+        Span::NONE => around,
+        place => place,
+    };
+    Finding::new(Code::RPI9901, message)
+        .at(place, "made from this")
+        .note("this is a fault of the compiler, not of the program: please report it")
+        .help("until it is mended, try to write it in another way")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use rpi_net::passes::analyse;
+    use rpi_net::{Input, NodeId, PortRef};
+
+    #[test]
+    fn a_net_out_of_order_is_a_finding_at_its_place() {
+        let text = "{a=Core::BooleanNot(inValue=b.outCancel),b=Cancel()}";
+        let (net, findings) = rpi_net::rpinet::read("Net", rpi_diag::FileId(0), text);
+        let mut net = net.unwrap_or_else(|| panic!("{findings:?}"));
+        net.nodes[0].inputs[0] = Input::Port(PortRef {
+            node: NodeId(7),
+            port: 0,
+        });
+        let place = net.nodes[0].origin.span;
+        let violation = analyse(net, |_| false).unwrap_err();
+        let finding = finding(&violation, Span::NONE);
+        assert_eq!((finding.code, finding.span()), (Code::RPI9901, place));
+        assert_ne!(place, Span::NONE);
+    }
+}
