@@ -53,7 +53,7 @@ use std::collections::{BTreeMap, VecDeque};
 use std::rc::Rc;
 
 pub use names::result_identity;
-pub(crate) use prim::{packed, param_default};
+pub(crate) use prim::{machine_type, packed, param_default};
 #[cfg(test)]
 pub(crate) use words::operator_names;
 pub(crate) use words::{predeclared, spatial_parts};

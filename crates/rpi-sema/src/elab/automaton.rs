@@ -156,7 +156,7 @@ impl<'u> Elab<'u> {
         let scalars = leaf_scalars(&flow.ty);
         let mut merged: Option<Vec<Signal>> = None;
         for inner in shared.states.iter().flatten() {
-            let wire = self.flow(scope, *inner, span).to_vec();
+            let wire = self.read_flow(scope, *inner, at, span).to_vec();
             merged = Some(match merged {
                 None => wire,
                 Some(so_far) => {

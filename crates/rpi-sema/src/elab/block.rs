@@ -21,6 +21,7 @@ impl<'u> Elab<'u> {
             };
             self.content(scope, block, at);
         }
+        self.find_gates(scope);
     }
 
     fn fragment_in_place(&mut self, scope: &mut Scope<'u>, block: BlockId) -> rpi_net::FragmentId {

@@ -44,6 +44,7 @@ impl<'u> Elab<'u> {
             } => {
                 let inner = self.activated(scope, *every, *restart, &path, at, span);
                 let result = self.inlined(call.unit, &args, At::fragment(inner), path, span);
+                let result = self.leaving(&result, inner, at.fragment);
                 let default = default.map(|id| self.expr(scope, id, at));
                 self.held(&result, default.as_ref(), id, scope, at)
             }
@@ -214,18 +215,18 @@ impl<'u> Elab<'u> {
             _ => at.unguarded(),
         };
         self.connect(&mut scope, args, at);
-        let at = match in_fragment {
+        let inner = match in_fragment {
             true => At::fragment(self.fragment_of_unit(&mut scope, &path, at, span)),
             false => at,
         };
         if self.mode != Mode::Constant {
-            self.body(&mut scope, at);
+            self.body(&mut scope, inner);
         }
         let mut leaves = Vec::new();
         for output in &unit.outputs {
             leaves.extend(self.flow(&mut scope, *output, span).iter().cloned());
         }
-        leaves.into()
+        self.leaving(&leaves.into(), inner.fragment, at.fragment)
     }
 
     fn fragment_of_unit(

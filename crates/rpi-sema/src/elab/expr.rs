@@ -1,12 +1,13 @@
 //! Expressions, kind by kind.
 
 use super::families::Family;
+use super::pack::natural;
 use super::scope::Scope;
 use super::signal::{Signal, Wire, nothing, single};
 use super::{At, Elab, Mode, NotConstant};
 use crate::typed::{ExprId, Kind, PrimCall};
 use rpi_diag::Span;
-use rpi_image::{ParamType, Scalar, Value};
+use rpi_image::{ParamType, PortType, Scalar, Type, Value};
 
 impl<'u> Elab<'u> {
     /// The wire of an expression.
@@ -31,7 +32,7 @@ impl<'u> Elab<'u> {
             Kind::None => (0..expr.ty.leaf_count().max(1))
                 .map(|_| Signal::Absent)
                 .collect(),
-            Kind::Flow(flow) => self.flow(scope, *flow, span),
+            Kind::Flow(flow) => self.read_flow(scope, *flow, at, span),
             Kind::Sensor { device, port } => self.sensor(scope, *device, *port, at, span),
             Kind::Part { base, at: offset } => {
                 let wire = self.expr(scope, *base, at);
@@ -243,8 +244,8 @@ impl<'u> Elab<'u> {
 
     fn prim_call(&mut self, scope: &mut Scope<'u>, call: &'u PrimCall, at: At, span: Span) -> Wire {
         let mut inputs = Vec::with_capacity(call.inputs.len());
-        for input in &call.inputs {
-            inputs.push(input.map(|id| self.expr(scope, id, at)));
+        for (port, input) in call.prim.desc().inputs.iter().zip(&call.inputs) {
+            inputs.push(input.map(|id| self.given(scope, id, port.ty, at)));
         }
         let Some(params) = self.params(scope, call, at, span) else {
             return nothing();
@@ -254,11 +255,21 @@ impl<'u> Elab<'u> {
             .and_then(|guard| super::guarded::twin(call.prim).map(|twin| (guard, twin)))
         {
             Some((guard, twin)) => {
-                inputs.insert(0, Some(single(Signal::Port(guard))));
-                self.prim(twin, inputs, params, at, span)
+                let guard = single(Signal::Port(guard));
+                inputs.insert(0, Some((Type::One(Scalar::Bool), guard)));
+                self.prim_shaped(twin, inputs, params, at, span)
             }
-            None => self.prim(call.prim, inputs, params, at, span),
+            None => self.prim_shaped(call.prim, inputs, params, at, span),
         }
+    }
+
+    /// What an in-port is given, and as what it takes it.
+    fn given(&mut self, scope: &mut Scope<'u>, id: ExprId, port: PortType, at: At) -> (Type, Wire) {
+        let wire = self.expr(scope, id, at);
+        let known = crate::check::machine_type(&scope.unit.expr(id).ty);
+        let is_array = !matches!(port, PortType::One(_));
+        let ty = known.filter(|_| is_array);
+        (ty.unwrap_or_else(|| natural(port, wire.len())), wire)
     }
 
     /// The parameters of a primitive: constants by now.

@@ -10,10 +10,10 @@
 //! |---|---|
 //! | `signal.rs` | what a leaf is connected to |
 //! | `families.rs` | primitives that exist once per value type |
-//! | `nodes.rs`, `pack.rs` | adding nodes, folding them; arrays at ports |
+//! | `nodes.rs`, `pack.rs`, `promise.rs` | adding nodes, folding them; arrays at ports |
 //! | `scope.rs`, `flows.rs` | one inlined unit and its flows |
 //! | `expr.rs`, `each.rs`, `guarded.rs`, `call.rs` | expressions |
-//! | `block.rs`, `automaton.rs`, `clocks.rs` | bodies, fragments, states, sampled flows |
+//! | `block.rs`, `automaton.rs`, `clocks.rs`, `leaving.rs` | bodies, fragments, states, sampled flows |
 //! | `device.rs`, `root.rs`, `settle.rs` | devices, commands and nodes that are run, the end |
 
 mod automaton;
@@ -26,8 +26,10 @@ mod expr;
 mod families;
 mod flows;
 mod guarded;
+mod leaving;
 mod nodes;
 mod pack;
+mod promise;
 mod root;
 mod scope;
 mod settle;
@@ -122,6 +124,10 @@ struct Elab<'u> {
     /// What each alias stands for, once it is known.
     aliases: Vec<Option<Signal>>,
     alias_types: Vec<Scalar>,
+    /// The fragments that aliases lead out of: outside their constants are there only while these are active.
+    gates: Map<usize, FragmentId>,
+    /// Arrays that stand for aliases, in the order of these.
+    promises: Vec<promise::Promise>,
     /// `first` of each fragment.
     firsts: Map<FragmentId, PortRef>,
     /// Elements that have been taken out of array ports.
@@ -156,6 +162,8 @@ impl<'u> Elab<'u> {
             net: Net::new(""),
             aliases: Vec::new(),
             alias_types: Vec::new(),
+            gates: Map::default(),
+            promises: Vec::new(),
             top: None,
             firsts: Map::default(),
             elements: Map::default(),

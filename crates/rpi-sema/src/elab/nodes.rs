@@ -1,11 +1,12 @@
 //! Adding nodes to the net, and not adding those whose result is known.
 
 use super::families::{Family, member};
-use super::signal::{Signal, Wire, alias, single};
+use super::pack::natural;
+use super::signal::{Signal, Wire, alias, alias_of, single};
 use super::{At, Elab, MAX_NODES, Mode, NotConstant};
 use crate::typed::Leaf;
 use rpi_diag::{Code, Finding, Span};
-use rpi_image::{Need, PortDefault, PortType, Scalar, ShapeArgs, Type, Value};
+use rpi_image::{InPort, Need, PortDefault, PortType, Scalar, ShapeArgs, Type, Value};
 use rpi_net::{FragmentId, Input, Node, NodeId, Origin, PortRef};
 use rpi_prims::{FaultCode, PrimId, fold};
 
@@ -20,10 +21,26 @@ impl Elab<'_> {
         at: At,
         span: Span,
     ) -> Wire {
+        let shaped = |(port, wire): (&InPort, Option<Wire>)| {
+            wire.map(|wire| (natural(port.ty, wire.len()), wire))
+        };
+        let inputs = prim.desc().inputs.iter().zip(inputs).map(shaped).collect();
+        self.prim_shaped(prim, inputs, params, at, span)
+    }
+
+    /// The same for in-ports of which the types are known, sizes included.
+    pub(super) fn prim_shaped(
+        &mut self,
+        prim: PrimId,
+        inputs: Vec<Option<(Type, Wire)>>,
+        params: Vec<Value>,
+        at: At,
+        span: Span,
+    ) -> Wire {
         let mut connected = Vec::with_capacity(inputs.len());
-        for (port, wire) in prim.desc().inputs.iter().zip(inputs) {
-            let input = match wire {
-                Some(wire) => self.input(&wire, port.ty, at, span),
+        for (port, given) in prim.desc().inputs.iter().zip(inputs) {
+            let input = match given {
+                Some((ty, wire)) => self.input(&wire, ty, at, span),
                 None => open(port.need, port.ty),
             };
             connected.push(input);
@@ -174,7 +191,7 @@ impl Elab<'_> {
         match input {
             Input::Open => None,
             Input::Const(value) => value.ty(),
-            Input::Port(port) if super::signal::alias_of(*port).is_some() => None,
+            Input::Port(port) if alias_of(*port).is_some() => self.promised_type(*port),
             Input::Port(port) => self
                 .net
                 .node(port.node)

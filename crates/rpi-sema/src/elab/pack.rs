@@ -1,7 +1,7 @@
 //! Arrays at the ports of primitives: leaves put together, elements taken out, and neither where an array only passes.
 
 use super::families::{Family, member};
-use super::signal::{Signal, Wire};
+use super::signal::{Signal, Wire, alias_of};
 use super::{At, Elab};
 use rpi_diag::Span;
 use rpi_image::{PortType, Scalar, Type, Value};
@@ -9,15 +9,12 @@ use rpi_net::{Input, PortRef};
 use rpi_prims::PrimId;
 
 impl Elab<'_> {
-    /// What an in-port reads to get a value.
-    pub(super) fn input(&mut self, wire: &Wire, port: PortType, at: At, span: Span) -> Input {
-        match port {
-            PortType::One(scalar) => match wire.first() {
-                Some(signal) => self.one_input(signal, scalar, at, span),
-                None => Input::Open,
-            },
-            PortType::Array(scalar) => self.array_input(wire, scalar, at, span),
-            PortType::Matrix => self.array_input(wire, Scalar::Real, at, span),
+    /// What an in-port of this type reads to get a value.
+    pub(super) fn input(&mut self, wire: &Wire, ty: Type, at: At, span: Span) -> Input {
+        match (ty, wire.first()) {
+            (Type::One(_), None) => Input::Open,
+            (Type::One(scalar), Some(signal)) => self.one_input(signal, scalar, at, span),
+            (Type::Array(..) | Type::Matrix(..), _) => self.array_input(wire, ty, at, span),
         }
     }
 
@@ -60,125 +57,88 @@ impl Elab<'_> {
             source.fragment,
             source.outputs.get(usize::from(array.port)).copied(),
         );
-        let port = match ty {
-            Some(Type::Array(scalar, n)) => {
-                self.array_get(array, scalar, n, k, At::fragment(fragment), span)
-            }
-            Some(Type::Matrix(_, cols)) => {
-                self.matrix_get(array, cols, k, At::fragment(fragment), span)
-            }
-            _ => None,
-        };
+        let port = ty.and_then(|ty| self.take(array, ty, k, At::fragment(fragment), span));
         let port = port.unwrap_or(array);
         self.elements.insert((array, k), port);
         port
     }
 
-    fn array_get(
-        &mut self,
-        array: PortRef,
-        scalar: Scalar,
-        n: u32,
-        k: u32,
-        at: At,
-        span: Span,
-    ) -> Option<PortRef> {
-        let prim = member(Family::ArrayGet, scalar)?;
-        let params = sized_params(prim, &[("Size", n), ("Index", k)]);
-        let node = self.node(
-            prim,
-            vec![Input::Port(array)],
-            params,
-            vec![Type::One(scalar)],
-            at.fragment,
-            span,
-        );
+    /// A primitive that takes one element out of an array.
+    fn take(&mut self, array: PortRef, ty: Type, k: u32, at: At, span: Span) -> Option<PortRef> {
+        let (prim, scalar, mut given) = match ty {
+            Type::One(_) => return None,
+            Type::Array(scalar, n) => {
+                let get = member(Family::ArrayGet, scalar)?;
+                (get, scalar, vec![("Size", n)])
+            }
+            Type::Matrix(..) => (PrimId::of("Core::MatrixGet")?, Scalar::Real, Vec::new()),
+        };
+        given.extend(place(ty, k));
+        let (inputs, params) = (vec![Input::Port(array)], sized_params(prim, &given));
+        let outputs = vec![Type::One(scalar)];
+        let node = self.node(prim, inputs, params, outputs, at.fragment, span);
         Some(PortRef { node, port: 0 })
     }
 
-    fn matrix_get(
-        &mut self,
-        array: PortRef,
-        cols: u32,
-        k: u32,
-        at: At,
-        span: Span,
-    ) -> Option<PortRef> {
-        let prim = PrimId::of("Core::MatrixGet")?;
-        let params = sized_params(prim, &[("Row", k / cols.max(1)), ("Col", k % cols.max(1))]);
-        let node = self.node(
-            prim,
-            vec![Input::Port(array)],
-            params,
-            vec![Type::One(Scalar::Real)],
-            at.fragment,
-            span,
-        );
-        Some(PortRef { node, port: 0 })
+    /// An array as a whole. Where its leaves are not known yet it is promised, and put together at the end: it may turn
+    /// out to be one that is there already.
+    fn array_input(&mut self, wire: &Wire, ty: Type, at: At, span: Span) -> Input {
+        let is_open = |signal: &Signal| matches!(signal, Signal::Port(p) if alias_of(*p).is_some());
+        if wire.iter().any(is_open) {
+            return Input::Port(self.promise(wire.clone(), ty, at, span));
+        }
+        self.settled_array(wire, ty, at, span)
     }
 
-    fn array_input(&mut self, wire: &Wire, scalar: Scalar, at: At, span: Span) -> Input {
-        if let Some(port) = self.whole(wire) {
+    /// An array whose leaves are known.
+    pub(super) fn settled_array(&mut self, wire: &Wire, ty: Type, at: At, span: Span) -> Input {
+        if let Some(port) = self.whole(wire, ty) {
             return Input::Port(port);
         }
         if let Some(values) = wire.iter().map(constant).collect::<Option<Vec<Value>>>() {
-            return Input::Const(crate::check::packed(scalar, &values));
+            let cells = values.iter().flat_map(|leaf| leaf.cells()).copied();
+            return Input::Const(Value::Cells {
+                ty,
+                cells: cells.collect(),
+            });
         }
-        match self.array_of(wire, scalar, at, span) {
+        match self.array_of(wire, ty, at, span) {
             Some(port) => Input::Port(port),
             None => Input::Open,
         }
     }
 
-    /// The array port that the leaves are all elements of, in order.
-    fn whole(&self, wire: &Wire) -> Option<PortRef> {
+    /// The port of this type that the leaves are all elements of, in order.
+    fn whole(&self, wire: &Wire, ty: Type) -> Option<PortRef> {
         let Some(Signal::Element(array, 0)) = wire.first() else {
             return None;
         };
         let in_order = (0..)
             .zip(wire.iter())
             .all(|(k, s)| *s == Signal::Element(*array, k));
-        let ty = self
-            .net
-            .node(array.node)
-            .outputs
-            .get(usize::from(array.port))?;
-        let len = match ty {
-            Type::Array(_, n) => *n,
-            Type::Matrix(rows, cols) => rows * cols,
-            Type::One(_) => return None,
-        };
-        (in_order && wire.len() == len as usize).then_some(*array)
+        let outputs = &self.net.node(array.node).outputs;
+        let same = outputs.get(usize::from(array.port)) == Some(&ty);
+        (in_order && same && wire.len() == elements(ty)).then_some(*array)
     }
 
     /// A new array, filled element by element.
-    fn array_of(&mut self, wire: &Wire, scalar: Scalar, at: At, span: Span) -> Option<PortRef> {
-        let n = u32::try_from(wire.len()).ok()?;
-        let (make, set) = (
-            member(Family::Array, scalar)?,
-            member(Family::ArraySet, scalar)?,
-        );
-        let ty = Type::Array(scalar, n);
-        let node = self.node(
+    fn array_of(&mut self, wire: &Wire, ty: Type, at: At, span: Span) -> Option<PortRef> {
+        let Maker {
             make,
-            Vec::new(),
-            sized_params(make, &[("Size", n)]),
-            vec![ty],
-            at.fragment,
-            span,
-        );
+            sizes,
+            set,
+            scalar,
+        } = Maker::of(ty)?;
+        let params = sized_params(make, &sizes);
+        let node = self.node(make, Vec::new(), params, vec![ty], at.fragment, span);
         let mut array = PortRef { node, port: 0 };
-        for (k, signal) in (0..n).zip(wire.iter()) {
+        for (k, signal) in (0..).zip(wire.iter()) {
             let value = self.one_input(signal, scalar, at, span);
-            let params = sized_params(set, &[("Size", n), ("Index", k)]);
-            let node = self.node(
-                set,
-                vec![Input::Port(array), value],
-                params,
-                vec![ty],
-                at.fragment,
-                span,
-            );
+            let mut given = sizes.clone();
+            given.extend(place(ty, k));
+            let params = sized_params(set, &given);
+            let inputs = vec![Input::Port(array), value];
+            let node = self.node(set, inputs, params, vec![ty], at.fragment, span);
             array = PortRef { node, port: 0 };
         }
         Some(array)
@@ -210,6 +170,63 @@ impl Elab<'_> {
                 _ => None,
             },
         }
+    }
+}
+
+/// The primitives that make and fill arrays of a type.
+struct Maker {
+    make: PrimId,
+    /// The parameters that say how large it is.
+    sizes: Vec<(&'static str, u32)>,
+    set: PrimId,
+    /// The type of its elements.
+    scalar: Scalar,
+}
+
+impl Maker {
+    fn of(ty: Type) -> Option<Maker> {
+        match ty {
+            Type::One(_) => None,
+            Type::Array(scalar, n) => Some(Maker {
+                make: member(Family::Array, scalar)?,
+                sizes: vec![("Size", n)],
+                set: member(Family::ArraySet, scalar)?,
+                scalar,
+            }),
+            Type::Matrix(rows, cols) => Some(Maker {
+                make: PrimId::of("Core::MatrixCreate")?,
+                sizes: vec![("Rows", rows), ("Cols", cols)],
+                set: PrimId::of("Core::MatrixSet")?,
+                scalar: Scalar::Real,
+            }),
+        }
+    }
+}
+
+/// The parameters that say which element.
+fn place(ty: Type, k: u32) -> Vec<(&'static str, u32)> {
+    match ty {
+        Type::One(_) => Vec::new(),
+        Type::Array(..) => vec![("Index", k)],
+        Type::Matrix(_, cols) => vec![("Row", k / cols.max(1)), ("Col", k % cols.max(1))],
+    }
+}
+
+/// The type of a port that takes so many leaves; a matrix of which no more is known has one row.
+pub(super) fn natural(port: PortType, leaves: usize) -> Type {
+    let n = u32::try_from(leaves).unwrap_or(u32::MAX);
+    match port {
+        PortType::One(scalar) => Type::One(scalar),
+        PortType::Array(scalar) => Type::Array(scalar, n),
+        PortType::Matrix => Type::Matrix(1, n),
+    }
+}
+
+fn elements(ty: Type) -> usize {
+    match ty {
+        Type::One(_) => 1,
+        Type::Array(_, n) => n as usize,
+        Type::Matrix(rows, cols) => rows as usize * cols as usize,
     }
 }
 

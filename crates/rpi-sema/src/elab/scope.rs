@@ -1,5 +1,6 @@
 //! One inlined unit: its flows' wires, the fragments of its blocks, what has been elaborated of it.
 
+use super::leaving::Leaving;
 use super::signal::Wire;
 use crate::typed::{BlockId, ExprId, FlowId, Unit, UnitId};
 use rpi_net::FragmentId;
@@ -15,6 +16,8 @@ pub(super) struct Scope<'u> {
     memo: Vec<Option<Wire>>,
     /// The fragment of each block, once it has been made.
     pub(super) fragments: Vec<Option<FragmentId>>,
+    /// Leaves that are read outside of blocks of which the fragments have not been made yet.
+    pub(super) leaving: Vec<Leaving>,
     /// Path of the calls that lead here, with a dot at its end.
     pub(super) prefix: String,
 }
@@ -38,6 +41,7 @@ impl<'u> Scope<'u> {
             flows: vec![State::Open; unit.flows.len()],
             memo: vec![None; unit.exprs.len()],
             fragments: vec![None; unit.blocks.len()],
+            leaving: Vec::new(),
             prefix: String::new(),
         }
     }

@@ -9,9 +9,11 @@ use rpi_net::{Activation, Driver, FragmentId, Input, PortRef, Restart};
 impl Elab<'_> {
     /// Replaces all aliases.
     pub(super) fn settle(&mut self) {
+        self.begin("constant");
         for alias in 0..self.aliases.len() {
             self.settle_alias(alias);
         }
+        self.keep_promises();
         for node in 0..self.net.nodes.len() {
             self.settle_node(node);
         }
@@ -42,12 +44,10 @@ impl Elab<'_> {
                 None => break self.loose(last),
             }
         };
-        let end = match end {
-            Signal::Element(port, k) => Signal::Port(self.element(port, k, Span::NONE)),
-            other => other,
-        };
-        for alias in chain {
-            self.aliases[alias] = Some(end.clone());
+        let mut seen = end;
+        for alias in chain.into_iter().rev() {
+            seen = self.behind_gate(alias, seen);
+            self.aliases[alias] = Some(seen.clone());
         }
     }
 
@@ -80,6 +80,7 @@ impl Elab<'_> {
             let input = match self.aliases[alias].clone() {
                 Some(Signal::Const(value)) => Input::Const(value),
                 Some(Signal::Port(port)) => Input::Port(port),
+                Some(Signal::Element(port, k)) => Input::Port(self.element(port, k, span)),
                 _ => match self.absent(self.alias_types[alias], at, span) {
                     Some(port) => Input::Port(port),
                     None => Input::Open,

@@ -1,0 +1,111 @@
+//! Constants that leave their fragment: outside they are there only while the fragment is active (M4, M6).
+//!
+//! A flow inside of a fragment that is a constant needs no node there. Who reads it from outside reads an absent flow in
+//! the cycles in which the fragment is inactive; so for such a reader the constant becomes a node of the fragment.
+
+use super::scope::Scope;
+use super::signal::{Signal, Wire, alias_of};
+use super::{At, Elab, Mode};
+use crate::typed::{BlockId, FlowId};
+use rpi_diag::Span;
+use rpi_image::Type;
+use rpi_net::{Activation, FragmentId};
+
+/// A leaf that leaves a block of which the fragment has not been made yet.
+pub(super) struct Leaving {
+    alias: usize,
+    block: BlockId,
+    reader: FragmentId,
+}
+
+impl<'u> Elab<'u> {
+    /// The wire of a flow as it is read from somewhere in its unit.
+    pub(super) fn read_flow(
+        &mut self,
+        scope: &mut Scope<'u>,
+        flow: FlowId,
+        at: At,
+        span: Span,
+    ) -> Wire {
+        let wire = self.flow(scope, flow, span);
+        let block = scope.unit.flow(flow).block;
+        if self.mode == Mode::Constant || block == BlockId::ROOT {
+            return wire;
+        }
+        if let Some(from) = scope.fragment(block) {
+            return self.leaving(&wire, from, at.fragment);
+        }
+        let mut leaf = |signal: &Signal| match self.gate(signal) {
+            None => signal.clone(),
+            Some((alias, outside)) => {
+                scope.leaving.push(Leaving {
+                    alias,
+                    block,
+                    reader: at.fragment,
+                });
+                outside
+            }
+        };
+        wire.iter().map(&mut leaf).collect()
+    }
+
+    /// Leaves of a fragment as they are seen by a reader.
+    pub(super) fn leaving(&mut self, wire: &Wire, from: FragmentId, reader: FragmentId) -> Wire {
+        if self.mode == Mode::Constant || !self.is_gated(from, reader) {
+            return wire.clone();
+        }
+        let mut leaf = |signal: &Signal| match self.gate(signal) {
+            None => signal.clone(),
+            Some((alias, outside)) => {
+                self.gates.insert(alias, from);
+                outside
+            }
+        };
+        wire.iter().map(&mut leaf).collect()
+    }
+
+    /// Finds the fragments of what has left blocks, now that all blocks have theirs.
+    pub(super) fn find_gates(&mut self, scope: &mut Scope<'u>) {
+        for leaf in std::mem::take(&mut scope.leaving) {
+            let from = scope.fragment(leaf.block);
+            if let Some(from) = from.filter(|from| self.is_gated(*from, leaf.reader)) {
+                self.gates.insert(leaf.alias, from);
+            }
+        }
+    }
+
+    /// An alias for a leaf that is a constant, or may turn out to be one.
+    fn gate(&mut self, signal: &Signal) -> Option<(usize, Signal)> {
+        let scalar = match signal {
+            Signal::Const(value) => match value.ty()? {
+                Type::One(scalar) => scalar,
+                _ => return None,
+            },
+            Signal::Port(port) => self.alias_types[alias_of(*port)?],
+            Signal::Element(..) | Signal::Absent => return None,
+        };
+        let port = self.new_alias(scalar);
+        let alias = alias_of(port)?;
+        self.aliases[alias] = Some(signal.clone());
+        Some((alias, Signal::Port(port)))
+    }
+
+    /// Whether a fragment may be inactive while one that reads it is active.
+    fn is_gated(&self, from: FragmentId, reader: FragmentId) -> bool {
+        let inside = self.net.enclosing(from);
+        let mut inside = inside.take_while(|f| self.net.enclosing(reader).all(|r| r != *f));
+        inside.any(|f| matches!(self.net.fragment(f).activation, Activation::When { .. }))
+    }
+
+    /// What a settled alias stands for outside of the fragment that it comes from.
+    pub(super) fn behind_gate(&mut self, alias: usize, signal: Signal) -> Signal {
+        match (self.gates.get(&alias), &signal) {
+            (Some(from), Signal::Const(_)) => {
+                let (from, scalar) = (At::fragment(*from), self.alias_types[alias]);
+                let port = self.port_of(&signal, scalar, from, Span::NONE);
+                port.map_or(signal, Signal::Port)
+            }
+            _ => signal,
+        }
+    }
+}
