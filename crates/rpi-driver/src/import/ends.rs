@@ -5,7 +5,7 @@ use rpi_net::{Driver, FragmentId, Input, ResultKind};
 use super::{Writer, values};
 
 /// A net without an end of its own is stopped from outside, by what its host concludes from its values.
-const STOP: &str = "Core::BooleanNetcommIn<<Key: \"stop\", Value: false>>().outValue ?? false";
+const STOP: &str = "Core::BooleanNetcommIn<<Key: \"stop\", Value: false>>().outValue";
 
 impl Writer<'_> {
     /// The last lines of the command: what it publishes and how it ends.
@@ -56,7 +56,7 @@ impl Writer<'_> {
         match input {
             Input::Open => absent.to_owned(),
             Input::Const(value) => values::value(value),
-            Input::Port(port) => format!("{} ?? {absent}", self.flow(*port, FragmentId::ROOT)),
+            Input::Port(port) => self.total(*port, FragmentId::ROOT, absent),
         }
     }
 }

@@ -4,16 +4,24 @@
 //! where they are used, and operators are written as such where the compiler makes the same primitive of them; so the
 //! compiled program is the net again, node by node. This module must not know how a program is checked.
 
+mod constants;
 mod ends;
+mod links;
+mod merge;
 mod names;
 mod nodes;
 mod operators;
 mod order;
 mod values;
 
-use rpi_net::{Absent, Activation, FragmentId, Net, NodeId, Restart};
+use std::collections::BTreeSet;
+
+use rpi_net::passes::live::live;
+use rpi_net::passes::{Presences, Sureness, analyse};
+use rpi_net::{Absent, Activation, FragmentId, Input, Net, NodeId, PortRef, Restart, Tree};
 use rpi_syntax::Mode;
 
+use merge::Merged;
 use names::Names;
 
 /// A net as a program.
@@ -34,25 +42,38 @@ pub fn to_program(net: &Net) -> String {
 /// Writes a net as a program of one command, and tells what became of the names.
 #[must_use]
 pub fn import(net: &Net) -> Imported {
-    let writer = Writer::new(net);
+    let merged = merge::merged(net);
+    let writer = Writer::new(&merged);
     let text = writer.command();
     Imported {
         text: rpi_syntax::format(&text, Mode::Rpi).unwrap_or(text),
-        names: writer.renamed(),
+        names: writer.renamed(net, &merged.old),
     }
 }
 
 /// Writes the parts of one net.
 struct Writer<'n> {
     net: &'n Net,
+    tree: Tree,
     names: Names,
+    /// Which flows can be absent, if the passes can tell.
+    presences: Option<Presences>,
+    /// Nodes that are nothing but a constant and stand where they are used.
+    constants: BTreeSet<NodeId>,
+    /// Nodes that choose between values and stand where they are used.
+    choices: &'n BTreeSet<NodeId>,
 }
 
 impl<'n> Writer<'n> {
-    fn new(net: &'n Net) -> Self {
+    fn new(merged: &'n Merged) -> Self {
+        let net = &merged.net;
         Writer {
+            tree: Tree::new(net),
+            names: Names::new(net, &unused(net)),
+            presences: analyse(net.clone(), |_| false).ok().map(|a| a.presences),
+            constants: constants::used_in_place(net),
+            choices: &merged.choices,
             net,
-            names: Names::new(net),
         }
     }
 
@@ -94,26 +115,42 @@ impl<'n> Writer<'n> {
         let when = match &fragment.activation {
             Activation::Always => String::new(),
             Activation::When { condition, absent } => {
-                let condition = self.flow(*condition, around);
-                let otherwise = *absent == Absent::Active;
-                format!("when ({condition} ?? {otherwise}){restart}")
+                let otherwise = (*absent == Absent::Active).to_string();
+                let condition = self.total(*condition, around, &otherwise);
+                format!("when {condition}{restart}")
             }
         };
         let (name, body) = (self.names.fragment(id), self.body(id));
         format!("\nfragment {name} {when}\n{body}tel\n")
     }
 
-    /// What became of the names of nodes.
-    fn renamed(&self) -> Vec<(String, String)> {
-        let named = self.net.node_ids().filter(|id| !self.is_inlined(*id));
-        named
-            .map(|id| (self.old_path(id), self.new_path(id)))
-            .collect()
+    /// A flow as seen from a fragment, or what it counts as where it can be absent.
+    fn total(&self, port: PortRef, at: FragmentId, absent: &str) -> String {
+        let flow = self.flow(port, at);
+        let is_total = self.presences.as_ref().is_some_and(|presences| {
+            let seen = presences.seen(self.net, &self.tree, at, &Input::Port(port));
+            seen == Sureness::Total
+        });
+        match is_total {
+            true => flow,
+            false => format!("{flow} ?? {absent}"),
+        }
     }
 
-    fn old_path(&self, id: NodeId) -> String {
-        let node = self.net.node(id);
-        self.net.path(node.fragment, &node.name)
+    /// Whether a node has no equation because it stands where it is used.
+    fn is_inlined(&self, id: NodeId) -> bool {
+        self.constants.contains(&id) || self.choices.contains(&id)
+    }
+
+    /// What became of the names of the nodes of the original net.
+    fn renamed(&self, original: &Net, old: &[Option<NodeId>]) -> Vec<(String, String)> {
+        let named = self.net.node_ids().filter(|id| !self.is_inlined(*id));
+        let both = named.filter_map(|id| Some((old[id.index()]?, id)));
+        both.map(|(old, new)| {
+            let node = original.node(old);
+            (original.path(node.fragment, &node.name), self.new_path(new))
+        })
+        .collect()
     }
 
     fn new_path(&self, id: NodeId) -> String {
@@ -133,4 +170,15 @@ impl<'n> Writer<'n> {
         parts.reverse();
         parts
     }
+}
+
+/// Nodes that nothing reads and that have no effect: a program says of them that they are meant so.
+fn unused(net: &Net) -> BTreeSet<NodeId> {
+    let live = live(net);
+    let mut unused: BTreeSet<NodeId> = net.node_ids().filter(|id| !live[id.index()]).collect();
+    let inputs = net.nodes.iter().flat_map(|node| &node.inputs);
+    for port in inputs.filter_map(Input::port) {
+        unused.remove(&port.node);
+    }
+    unused
 }

@@ -28,7 +28,8 @@ pub(super) struct Names {
 }
 
 impl Names {
-    pub(super) fn new(net: &Net) -> Self {
+    /// Names for everything in a net. Those of `unused` nodes say so.
+    pub(super) fn new(net: &Net, unused: &BTreeSet<NodeId>) -> Self {
         let mut taken: BTreeSet<String> = TAKEN.iter().map(|name| (*name).to_owned()).collect();
         taken.extend(KEYWORDS.iter().map(|word| word.text.to_owned()));
         let command = unique(&net.name, "Net", &mut taken);
@@ -36,8 +37,14 @@ impl Names {
         let fragments = fragments
             .map(|f| unique(&f.name, "f", &mut taken))
             .collect();
-        let nodes = net.nodes.iter();
-        let nodes = nodes.map(|n| unique(&n.name, "n", &mut taken)).collect();
+        let node = |id: NodeId| {
+            let name = &net.node(id).name;
+            match unused.contains(&id) {
+                true => unique(&format!("_{}", identifier(name, "n")), "_n", &mut taken),
+                false => unique(name, "n", &mut taken),
+            }
+        };
+        let nodes = net.node_ids().map(node).collect();
         Names {
             command,
             fragments,
@@ -71,7 +78,7 @@ fn identifier(name: &str, prefix: &str) -> String {
         .chars()
         .map(|c| if c.is_ascii_alphanumeric() { c } else { '_' })
         .collect();
-    let begins = plain.starts_with(|c: char| c.is_ascii_alphabetic());
+    let begins = plain.starts_with(|c: char| c.is_ascii_alphabetic() || c == '_');
     match begins && is_name(&plain, Mode::Rpi) {
         true => plain,
         false => format!("{prefix}{plain}"),

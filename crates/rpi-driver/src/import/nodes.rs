@@ -5,15 +5,7 @@ use rpi_net::{FragmentId, Input, Node, NodeId, PortRef};
 
 use super::{Writer, operators, values};
 
-/// Primitives that are nothing but a short constant, which stands where it is used.
-const CONSTANTS: &[&str] = &["Core::BooleanValue", "Core::IntValue", "Core::DoubleValue"];
-
 impl Writer<'_> {
-    /// Whether a node has no equation because it stands where it is used.
-    pub(super) fn is_inlined(&self, id: NodeId) -> bool {
-        CONSTANTS.contains(&self.net.node(id).desc().name)
-    }
-
     /// The type of a delay's flow: nothing else tells it where the delay is part of a circle.
     pub(super) fn declaration(&self, id: NodeId) -> Option<String> {
         let node = self.net.node(id);
@@ -23,11 +15,15 @@ impl Writer<'_> {
     }
 
     pub(super) fn equation(&self, id: NodeId) -> String {
-        let node = self.net.node(id);
+        let value = self.value(self.net.node(id));
+        format!("{} = {value};\n", self.names.node(id))
+    }
+
+    /// What a node computes, as an expression in its fragment.
+    fn value(&self, node: &Node) -> String {
         let operator = self.operands(node);
         let operator = operator.and_then(|given| operators::written(node.desc().name, &given));
-        let value = operator.unwrap_or_else(|| self.call(node));
-        format!("{} = {value};\n", self.names.node(id))
+        operator.unwrap_or_else(|| self.call(node))
     }
 
     /// What all in-ports read, if they can be operands. A choice that is no choice is left as it is.
@@ -51,7 +47,7 @@ impl Writer<'_> {
         match input {
             Input::Open => None,
             Input::Const(value) => Some(value),
-            Input::Port(port) if self.is_inlined(port.node) => {
+            Input::Port(port) if self.constants.contains(&port.node) => {
                 self.net.node(port.node).params.first()
             }
             Input::Port(_) => None,
@@ -98,6 +94,9 @@ impl Writer<'_> {
             return values::value(value);
         }
         let node = self.net.node(port.node);
+        if self.choices.contains(&port.node) {
+            return self.value(node);
+        }
         let path = self.fragment_path(node.fragment);
         let around = self.fragment_path(at);
         let shared = path.iter().zip(&around).take_while(|(a, b)| a == b).count();

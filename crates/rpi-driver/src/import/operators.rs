@@ -32,6 +32,7 @@ pub(super) fn written(prim: &str, operands: &[String]) -> Option<String> {
     let of =
         |table: &[(&str, &'static str)]| table.iter().find(|row| row.0 == prim).map(|row| row.1);
     match operands {
+        [a, b] if prim.ends_with("Coalesce") => Some(format!("{a} ?? {b}")),
         [x] => of(PREFIX).map(|op| format!("{op} {}", operand(x))),
         [a, b] => of(INFIX).map(|op| format!("{} {op} {}", operand(a), operand(b))),
         [c, a, b] if CHOICE.contains(&prim) => Some(format!("if {c} then {a} else {b}")),

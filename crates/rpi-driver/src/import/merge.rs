@@ -1,0 +1,270 @@
+//! Several writers of one port as one, which takes the first of their values that is there (M9).
+//!
+//! In source an actuator is defined once, and what may be meant for it is merged with `??`. Nets of the reference system
+//! hold a writer in each fragment that may move an arm; where these are not proved to exclude each other they become
+//! one. What a writer answers is there for its readers in the cycles in which its value is there, as before. Where the
+//! answer is needed within the cycle for what is to be written, nothing can be merged.
+
+use std::collections::{BTreeMap, BTreeSet};
+
+use rpi_diag::Span;
+use rpi_image::{PortType, Scalar, Type, Value};
+use rpi_net::passes::writers::Resource;
+use rpi_net::passes::{Analysis, analyse};
+use rpi_net::tree::Tree;
+use rpi_net::{FragmentId, Input, Net, Node, NodeId, Origin, PortRef};
+use rpi_prims::{PrimId, registry};
+
+use super::links;
+
+/// A net in which writers are merged.
+pub(super) struct Merged {
+    pub(super) net: Net,
+    /// For each node which one it was before.
+    pub(super) old: Vec<Option<NodeId>>,
+    /// Nodes that only choose between values for a writer.
+    pub(super) choices: BTreeSet<NodeId>,
+}
+
+/// Writers of one port that may meet.
+struct Group {
+    resource: Resource,
+    writers: Vec<NodeId>,
+    scalar: Scalar,
+    values: Vec<PortRef>,
+}
+
+/// The net with its writers merged where that is needed and can be.
+pub(super) fn merged(net: &Net) -> Merged {
+    let Ok(analysis) = analyse(net.clone(), |_| false) else {
+        return unchanged(net);
+    };
+    let groups = groups(&analysis);
+    let all = merge(net, &analysis.tree, &groups);
+    if is_sound(&all.net) {
+        return all;
+    }
+    let alone = |group: &Group| {
+        let merged = merge(net, &analysis.tree, std::slice::from_ref(group));
+        is_sound(&merged.net)
+    };
+    let sound: Vec<Group> = groups.into_iter().filter(|group| alone(group)).collect();
+    let some = merge(net, &analysis.tree, &sound);
+    match is_sound(&some.net) {
+        true => some,
+        false => unchanged(net),
+    }
+}
+
+fn is_sound(net: &Net) -> bool {
+    analyse(net.clone(), |_| false).is_ok_and(|analysis| analysis.schedule.is_some())
+}
+
+fn unchanged(net: &Net) -> Merged {
+    Merged {
+        net: net.clone(),
+        old: net.node_ids().map(Some).collect(),
+        choices: BTreeSet::new(),
+    }
+}
+
+fn groups(analysis: &Analysis) -> Vec<Group> {
+    let meeting: BTreeSet<NodeId> = analysis.writers.watched().flatten().collect();
+    let several = analysis.writers.of.iter().filter(|(_, writers)| {
+        let meet = writers.iter().filter(|w| meeting.contains(w));
+        meet.count() > 1
+    });
+    several
+        .filter_map(|(resource, writers)| group(&analysis.net, resource, writers))
+        .collect()
+}
+
+/// The writers as a group if they differ in nothing but the flow that they write.
+fn group(net: &Net, resource: &Resource, writers: &[NodeId]) -> Option<Group> {
+    let first = net.node(*writers.first()?);
+    let [port] = first.desc().inputs else {
+        return None;
+    };
+    let PortType::One(scalar) = port.ty else {
+        return None;
+    };
+    let same =
+        |id: &NodeId| (net.node(*id).prim, &net.node(*id).params) == (first.prim, &first.params);
+    let values = writers.iter().map(|id| net.node(*id).inputs[0].port());
+    Some(Group {
+        resource: resource.clone(),
+        scalar,
+        values: values.collect::<Option<Vec<PortRef>>>()?,
+        writers: writers.iter().copied().filter(same).collect(),
+    })
+    .filter(|group| group.writers.len() == group.values.len())
+}
+
+fn merge(net: &Net, tree: &Tree, groups: &[Group]) -> Merged {
+    let count = net.nodes.len();
+    let mut merger = Merger {
+        net: net.clone(),
+        choices: BTreeSet::new(),
+        answers: BTreeMap::new(),
+    };
+    let mut read = BTreeSet::new();
+    links::each(&mut merger.net, &mut |port, _| {
+        read.insert(*port);
+    });
+    for group in groups {
+        merger.group(tree, group, &read);
+    }
+    let Merger {
+        mut net,
+        choices,
+        answers,
+    } = merger;
+    links::each(&mut net, &mut |port, _| {
+        *port = answers.get(port).copied().unwrap_or(*port);
+    });
+    let dead = groups.iter().flat_map(|group| &group.writers).copied();
+    let mut merged = without(net, &dead.collect(), choices);
+    let is_old = |id: &NodeId| id.index() < count;
+    merged.old.iter_mut().for_each(|id| *id = id.filter(is_old));
+    merged
+}
+
+struct Merger {
+    net: Net,
+    choices: BTreeSet<NodeId>,
+    /// What the answers of writers have become.
+    answers: BTreeMap<PortRef, PortRef>,
+}
+
+impl Merger {
+    fn group(&mut self, tree: &Tree, group: &Group, read: &BTreeSet<PortRef>) -> Option<()> {
+        let places = group.writers.iter().map(|id| self.net.node(*id).fragment);
+        let at = places.reduce(|a, b| tree.common(a, b))?;
+        let writer = self.net.node(*group.writers.first()?).clone();
+        let value = self.first_of(group, at)?;
+        let Resource {
+            device,
+            port,
+            index,
+        } = &group.resource;
+        let node = self.net.add_node(Node {
+            name: format!("{device}_{port}_{index}"),
+            fragment: at,
+            inputs: vec![Input::Port(value)],
+            ..writer
+        });
+        for (writer, value) in group.writers.iter().zip(&group.values) {
+            self.answers(*writer, *value, (node, at), group.scalar, read)?;
+        }
+        Some(())
+    }
+
+    /// The first of the values that is there.
+    fn first_of(&mut self, group: &Group, at: FragmentId) -> Option<PortRef> {
+        let coalesce = member("Coalesce", group.scalar)?;
+        let mut values = group.values.iter().rev();
+        let mut chosen = *values.next()?;
+        for value in values {
+            let inputs = [*value, chosen].map(Input::Port);
+            chosen = self.add("first", coalesce, inputs.into(), at, group.scalar);
+            self.choices.insert(chosen.node);
+        }
+        Some(chosen)
+    }
+
+    /// What one of the writers answered: what the common one does, in the cycles in which there is a value of its own.
+    fn answers(
+        &mut self,
+        writer: NodeId,
+        value: PortRef,
+        (common, at): (NodeId, FragmentId),
+        scalar: Scalar,
+        read: &BTreeSet<PortRef>,
+    ) -> Option<()> {
+        let (name, desc) = (
+            self.net.node(writer).name.clone(),
+            self.net.node(writer).desc(),
+        );
+        let mut absent = None;
+        for (port, out) in (0..).zip(desc.outputs) {
+            let old = PortRef { node: writer, port };
+            let PortType::One(ty) = out.ty else { continue };
+            if !read.contains(&old) {
+                continue;
+            }
+            let absent = match absent {
+                Some(absent) => absent,
+                None => {
+                    let prim = member("IsNull", scalar)?;
+                    let name = format!("{name}_off");
+                    *absent.insert(self.add(
+                        &name,
+                        prim,
+                        vec![Input::Port(value)],
+                        at,
+                        Scalar::Bool,
+                    ))
+                }
+            };
+            let answer = PortRef { node: common, port };
+            let inputs = [answer, absent].map(Input::Port).into();
+            let name = format!("{name}_{}", out.name.trim_start_matches("out"));
+            let guarded = self.add(&name, member("SetNull", ty)?, inputs, at, ty);
+            self.answers.insert(old, guarded);
+        }
+        Some(())
+    }
+
+    fn add(
+        &mut self,
+        name: &str,
+        prim: PrimId,
+        inputs: Vec<Input>,
+        at: FragmentId,
+        ty: Scalar,
+    ) -> PortRef {
+        let defaults = prim.desc().params.iter();
+        let defaults = defaults.filter_map(|p| p.default.value(Type::One(Scalar::Bool)));
+        let node = self.net.add_node(Node {
+            name: name.to_owned(),
+            prim,
+            fragment: at,
+            inputs,
+            params: defaults.collect::<Vec<Value>>(),
+            outputs: vec![Type::One(ty)],
+            origin: Origin {
+                span: Span::NONE,
+                flow: None,
+            },
+        });
+        PortRef { node, port: 0 }
+    }
+}
+
+/// The primitive of this operation for values of a type.
+fn member(operation: &str, scalar: Scalar) -> Option<PrimId> {
+    let takes = |port: &rpi_image::InPort| port.ty == PortType::One(scalar);
+    let mut prims = registry().iter();
+    let prim = prims.find(|prim| {
+        prim.desc.name.ends_with(operation) && prim.desc.inputs.first().is_some_and(takes)
+    })?;
+    PrimId::of(prim.desc.name)
+}
+
+/// The net without some nodes, which nothing reads.
+fn without(mut net: Net, dead: &BTreeSet<NodeId>, choices: BTreeSet<NodeId>) -> Merged {
+    let kept: Vec<NodeId> = net.node_ids().filter(|id| !dead.contains(id)).collect();
+    let mut now = vec![NodeId(u32::MAX); net.nodes.len()];
+    for (new, old) in (0..).zip(&kept) {
+        now[old.index()] = NodeId(new);
+    }
+    links::each(&mut net, &mut |port, _| port.node = now[port.node.index()]);
+    let mut ids = net.node_ids();
+    net.nodes
+        .retain(|_| ids.next().is_some_and(|id| !dead.contains(&id)));
+    Merged {
+        net,
+        old: kept.into_iter().map(Some).collect(),
+        choices: choices.into_iter().map(|id| now[id.index()]).collect(),
+    }
+}

@@ -1,0 +1,94 @@
+//! From a net to a program and back.
+
+use std::collections::BTreeMap;
+use std::path::{Path, PathBuf};
+
+use rpi_diag::Severity;
+use rpi_driver::{Input, Kind, compile, import, read};
+use rpi_net::{FragmentId, Net, NodeId};
+use rpi_syntax::Mode;
+
+/// A net, the net of its program, and which node became which.
+pub(crate) struct Trip {
+    pub(crate) old: Net,
+    pub(crate) new: Net,
+    /// What the nodes of the old net have become, those that are left.
+    pub(crate) nodes: BTreeMap<NodeId, NodeId>,
+    /// What its fragments have become.
+    pub(crate) fragments: BTreeMap<FragmentId, FragmentId>,
+}
+
+impl Trip {
+    /// Reads a net, writes its program, formats and compiles that.
+    pub(crate) fn of(path: &Path) -> Result<Trip, String> {
+        let old = net_of(path)?;
+        let imported = import::import(&old);
+        if rpi_syntax::format(&imported.text, Mode::Rpi).as_ref() != Ok(&imported.text) {
+            return Err("what was imported is not formatted".to_owned());
+        }
+        let new = program(imported.text)?;
+        let nodes = nodes(&old, &new, &imported.names);
+        Ok(Trip {
+            fragments: fragments(&old, &new, &nodes),
+            nodes,
+            old,
+            new,
+        })
+    }
+}
+
+/// A recorded net.
+pub(crate) fn net_of(path: &Path) -> Result<Net, String> {
+    let compiled = read(path).and_then(|input| compile(&input));
+    let compiled = compiled.map_err(|e| e.to_string())?;
+    match compiled.nets() {
+        [net] => Ok(net.clone()),
+        _ => Err(format!("{:?}", compiled.findings)),
+    }
+}
+
+/// The net of a program of one command; no fault may be found in it.
+fn program(text: String) -> Result<Net, String> {
+    let input = Input {
+        path: PathBuf::from("imported.rpi"),
+        kind: Kind::Rpi,
+        bytes: text.into_bytes(),
+    };
+    let compiled = compile(&input).map_err(|e| e.to_string())?;
+    let errors = compiled
+        .findings
+        .iter()
+        .filter(|f| f.severity() <= Severity::Warning);
+    let errors: Vec<String> = errors
+        .map(|f| format!("{} {}", f.code, f.message))
+        .collect();
+    match (errors.first(), compiled.nets()) {
+        (None, [net]) => Ok(net.clone()),
+        (None, _) => Err("there is no command".to_owned()),
+        (Some(first), _) => Err(format!("{first} (and {} more)", errors.len() - 1)),
+    }
+}
+
+fn nodes(old: &Net, new: &Net, names: &[(String, String)]) -> BTreeMap<NodeId, NodeId> {
+    let [olds, news] = [old, new].map(|net| {
+        let path = |id: NodeId| net.path(net.node(id).fragment, &net.node(id).name);
+        let paths = net.node_ids().map(|id| (path(id), id));
+        paths.collect::<BTreeMap<String, NodeId>>()
+    });
+    let pairs = names.iter();
+    let pairs = pairs.filter_map(|(a, b)| Some((*olds.get(a)?, *news.get(b)?)));
+    pairs.collect()
+}
+
+/// Fragments that hold what became of each other's nodes, and those around them.
+fn fragments(
+    old: &Net,
+    new: &Net,
+    nodes: &BTreeMap<NodeId, NodeId>,
+) -> BTreeMap<FragmentId, FragmentId> {
+    let pairs = nodes.iter().flat_map(|(a, b)| {
+        let (a, b) = (old.node(*a).fragment, new.node(*b).fragment);
+        old.enclosing(a).zip(new.enclosing(b)).collect::<Vec<_>>()
+    });
+    pairs.collect()
+}
