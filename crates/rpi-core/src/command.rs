@@ -23,6 +23,8 @@ pub struct Command {
     pub(crate) holds: Box<[Hold]>,
     /// For each result whether a successor is scheduled for it that covers what may be moving.
     pub(crate) covered: Box<[bool]>,
+    /// The exported Booleans of its latest cycle, by export.
+    pub(crate) shown: Box<[Option<bool>]>,
     /// What it is told in the current cycle.
     pub(crate) moment: Moment,
     pub(crate) ending: Option<Ending>,
@@ -109,7 +111,9 @@ impl Command {
             End::Results(results) => results.len(),
             End::Ports { .. } => 0,
         };
+        let exports = machine.image().exports.len();
         Ok(Command {
+            shown: vec![None; exports].into(),
             machine,
             state: State::Ready,
             holds,
@@ -155,6 +159,11 @@ impl Command {
     /// The actuators that it needs, ascending.
     pub fn resources(&self) -> impl Iterator<Item = u32> + '_ {
         self.holds.iter().map(|h| h.resource)
+    }
+
+    /// The actuators that it holds now, ascending.
+    pub fn held(&self) -> impl Iterator<Item = u32> + '_ {
+        self.holds.iter().filter(|h| h.held).map(|h| h.resource)
     }
 
     /// Identity of its result, as its successor's `predecessor` flow carries it.

@@ -248,7 +248,8 @@ impl Core {
         }
         let entry = self.entries[place].take().ok_or(Refused::Unknown)?;
         for pending in &mut self.rules {
-            pending.rule.condition.freeze(id, |fact| entry.know(fact));
+            let condition = &mut pending.rule.condition;
+            condition.freeze(id, |fact| entry.last_word(fact));
         }
         self.settle();
         Ok(entry.command)

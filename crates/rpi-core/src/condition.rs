@@ -72,18 +72,6 @@ impl Truth {
         }
     }
 
-    /// Its value, if it has one that cannot change any more.
-    const fn constant(self) -> Option<bool> {
-        match (
-            self.lasting().0 & Self::TRUE,
-            self.lasting().0 & Self::FALSE,
-        ) {
-            (0, 0) => None,
-            (0, _) => Some(false),
-            (_, _) => Some(true),
-        }
-    }
-
     const fn not(self) -> Truth {
         let odd = self.0 & (Self::TRUE | Self::MAY_BE_TRUE);
         let even = self.0 & (Self::FALSE | Self::MAY_BE_FALSE);
@@ -197,14 +185,13 @@ impl Condition {
         all
     }
 
-    /// A command is about to be freed: puts what is known about it in the place of its facts.
-    pub(crate) fn freeze(&mut self, gone: CommandId, know: impl Fn(Fact) -> Truth) {
+    /// A command leaves the table: puts what is known about it for ever in the place of its facts.
+    pub(crate) fn freeze(&mut self, gone: CommandId, know: impl Fn(Fact) -> Option<bool>) {
         for word in &mut self.0 {
             if let Word::Fact(command, fact) = *word
                 && command == gone
             {
-                let known = know(fact).constant();
-                *word = known.map_or(Word::Never, Word::Constant);
+                *word = know(fact).map_or(Word::Never, Word::Constant);
             }
         }
     }

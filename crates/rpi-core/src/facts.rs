@@ -5,10 +5,11 @@ use crate::commands::{Core, Entry};
 use crate::condition::{Fact, Truth};
 use crate::id::CommandId;
 use crate::lifecycle::State;
+use rpi_image::{Scalar, Type};
 
 impl Core {
-    /// What is known about a command now and what may become of it. A scheduled one that nothing is known to start counts
-    /// as one that never runs, unless `waiting` commands may.
+    /// What is known about a command now and what may become of it. A scheduled one that is not known to be live counts as
+    /// one that never runs.
     pub(crate) fn know(&self, id: CommandId, fact: Fact) -> Truth {
         match self.find(id).and_then(|place| self.entries[place].as_ref()) {
             Some(entry) => entry.know(fact),
@@ -26,6 +27,16 @@ impl Entry {
             Some(ending) => Truth::fixed(holds(fact, ending)),
             None if self.will_never_be(fact) => Truth::fixed(false),
             None => Truth::now(false),
+        }
+    }
+
+    /// What remains to be said about it once it is no more: one that never ran has not ended.
+    pub(crate) fn last_word(&self, fact: Fact) -> Option<bool> {
+        match (fact, &self.command.ending) {
+            (Fact::Export(index), Some(_)) => self.command.exported(index),
+            (Fact::Export(_), None) => None,
+            (_, Some(ending)) => Some(holds(fact, ending)),
+            (_, None) => Some(false),
         }
     }
 
@@ -51,17 +62,21 @@ impl Entry {
 }
 
 impl Command {
-    /// An exported Boolean after its latest cycle; none before the first, or where the flow is absent or no Boolean.
+    /// An exported Boolean as it was at the end of the latest cycle; none before the first, or where the flow is absent or
+    /// no Boolean.
     #[must_use]
     pub fn exported(&self, index: u32) -> Option<bool> {
-        let export = self.machine.image().exports.get(index as usize)?;
-        let boolean = export.value.ty == rpi_image::Type::One(rpi_image::Scalar::Bool);
-        let ran = self.machine.cycle() > 0;
-        let value = self
-            .machine
-            .value(export.value)
-            .filter(|_| boolean && ran)?;
-        Some(value[0] != 0)
+        *self.shown.get(index as usize)?
+    }
+
+    /// Notes the exported Booleans of a cycle: what inputs are set to between two cycles must not show before the next.
+    pub(crate) fn show(&mut self) {
+        let exports = &self.machine.image().exports;
+        for (shown, export) in self.shown.iter_mut().zip(exports) {
+            if export.value.ty == Type::One(Scalar::Bool) {
+                *shown = self.machine.value(export.value).map(|v| v[0] != 0);
+            }
+        }
     }
 }
 

@@ -42,7 +42,7 @@ impl Core {
             return Ok(());
         }
         let mut others = self.holders(resource);
-        match others.find(|h| !self.shares(rule, *h)) {
+        match others.find(|h| !self.shares(rule, *h) && !rule.stop.contains(&self.id(*h))) {
             Some(by) => Err(self.held(resource, by)),
             None => Ok(()),
         }
@@ -70,13 +70,14 @@ impl Core {
                 .any(|p| p.rule.start.contains(&id) && common(&p.rule))
     }
 
-    /// Checks at the moment of firing that nobody else has what a command needs: those who end now or are alternatives
-    /// do not count.
+    /// Checks at the moment of firing that what a command needs is its own, or free, or held by those who end now or are
+    /// alternatives.
     pub(crate) fn obtainable(&self, rule: &Rule, place: usize) -> Result<(), Refused> {
-        let mut needs = self.entry(place)?.command.resources();
-        needs.try_for_each(|resource| {
-            let mut others = self.holders(resource).filter(|h| *h != place);
-            match others.find(|h| !self.lets_go(rule, *h) && !self.shares(rule, *h)) {
+        let command = &self.entry(place)?.command;
+        let mut missing = command.resources().filter(|r| !command.holds(*r));
+        missing.try_for_each(|resource| {
+            let mut holders = self.holders(resource);
+            match holders.find(|h| !self.lets_go(rule, *h) && !self.shares(rule, *h)) {
                 Some(by) => Err(self.held(resource, by)),
                 None => Ok(()),
             }

@@ -1,6 +1,7 @@
 //! Making rules, and dropping those that can no longer fire together with the commands that only they could start.
 
 use crate::commands::{Core, Refused};
+use crate::condition::{Fact, Truth};
 use crate::id::{CommandId, RuleId};
 use crate::lifecycle::{Event, State};
 use crate::notice::{Notice, Outcome};
@@ -34,8 +35,8 @@ impl Core {
             fires: false,
             open: true,
         });
-        self.take_free();
-        self.fire_if_true(bank);
+        self.settle();
+        self.fire_if_true(id, bank);
         Ok(())
     }
 
@@ -97,14 +98,20 @@ impl Core {
             self.fits(place, Event::Schedule)?;
         }
         self.all_within_reach(rule)?;
-        match rule
-            .condition
-            .truth(|id, fact| self.know(id, fact))
-            .may_be_true()
-        {
+        match self.may_come_true(rule) {
             true => Ok(()),
             false => Err(Refused::Never),
         }
+    }
+
+    /// True if a rule's condition may hold while what it starts has not run yet.
+    fn may_come_true(&self, rule: &Rule) -> bool {
+        let know = |id: CommandId, fact: Fact| match fact {
+            Fact::Export(_) if rule.start.contains(&id) => Truth::NEVER,
+            _ if rule.start.contains(&id) => Truth::fixed(false),
+            _ => self.know(id, fact),
+        };
+        rule.condition.truth(know).may_be_true()
     }
 
     fn all_within_reach(&self, rule: &Rule) -> Result<(), Refused> {
@@ -173,7 +180,6 @@ impl Core {
 
     /// True if a rule's condition may become true and all that it starts can be had then.
     fn may_fire(&self, rule: &Rule) -> bool {
-        let truth = rule.condition.truth(|id, fact| self.know(id, fact));
         let startable = |id: &CommandId| {
             let place = self.find(*id);
             let entry = place.and_then(|p| Some((p, self.entries[p].as_ref()?)));
@@ -183,7 +189,7 @@ impl Core {
                     && needs.all(|r| self.within_reach(rule, place, r).is_ok())
             })
         };
-        truth.may_be_true() && rule.start.iter().all(startable)
+        self.may_come_true(rule) && rule.start.iter().all(startable)
     }
 
     fn is_forlorn(&self, place: usize) -> bool {
@@ -205,6 +211,10 @@ impl Core {
         entry.command.happen(Event::Orphan { kept });
         entry.command.hold_all(false);
         (entry.gone, entry.kept, entry.live) = (!kept, false, kept);
+        for pending in self.rules.iter_mut().filter(|_| entry.gone) {
+            let condition = &mut pending.rule.condition;
+            condition.freeze(command, |fact| entry.last_word(fact));
+        }
         self.notices.push(Notice::Orphaned { command, kept });
     }
 

@@ -27,12 +27,10 @@ impl Core {
         self.conclude(bank);
     }
 
-    /// Fires the rule that was made last if its condition holds already.
-    pub(crate) fn fire_if_true(&mut self, bank: &mut dyn DeviceBank) {
-        let Some(at) = self.rules.len().checked_sub(1) else {
-            return;
-        };
-        if self.is_true(&self.rules[at].rule) {
+    /// Fires a rule between two ticks if its condition holds already.
+    pub(crate) fn fire_if_true(&mut self, id: RuleId, bank: &mut dyn DeviceBank) {
+        let at = self.rules.iter().position(|p| p.id == id);
+        if let Some(at) = at.filter(|at| self.is_true(&self.rules[*at].rule)) {
             self.fire(at, self.tick, bank);
             self.conclude(bank);
         }

@@ -30,6 +30,7 @@ impl Core {
         due(&mut self.entries, now, |c| c.machine.evaluate(bank));
         due(&mut self.entries, now, |c| c.machine.commit());
         due(&mut self.entries, now, |c| c.hand_over(bank));
+        due(&mut self.entries, now, Command::show);
         self.publish(watch);
         self.decide(bank);
         self.tick += 1;

@@ -1,0 +1,160 @@
+//! Four axes and the commands of the histories: what each does in a cycle is set from outside.
+
+use rpi_bench::{Build, twin};
+use rpi_core::Command;
+use rpi_device::{DeviceBank, PortId, PortName, Refusal, ResolveError};
+use rpi_image::{Image, Value};
+use rpi_lower::LowerOptions;
+use rpi_net::{FragmentId, Input, PortRef, ResultKind};
+use std::sync::Arc;
+
+pub(crate) const TICK_NS: u64 = 1_000_000;
+pub(crate) const AXES: usize = 4;
+
+/// What a command needs, and how many ticks its cycle takes.
+pub(crate) const KINDS: [(&[u32], u64); 8] = [
+    (&[], 1),
+    (&[0], 1),
+    (&[1], 1),
+    (&[0, 1], 1),
+    (&[1, 2], 2),
+    (&[0, 3], 1),
+    (&[2, 3], 3),
+    (&[0], 2),
+];
+
+/// Axes that a history can make fail.
+#[derive(Clone, PartialEq, Debug)]
+pub(crate) struct Axes {
+    pub(crate) positions: [f64; AXES],
+    pub(crate) moving: [bool; AXES],
+    pub(crate) failed: [bool; AXES],
+    pub(crate) stops: [u32; AXES],
+}
+
+impl Axes {
+    pub(crate) const fn new() -> Self {
+        Axes {
+            positions: [0.0; AXES],
+            moving: [false; AXES],
+            failed: [false; AXES],
+            stops: [0; AXES],
+        }
+    }
+}
+
+impl DeviceBank for Axes {
+    fn resolve(&mut self, name: &PortName<'_>) -> Result<PortId, ResolveError> {
+        Ok(PortId(name.index))
+    }
+    fn resource(&self, port: PortId) -> u32 {
+        port.0
+    }
+    fn read(&mut self, port: PortId, value: &mut [u64]) -> bool {
+        value[0] = self.positions[port.0 as usize].to_bits();
+        true
+    }
+    fn check(&mut self, port: PortId, _: &[u64]) -> Refusal {
+        match self.failed[port.0 as usize] {
+            true => Refusal::DEVICE_FAILED,
+            false => Refusal::NONE,
+        }
+    }
+    fn error(&self, port: PortId) -> i64 {
+        i64::from(self.failed[port.0 as usize])
+    }
+    fn write(&mut self, port: PortId, value: &[u64]) {
+        let (axis, position) = (port.0 as usize, f64::from_bits(value[0]));
+        self.moving[axis] = position != self.positions[axis];
+        self.positions[axis] = position;
+    }
+    fn call(&mut self, _: PortId, _: &[u64], _: &mut [u64]) -> bool {
+        false
+    }
+    fn moving(&self, resource: u32) -> bool {
+        self.moving[resource as usize]
+    }
+    fn stop(&mut self, resource: u32) {
+        self.moving[resource as usize] = false;
+        self.stops[resource as usize] += 1;
+    }
+}
+
+/// Values of the input `end`.
+pub(crate) mod end {
+    pub(crate) const FINISH: i64 = 1;
+    pub(crate) const YIELD: i64 = 2;
+    pub(crate) const FAIL: i64 = 3;
+    pub(crate) const FAULT: i64 = 4;
+}
+
+/// Indices of a command's inputs, results and exports.
+pub(crate) const SPEED: &str = "speed";
+pub(crate) const END: &str = "end";
+pub(crate) const FLAG: &str = "flag";
+
+/// Moves its axes on by `speed` per cycle, exports `flag`, ends as `end` says.
+pub(crate) fn image(kind: usize) -> Arc<Image> {
+    let (axes, ticks) = KINDS[kind];
+    let root = FragmentId::ROOT;
+    let mut b = Build::new("Puppet");
+    let key = |key: &str| [("Key", Value::Str(key.into()))];
+    let speed = b.add_with(root, "Core::DoubleNetcommIn", &[], &key(SPEED));
+    let how = b.add_with(root, "Core::IntNetcommIn", &[], &key(END));
+    let flag = b.add_with(root, "Core::BooleanNetcommIn", &[], &key(FLAG));
+    b.add_with(
+        root,
+        "Core::BooleanNetcommOut",
+        &[Input::Port(flag)],
+        &key(FLAG),
+    );
+    axes.iter().for_each(|axis| drive(&mut b, *axis, speed));
+    let int = |v: i64| Input::Const(Value::int(v));
+    for (name, kind, value) in [
+        ("done", ResultKind::Finish, end::FINISH),
+        ("early", ResultKind::Yield, end::YIELD),
+        ("broken", ResultKind::Fail, end::FAIL),
+    ] {
+        let is = b.add(root, "Core::IntEquals", &[Input::Port(how), int(value)]);
+        b.result(name, kind, is);
+    }
+    let divisor = b.add(root, "Core::IntAdd", &[Input::Port(how), int(-end::FAULT)]);
+    b.add(root, "Core::IntDivide", &[int(1), Input::Port(divisor)]);
+    let image = twin::image(&b.net, &LowerOptions::running(TICK_NS * ticks));
+    Arc::new(image.unwrap_or_else(|e| panic!("{e}")))
+}
+
+fn drive(b: &mut Build, axis: u32, speed: PortRef) {
+    let params = [
+        ("Robot", Value::Str("arm".into())),
+        ("Axis", Value::int(i64::from(axis))),
+    ];
+    let root = FragmentId::ROOT;
+    let place = b.add_with(root, "RobotArm::JointMonitor", &[], &params);
+    let target = b.add(
+        root,
+        "Core::DoubleAdd",
+        &[Input::Port(place), Input::Port(speed)],
+    );
+    b.add_with(
+        root,
+        "RobotArm::JointPosition",
+        &[Input::Port(target)],
+        &params,
+    );
+}
+
+pub(crate) fn load(image: &Arc<Image>, bank: &mut Axes) -> Box<Command> {
+    let loaded = Command::load(Arc::clone(image), bank);
+    Box::new(loaded.unwrap_or_else(|faults| panic!("{faults:?}")))
+}
+
+/// Sets an input by its key.
+pub(crate) fn set(command: &mut Command, key: &str, bits: u64) {
+    let inputs = &command.machine().image().inputs;
+    let index = inputs
+        .iter()
+        .position(|i| i.key == key)
+        .expect("it has this input");
+    assert!(command.set_input(index, &[bits]));
+}

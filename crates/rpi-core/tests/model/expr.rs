@@ -1,0 +1,124 @@
+//! Conditions of the model: trees, evaluated by the definitions C1 to C5.
+
+use rpi_core::{CommandId, Condition, Fact};
+
+/// A condition.
+#[derive(Clone, Debug)]
+pub(crate) enum Expr {
+    Fact(CommandId, Fact),
+    Value(bool),
+    /// A fact of a command that was unloaded before it was settled.
+    Never,
+    Not(Box<Expr>),
+    And(Box<Expr>, Box<Expr>),
+    Or(Box<Expr>, Box<Expr>),
+}
+
+/// What is known of a fact: its value now, and whether that is settled.
+#[derive(Clone, Copy, PartialEq, Debug)]
+pub(crate) struct Known {
+    pub(crate) now: Option<bool>,
+    pub(crate) settled: bool,
+}
+
+impl Known {
+    pub(crate) const NEVER: Known = Known {
+        now: None,
+        settled: true,
+    };
+}
+
+type Know<'a> = &'a dyn Fn(CommandId, Fact) -> Known;
+
+impl Expr {
+    pub(crate) fn condition(&self) -> Condition {
+        match self {
+            Expr::Fact(id, fact) => Condition::of(*id, *fact),
+            Expr::Value(true) => Condition::always(),
+            Expr::Value(false) | Expr::Never => !Condition::always(),
+            Expr::Not(a) => !a.condition(),
+            Expr::And(a, b) => a.condition() & b.condition(),
+            Expr::Or(a, b) => a.condition() | b.condition(),
+        }
+    }
+
+    /// Kleene's value.
+    pub(crate) fn value(&self, know: Know<'_>) -> Option<bool> {
+        match self {
+            Expr::Fact(id, fact) => know(*id, *fact).now,
+            Expr::Value(v) => Some(*v),
+            Expr::Never => None,
+            Expr::Not(a) => a.value(know).map(|v| !v),
+            Expr::And(a, b) => match (a.value(know), b.value(know)) {
+                (Some(false), _) | (_, Some(false)) => Some(false),
+                (Some(true), Some(true)) => Some(true),
+                _ => None,
+            },
+            Expr::Or(a, b) => match (a.value(know), b.value(know)) {
+                (Some(true), _) | (_, Some(true)) => Some(true),
+                (Some(false), Some(false)) => Some(false),
+                _ => None,
+            },
+        }
+    }
+
+    /// C5: whether it may come to have this value.
+    pub(crate) fn may_be(&self, wanted: bool, know: Know<'_>) -> bool {
+        match self {
+            Expr::Fact(id, fact) => {
+                let known = know(*id, *fact);
+                !known.settled || known.now == Some(wanted)
+            }
+            Expr::Value(v) => *v == wanted,
+            Expr::Never => false,
+            Expr::Not(a) => a.may_be(!wanted, know),
+            Expr::And(a, b) if wanted => a.may_be(true, know) && b.may_be(true, know),
+            Expr::And(a, b) => a.may_be(false, know) || b.may_be(false, know),
+            Expr::Or(a, b) if wanted => a.may_be(true, know) || b.may_be(true, know),
+            Expr::Or(a, b) => a.may_be(false, know) && b.may_be(false, know),
+        }
+    }
+
+    /// The commands that it names, in the order of the text.
+    pub(crate) fn names(&self) -> Vec<CommandId> {
+        match self {
+            Expr::Fact(id, _) => vec![*id],
+            Expr::Value(_) | Expr::Never => Vec::new(),
+            Expr::Not(a) => a.names(),
+            Expr::And(a, b) | Expr::Or(a, b) => [a.names(), b.names()].concat(),
+        }
+    }
+
+    /// R3: whether a command must have ended before it can be true.
+    pub(crate) fn requires(&self, command: CommandId) -> bool {
+        let open = Known {
+            now: None,
+            settled: false,
+        };
+        let not_ended = Known {
+            now: Some(false),
+            settled: true,
+        };
+        let know = |id: CommandId, fact: Fact| match fact {
+            Fact::Export(_) => open,
+            _ if id == command => not_ended,
+            _ => open,
+        };
+        !self.may_be(true, &know)
+    }
+
+    /// A command is no more: what was said about it stays.
+    pub(crate) fn freeze(&mut self, gone: CommandId, last: &dyn Fn(Fact) -> Option<bool>) {
+        match self {
+            Expr::Fact(id, fact) if *id == gone => {
+                *self = last(*fact).map_or(Expr::Never, Expr::Value);
+            }
+            Expr::Not(a) => a.freeze(gone, last),
+            Expr::And(a, b) | Expr::Or(a, b) => {
+                a.freeze(gone, last);
+                b.freeze(gone, last);
+            }
+            _ => {}
+        }
+    }
+}

@@ -1,0 +1,441 @@
+//! Random histories, and the pair that lives through them.
+
+use std::collections::BTreeMap;
+use std::sync::{Arc, OnceLock};
+
+use proptest::prelude::*;
+use rpi_core::{CommandId, Core, Fact, Notice, Outcome, Places, Refused, Rule, RuleId, State, Why};
+use rpi_image::Image;
+use rpi_testkit::no_alloc;
+
+use crate::cell::{self, Axes, KINDS, TICK_NS};
+use crate::expr::Expr;
+use crate::model::{End, Law, Model};
+
+/// Commands that there is room for.
+const ROOM: usize = 8;
+
+/// A step of a history. Numbers choose among what there is.
+#[derive(Clone, Debug)]
+pub(crate) enum Op {
+    Load(usize),
+    Start(usize),
+    Schedule(Draft),
+    Withdraw(usize),
+    Unschedule(usize),
+    Cancel(usize),
+    Abort(usize),
+    Unload(usize),
+    Behave {
+        command: usize,
+        end: i64,
+        flag: bool,
+        speed: u8,
+    },
+    Device {
+        axis: usize,
+        failed: bool,
+    },
+    ClientLost(usize),
+    EmergencyStop,
+    Ticks(u8),
+}
+
+/// A rule to be made.
+#[derive(Clone, Debug)]
+pub(crate) struct Draft {
+    condition: Shape,
+    stop: Vec<usize>,
+    cancel: Vec<usize>,
+    start: Vec<usize>,
+    kept: bool,
+}
+
+#[derive(Clone, Debug)]
+enum Shape {
+    Fact(usize, Fact),
+    Not(Box<Shape>),
+    And(Box<Shape>, Box<Shape>),
+    Or(Box<Shape>, Box<Shape>),
+}
+
+fn fact() -> impl Strategy<Value = Fact> {
+    prop_oneof![
+        6 => Just(Fact::Regular),
+        2 => Just(Fact::Ended),
+        2 => Just(Fact::Failed),
+        3 => (0u32..3).prop_map(Fact::Result),
+        1 => (-1i64..2).prop_map(Fact::Error),
+        3 => (0u32..2).prop_map(Fact::Export),
+    ]
+}
+
+fn shape() -> impl Strategy<Value = Shape> {
+    let leaf = (0usize..6, fact()).prop_map(|(k, fact)| Shape::Fact(k, fact));
+    leaf.prop_recursive(2, 4, 2, |inner| {
+        let pair = (inner.clone(), inner.clone());
+        prop_oneof![
+            inner.prop_map(|a| Shape::Not(Box::new(a))),
+            pair.clone()
+                .prop_map(|(a, b)| Shape::And(Box::new(a), Box::new(b))),
+            pair.prop_map(|(a, b)| Shape::Or(Box::new(a), Box::new(b))),
+        ]
+    })
+}
+
+fn draft() -> impl Strategy<Value = Draft> {
+    let few = |most| prop::collection::vec(0usize..6, 0..most);
+    let start = prop::collection::vec(0usize..6, 1..3);
+    (
+        shape(),
+        few(2),
+        few(2),
+        prop_oneof![8 => start, 1 => few(1)],
+        any::<bool>(),
+    )
+        .prop_map(|(condition, stop, cancel, start, kept)| Draft {
+            condition,
+            stop,
+            cancel,
+            start,
+            kept,
+        })
+}
+
+pub(crate) fn op() -> impl Strategy<Value = Op> {
+    let one = 0usize..6;
+    prop_oneof![
+        8 => (0..KINDS.len()).prop_map(Op::Load),
+        6 => one.clone().prop_map(Op::Start),
+        12 => draft().prop_map(Op::Schedule),
+        1 => (0usize..4).prop_map(Op::Withdraw),
+        1 => one.clone().prop_map(Op::Unschedule),
+        2 => one.clone().prop_map(Op::Cancel),
+        1 => one.clone().prop_map(Op::Abort),
+        2 => one.clone().prop_map(Op::Unload),
+        10 => (one.clone(), 0i64..5, any::<bool>(), 0u8..3)
+            .prop_map(|(command, end, flag, speed)| Op::Behave { command, end, flag, speed }),
+        1 => (0usize..4, prop::bool::weighted(0.3)).prop_map(|(axis, failed)| Op::Device { axis, failed }),
+        1 => (0usize..2).prop_map(Op::ClientLost),
+        1 => prop::bool::weighted(0.2).prop_map(|stop| if stop { Op::EmergencyStop } else { Op::Ticks(1) }),
+        14 => (1u8..4).prop_map(Op::Ticks),
+    ]
+}
+
+/// How often what happened.
+#[derive(Clone, Copy, Default, Debug)]
+pub(crate) struct Tally {
+    started: u32,
+    ended: u32,
+    switched: u32,
+    given_up: u32,
+    failed_rules: u32,
+    braked: u32,
+    refused: u32,
+}
+
+impl Tally {
+    pub(crate) fn add(&mut self, other: &Tally) {
+        self.started += other.started;
+        self.ended += other.ended;
+        self.switched += other.switched;
+        self.given_up += other.given_up;
+        self.failed_rules += other.failed_rules;
+        self.braked += other.braked;
+        self.refused += other.refused;
+    }
+
+    /// Of two hundred histories.
+    pub(crate) fn is_eventful(&self) -> bool {
+        self.started > 500
+            && self.ended > 300
+            && self.switched > 150
+            && self.given_up > 100
+            && self.failed_rules > 3
+            && self.braked > 100
+            && self.refused > 500
+    }
+}
+
+/// Core and model.
+pub(crate) struct Pair {
+    core: Core,
+    bank: Axes,
+    model: Model,
+    places: Places,
+    /// All commands that there ever were, and the first tick that the core told of each.
+    ids: Vec<CommandId>,
+    first: BTreeMap<CommandId, u64>,
+    rules: Vec<RuleId>,
+    answers: Result<(), String>,
+    pub(crate) tally: Tally,
+}
+
+fn images() -> &'static [Arc<Image>] {
+    static IMAGES: OnceLock<Vec<Arc<Image>>> = OnceLock::new();
+    IMAGES.get_or_init(|| (0..KINDS.len()).map(cell::image).collect())
+}
+
+impl Pair {
+    pub(crate) fn new() -> Pair {
+        Pair {
+            core: Core::with_capacity(ROOM, TICK_NS),
+            bank: Axes::new(),
+            model: Model::new(ROOM * 4),
+            places: Places::new(ROOM),
+            ids: Vec::new(),
+            first: BTreeMap::new(),
+            rules: Vec::new(),
+            answers: Ok(()),
+            tally: Tally::default(),
+        }
+    }
+
+    /// One of the latest commands.
+    fn id(&self, k: usize) -> Option<CommandId> {
+        self.ids.iter().rev().nth(k).copied()
+    }
+
+    pub(crate) fn carry_out(&mut self, op: &Op) {
+        match op {
+            Op::Load(kind) => self.load(*kind),
+            Op::Schedule(draft) => self.schedule(draft),
+            Op::Ticks(count) => (0..*count).for_each(|_| self.tick()),
+            Op::Device { axis, failed } => {
+                self.bank.failed[*axis] = *failed;
+                self.model.axes.failed[*axis] = *failed;
+            }
+            Op::EmergencyStop => {
+                no_alloc(|| self.core.emergency_stop(&mut self.bank));
+                self.model.emergency_stop();
+            }
+            Op::Withdraw(k) => {
+                if let Some(&rule) = self.rules.iter().rev().nth(*k) {
+                    let got = self.core.withdraw(rule);
+                    let wanted = self.model.withdraw(rule);
+                    self.compare(got, wanted);
+                }
+            }
+            Op::ClientLost(parity) => self.lose_client(*parity),
+            _ => self.ask(op),
+        }
+        self.clear_up();
+    }
+
+    fn ask(&mut self, op: &Op) {
+        let (Op::Start(k)
+        | Op::Unschedule(k)
+        | Op::Cancel(k)
+        | Op::Abort(k)
+        | Op::Unload(k)
+        | Op::Behave { command: k, .. }) = op
+        else {
+            return;
+        };
+        let Some(id) = self.id(*k) else {
+            return;
+        };
+        let (core, bank, model) = (&mut self.core, &mut self.bank, &mut self.model);
+        let (got, wanted) = match op {
+            Op::Start(_) => (no_alloc(|| core.start(id, bank)), model.start(id)),
+            Op::Unschedule(_) => (no_alloc(|| core.unschedule(id)), model.unschedule(id)),
+            Op::Cancel(_) => (no_alloc(|| core.cancel(id)), model.cancel(id)),
+            Op::Abort(_) => {
+                let got = no_alloc(|| core.abort(id, Why::Request, bank));
+                (got, model.abort(id, Why::Request))
+            }
+            Op::Unload(_) => return self.unload(id),
+            Op::Behave {
+                end, flag, speed, ..
+            } => {
+                behave(core, model, id, (*end, *flag, f64::from(*speed)));
+                return;
+            }
+            _ => return,
+        };
+        self.compare(got, wanted);
+    }
+
+    fn unload(&mut self, id: CommandId) {
+        let (got, back) = match no_alloc(|| self.core.remove(id)) {
+            Ok(command) => (Ok(()), Some(command)),
+            Err(why) => (Err(why), None),
+        };
+        if back.is_some() {
+            self.places.give_back(id);
+        }
+        let wanted = self.model.unload(id);
+        self.compare(got, wanted);
+    }
+
+    fn lose_client(&mut self, parity: usize) {
+        let mine: Vec<CommandId> = self.ids.iter().copied().skip(parity).step_by(2).collect();
+        for id in mine {
+            let got = self.core.abort(id, Why::ClientLost, &mut self.bank);
+            let wanted = self.model.abort(id, Why::ClientLost);
+            self.compare(got, wanted);
+            self.unload(id);
+        }
+    }
+
+    fn load(&mut self, kind: usize) {
+        let Some(id) = self.places.take() else {
+            return;
+        };
+        let command = cell::load(&images()[kind], &mut self.bank);
+        assert!(self.core.insert_as(id, command).is_ok());
+        self.model.insert(id, kind);
+        self.ids.push(id);
+    }
+
+    fn schedule(&mut self, draft: &Draft) {
+        let Some(law) = self.law(draft) else {
+            return;
+        };
+        let id = self.places.rule();
+        let mut rule = Rule::when(law.condition.condition());
+        rule = law.stop.iter().fold(rule, |r, c| r.stop(*c));
+        rule = law.cancel.iter().fold(rule, |r, c| r.cancel(*c));
+        rule = law.start.iter().fold(rule, |r, c| r.start(*c));
+        let rule = Box::new(if law.kept { rule.keep() } else { rule });
+        let made = no_alloc(|| self.core.schedule_as(id, rule, &mut self.bank));
+        let got = made.map_err(|refused| refused.1);
+        let wanted = self.model.schedule(id, &law);
+        self.rules.push(id);
+        self.compare(got, wanted);
+    }
+
+    fn law(&self, draft: &Draft) -> Option<Law> {
+        let all = |them: &[usize]| them.iter().map(|k| self.id(*k)).collect::<Option<Vec<_>>>();
+        Some(Law {
+            condition: self.expr(&draft.condition)?,
+            stop: all(&draft.stop)?,
+            cancel: all(&draft.cancel)?,
+            start: all(&draft.start)?,
+            kept: draft.kept,
+        })
+    }
+
+    fn expr(&self, shape: &Shape) -> Option<Expr> {
+        let boxed = |shape: &Shape| self.expr(shape).map(Box::new);
+        Some(match shape {
+            Shape::Fact(k, fact) => Expr::Fact(self.id(*k)?, *fact),
+            Shape::Not(a) => Expr::Not(boxed(a)?),
+            Shape::And(a, b) => Expr::And(boxed(a)?, boxed(b)?),
+            Shape::Or(a, b) => Expr::Or(boxed(a)?, boxed(b)?),
+        })
+    }
+
+    fn tick(&mut self) {
+        no_alloc(|| self.core.tick(&mut self.bank, 0, &mut ()));
+        self.model.run_tick();
+        self.clear_up();
+    }
+
+    /// Takes out what is over, as the host does.
+    fn clear_up(&mut self) {
+        while let Some((id, _)) = self.core.take_gone() {
+            self.places.give_back(id);
+            if !self.model.gone.remove(&id) {
+                self.answers = Err(format!("{id:?} is gone in the core only"));
+            }
+        }
+        while self.core.take_spent().is_some() {}
+        while let Some(notice) = self.core.next_notice() {
+            self.count(&notice);
+        }
+    }
+
+    fn count(&mut self, notice: &Notice) {
+        let tally = &mut self.tally;
+        match notice {
+            Notice::Started { command, tick } => {
+                self.first.insert(*command, *tick);
+                tally.started += 1;
+            }
+            Notice::Ended { .. } => tally.ended += 1,
+            Notice::Orphaned { .. } => tally.given_up += 1,
+            Notice::Braked { .. } => tally.braked += 1,
+            Notice::Rule {
+                outcome: Outcome::Fired,
+                ..
+            } => tally.switched += 1,
+            Notice::Rule {
+                outcome: Outcome::Failed(_),
+                ..
+            } => tally.failed_rules += 1,
+            _ => {}
+        }
+    }
+
+    fn compare(&mut self, got: Result<(), Refused>, wanted: Result<(), Refused>) {
+        self.tally.refused += u32::from(got.is_err());
+        if got != wanted && self.answers.is_ok() {
+            self.answers = Err(format!("the core says {got:?}, the model {wanted:?}"));
+        }
+    }
+
+    /// Whether both are in the same state.
+    pub(crate) fn agree(&self) -> Result<(), String> {
+        self.answers.clone()?;
+        if let Some(left) = self.model.gone.first() {
+            return Err(format!("{left:?} is gone in the model only"));
+        }
+        if self.bank != self.model.axes {
+            return Err(format!("axes {:?}\nmodel {:?}", self.bank, self.model.axes));
+        }
+        let rules: Vec<RuleId> = self.core.rules().map(|r| r.0).collect();
+        let wanted: Vec<RuleId> = self.model.rules.iter().map(|r| r.0).collect();
+        if rules != wanted {
+            return Err(format!("rules {rules:?}\nmodel {wanted:?}"));
+        }
+        let count = self.core.commands().count();
+        if count != self.model.commands.len() || self.core.notices_lost() != 0 {
+            return Err(format!(
+                "{count} commands, model {}",
+                self.model.commands.len()
+            ));
+        }
+        self.model
+            .commands
+            .keys()
+            .try_for_each(|id| self.agree_on(*id))
+    }
+
+    fn agree_on(&self, id: CommandId) -> Result<(), String> {
+        let wanted = &self.model.commands[&id];
+        let command = self
+            .core
+            .command(id)
+            .ok_or_else(|| format!("the core has no {id:?}"))?;
+        let end = command.ending().map(|e| End {
+            cause: e.cause.into(),
+            error: e.error,
+            cancelled: e.cancelled,
+            cycles: e.cycles,
+            left_moving: e.left_moving,
+        });
+        let held: Vec<u32> = command.held().collect();
+        let first = self.first.get(&id).copied();
+        let got = (command.state(), held, command.machine().cycle(), first, end);
+        let holds = wanted.holds.iter().copied().collect();
+        let model = (wanted.state, holds, wanted.cycles, wanted.first, wanted.end);
+        match got == model {
+            true => Ok(()),
+            false => Err(format!("{id:?}: core {got:?}\nmodel {model:?}")),
+        }
+    }
+}
+
+fn behave(core: &mut Core, model: &mut Model, id: CommandId, (end, flag, speed): (i64, bool, f64)) {
+    let (Some(command), Some(puppet)) = (core.command_mut(id), model.commands.get_mut(&id)) else {
+        return;
+    };
+    if matches!(puppet.state, State::Terminated) {
+        return;
+    }
+    cell::set(command, cell::END, end.cast_unsigned());
+    cell::set(command, cell::FLAG, u64::from(flag));
+    cell::set(command, cell::SPEED, speed.to_bits());
+    (puppet.how, puppet.flag, puppet.speed) = (end, flag, speed);
+}

@@ -1,0 +1,43 @@
+//! The core beside an independent model of the book's rules, on random histories: loads, starts, rules, cancels, aborts,
+//! device faults, clients that disappear. After each step they agree on every state, resource and cycle number.
+
+mod cell;
+mod expr;
+mod history;
+mod model;
+
+use history::{Op, Pair, op};
+use proptest::prelude::*;
+
+rpi_testkit::trap_allocations!();
+
+proptest! {
+    #![proptest_config(ProptestConfig { cases: 1000, max_shrink_iters: 20_000, ..ProptestConfig::default() })]
+
+    #[test]
+    fn core_and_model_agree(ops in prop::collection::vec(op(), 1..120)) {
+        let mut pair = Pair::new();
+        for op in &ops {
+            pair.carry_out(op);
+            pair.agree().map_err(|what| TestCaseError::fail(format!("after {op:?}: {what}")))?;
+        }
+    }
+}
+
+/// A history is no history if nothing happens in it.
+#[test]
+fn histories_are_eventful() {
+    use proptest::strategy::ValueTree;
+    let mut runner = proptest::test_runner::TestRunner::deterministic();
+    let mut tally = history::Tally::default();
+    for _ in 0..200 {
+        let ops: Vec<Op> = prop::collection::vec(op(), 100)
+            .new_tree(&mut runner)
+            .expect("it can be made")
+            .current();
+        let mut pair = Pair::new();
+        ops.iter().for_each(|op| pair.carry_out(op));
+        tally.add(&pair.tally);
+    }
+    assert!(tally.is_eventful(), "{tally:?}");
+}

@@ -1,0 +1,700 @@
+//! The control core as the book describes it, written down once more and as plainly as can be.
+//!
+//! Nothing here is shared with the core but names. Numbers in comments are the rules of the book's chapter.
+
+use std::collections::{BTreeMap, BTreeSet};
+
+use rpi_core::{Cause, CommandId, Fact, Refused, RuleId, State, Why};
+
+use crate::cell::{Axes, KINDS, end};
+use crate::expr::{Expr, Known};
+
+/// How a command has ended.
+#[derive(Clone, Copy, PartialEq, Debug)]
+pub(crate) struct End {
+    pub(crate) cause: How,
+    pub(crate) error: i64,
+    pub(crate) cancelled: bool,
+    pub(crate) cycles: u64,
+    pub(crate) left_moving: bool,
+}
+
+/// A cause without the details of a fault.
+#[derive(Clone, Copy, PartialEq, Debug)]
+pub(crate) enum How {
+    Result(usize),
+    Fault,
+    Aborted(Why),
+    Stopped(RuleId),
+}
+
+impl From<Cause> for How {
+    fn from(cause: Cause) -> How {
+        match cause {
+            Cause::Result(k) => How::Result(k),
+            Cause::Terminate => How::Result(usize::MAX),
+            Cause::Fault(_) => How::Fault,
+            Cause::Aborted(why) => How::Aborted(why),
+            Cause::Stopped(rule) => How::Stopped(rule),
+        }
+    }
+}
+
+#[derive(Clone, Debug)]
+pub(crate) struct Cmd {
+    pub(crate) kind: usize,
+    pub(crate) state: State,
+    pub(crate) holds: BTreeSet<u32>,
+    pub(crate) kept: bool,
+    pub(crate) cycles: u64,
+    pub(crate) due: u64,
+    pub(crate) first: Option<u64>,
+    pub(crate) end: Option<End>,
+    /// Inputs.
+    pub(crate) how: i64,
+    pub(crate) flag: bool,
+    pub(crate) speed: f64,
+    /// Export after the latest cycle.
+    shown: Option<bool>,
+    covered: bool,
+    leaving: bool,
+    live: bool,
+}
+
+impl Cmd {
+    fn needs(&self) -> &'static [u32] {
+        KINDS[self.kind].0
+    }
+
+    fn runs(&self) -> bool {
+        matches!(self.state, State::Running | State::Cancelling)
+    }
+}
+
+#[derive(Clone, Debug)]
+pub(crate) struct Law {
+    pub(crate) condition: Expr,
+    pub(crate) stop: Vec<CommandId>,
+    pub(crate) cancel: Vec<CommandId>,
+    pub(crate) start: Vec<CommandId>,
+    pub(crate) kept: bool,
+}
+
+impl Law {
+    /// R3
+    fn before(&self) -> Vec<CommandId> {
+        let names = self.condition.names().into_iter();
+        let required = names.filter(|id| self.condition.requires(*id));
+        required.chain(self.stop.iter().copied()).collect()
+    }
+}
+
+pub(crate) struct Model {
+    pub(crate) commands: BTreeMap<CommandId, Cmd>,
+    pub(crate) rules: Vec<(RuleId, Law, Vec<CommandId>)>,
+    pub(crate) axes: Axes,
+    pub(crate) tick: u64,
+    pub(crate) room: usize,
+    /// Given up for good, to be taken out.
+    pub(crate) gone: BTreeSet<CommandId>,
+}
+
+type Answer = Result<(), Refused>;
+
+impl Model {
+    pub(crate) fn new(room: usize) -> Model {
+        Model {
+            commands: BTreeMap::new(),
+            rules: Vec::new(),
+            axes: Axes::new(),
+            tick: 0,
+            room,
+            gone: BTreeSet::new(),
+        }
+    }
+
+    pub(crate) fn insert(&mut self, id: CommandId, kind: usize) {
+        let cmd = Cmd {
+            kind,
+            state: State::Ready,
+            holds: BTreeSet::new(),
+            kept: false,
+            cycles: 0,
+            due: 0,
+            first: None,
+            end: None,
+            how: 0,
+            flag: false,
+            speed: 0.0,
+            shown: None,
+            covered: false,
+            leaving: false,
+            live: true,
+        };
+        self.commands.insert(id, cmd);
+    }
+
+    fn cmd(&self, id: CommandId) -> Result<&Cmd, Refused> {
+        self.commands.get(&id).ok_or(Refused::Unknown)
+    }
+
+    fn holders(&self, resource: u32) -> Vec<CommandId> {
+        let holds = self
+            .commands
+            .iter()
+            .filter(|(_, c)| c.holds.contains(&resource));
+        // The table's order.
+        let mut all: Vec<_> = holds.map(|(id, _)| *id).collect();
+        all.sort_by_key(|id| id.place());
+        all
+    }
+
+    // ---------------------------------------------------------------- requests
+
+    /// R2
+    pub(crate) fn start(&mut self, id: CommandId) -> Answer {
+        let cmd = self.cmd(id)?;
+        if cmd.state != State::Ready {
+            return Err(Refused::State(cmd.state));
+        }
+        for &resource in cmd.needs() {
+            if let Some(&by) = self.holders(resource).first() {
+                return Err(Refused::Held { resource, by });
+            }
+        }
+        self.begin(id, self.tick);
+        self.close();
+        Ok(())
+    }
+
+    pub(crate) fn cancel(&mut self, id: CommandId) -> Answer {
+        let cmd = self.cmd(id)?;
+        if !cmd.runs() {
+            return Err(Refused::State(cmd.state));
+        }
+        self.change(id, |c| c.state = State::Cancelling);
+        self.settle();
+        Ok(())
+    }
+
+    pub(crate) fn abort(&mut self, id: CommandId, why: Why) -> Answer {
+        let cmd = self.cmd(id)?;
+        if !cmd.runs() {
+            return Err(Refused::State(cmd.state));
+        }
+        self.leave(id, How::Aborted(why), -1);
+        self.close();
+        Ok(())
+    }
+
+    pub(crate) fn unschedule(&mut self, id: CommandId) -> Answer {
+        let cmd = self.cmd(id)?;
+        if cmd.state != State::Scheduled {
+            return Err(Refused::State(cmd.state));
+        }
+        self.change(id, |c| c.kept = true);
+        self.give_up(id);
+        self.settle();
+        Ok(())
+    }
+
+    /// L: the last row but one; C4.
+    pub(crate) fn unload(&mut self, id: CommandId) -> Answer {
+        let cmd = self.cmd(id)?;
+        if cmd.runs() {
+            return Err(Refused::State(cmd.state));
+        }
+        if cmd.state == State::Scheduled {
+            self.unschedule(id)?;
+        }
+        self.forget(id);
+        self.settle();
+        Ok(())
+    }
+
+    pub(crate) fn withdraw(&mut self, rule: RuleId) -> Answer {
+        let at = self
+            .rules
+            .iter()
+            .position(|r| r.0 == rule)
+            .ok_or(Refused::Unknown)?;
+        self.rules.remove(at);
+        self.settle();
+        Ok(())
+    }
+
+    /// B5
+    pub(crate) fn emergency_stop(&mut self) {
+        self.rules.clear();
+        for id in self.running() {
+            self.leave(id, How::Aborted(Why::EmergencyStop), -1);
+        }
+        self.close();
+    }
+
+    /// R4, S8
+    pub(crate) fn schedule(&mut self, id: RuleId, law: &Law) -> Answer {
+        let before = law.before();
+        if self.rules.len() >= self.room {
+            return Err(Refused::Full);
+        }
+        for (k, next) in law.start.iter().enumerate() {
+            if law.start[..k].contains(next) || before.contains(next) {
+                return Err(Refused::Successor);
+            }
+            let state = self.cmd(*next)?.state;
+            if !matches!(state, State::Ready | State::Scheduled) {
+                return Err(Refused::State(state));
+            }
+        }
+        for (k, next) in law.start.iter().enumerate() {
+            for &resource in self.cmd(*next)?.needs() {
+                if let Some(by) = self.out_of_reach((&before, &law.stop), *next, resource) {
+                    return Err(Refused::Held { resource, by });
+                }
+                let needs = |id: &&CommandId| self.commands[id].needs().contains(&resource);
+                if let Some(&by) = law.start[..k].iter().find(needs) {
+                    return Err(Refused::Held { resource, by });
+                }
+            }
+        }
+        if !self.may_come_true(law) {
+            return Err(Refused::Never);
+        }
+        for next in &law.start {
+            self.change(*next, |c| {
+                (c.state, c.live) = (State::Scheduled, true);
+                c.kept |= law.kept;
+            });
+        }
+        self.rules.push((id, law.clone(), before));
+        self.settle();
+        let made = self.rules.iter().any(|r| r.0 == id);
+        if made && self.is_true(law) {
+            self.fire(id, self.tick);
+            self.close();
+        }
+        Ok(())
+    }
+
+    // ---------------------------------------------------------------- conditions
+
+    /// C2 to C4
+    fn know(&self, id: CommandId, fact: Fact) -> Known {
+        let Some(cmd) = self.commands.get(&id) else {
+            return Known::NEVER;
+        };
+        let hopeless = cmd.state == State::Scheduled && !cmd.live;
+        if let Fact::Export(index) = fact {
+            let now = cmd.shown.filter(|_| index == 0);
+            return match cmd.state {
+                _ if hopeless => Known::NEVER,
+                State::Terminated => Known { now, settled: true },
+                _ => Known {
+                    now,
+                    settled: false,
+                },
+            };
+        }
+        let Some(end) = cmd.end else {
+            let dead = fact == Fact::Regular && cmd.state == State::Cancelling;
+            return Known {
+                now: Some(false),
+                settled: hopeless || dead,
+            };
+        };
+        Known {
+            now: Some(said(fact, &end)),
+            settled: true,
+        }
+    }
+
+    /// S8: what a rule starts has not run when it fires.
+    fn may_come_true(&self, law: &Law) -> bool {
+        let know = |id: CommandId, fact: Fact| match fact {
+            Fact::Export(_) if law.start.contains(&id) => Known::NEVER,
+            _ if law.start.contains(&id) => Known {
+                now: Some(false),
+                settled: true,
+            },
+            _ => self.know(id, fact),
+        };
+        law.condition.may_be(true, &know)
+    }
+
+    fn is_true(&self, law: &Law) -> bool {
+        law.condition.value(&|id, fact| self.know(id, fact)) == Some(true)
+    }
+
+    // ---------------------------------------------------------------- resources
+
+    /// R4: who keeps a resource out of reach of what a rule with these before it is to start.
+    fn out_of_reach(
+        &self,
+        (before, stop): (&[CommandId], &[CommandId]),
+        next: CommandId,
+        resource: u32,
+    ) -> Option<CommandId> {
+        if self.commands[&next].holds.contains(&resource) || self.will_hand_on(before, resource) {
+            return None;
+        }
+        let holders = self.holders(resource);
+        holders
+            .into_iter()
+            .find(|h| !self.alternative(before, *h) && !stop.contains(h))
+    }
+
+    fn will_hand_on(&self, before: &[CommandId], resource: u32) -> bool {
+        before
+            .iter()
+            .filter_map(|id| self.commands.get(id))
+            .any(|c| {
+                let hopeless = c.state == State::Scheduled && !c.live;
+                c.end.is_none() && !hopeless && c.needs().contains(&resource)
+            })
+    }
+
+    /// R5
+    fn alternative(&self, before: &[CommandId], other: CommandId) -> bool {
+        self.commands[&other].state == State::Scheduled
+            && self.rules.iter().any(|(_, law, theirs)| {
+                law.start.contains(&other) && theirs.iter().any(|b| before.contains(b))
+            })
+    }
+
+    /// R6
+    fn take_free(&mut self) {
+        let mut ids: Vec<_> = self.commands.keys().copied().collect();
+        ids.sort_by_key(|id| id.place());
+        for id in ids {
+            for &resource in self.commands[&id].needs() {
+                let mine: Vec<&[CommandId]> = self
+                    .rules
+                    .iter()
+                    .filter(|r| r.1.start.contains(&id))
+                    .map(|r| &r.2[..])
+                    .collect();
+                let waits = mine
+                    .iter()
+                    .any(|before| self.will_hand_on(before, resource));
+                let free = mine.iter().all(|before| {
+                    self.holders(resource)
+                        .into_iter()
+                        .all(|h| self.alternative(before, h))
+                });
+                if self.commands[&id].state == State::Scheduled && !waits && free {
+                    self.change(id, |c| {
+                        c.holds.insert(resource);
+                    });
+                }
+            }
+        }
+    }
+
+    // ---------------------------------------------------------------- decision
+
+    fn begin(&mut self, id: CommandId, due: u64) {
+        let needs = self.commands[&id].needs();
+        for cmd in self.commands.values_mut() {
+            needs.iter().for_each(|r| {
+                cmd.holds.remove(r);
+            });
+        }
+        self.change(id, |c| {
+            c.holds = needs.iter().copied().collect();
+            (c.state, c.due, c.first) = (State::Running, due, Some(due));
+        });
+    }
+
+    fn leave(&mut self, id: CommandId, cause: How, error: i64) {
+        self.change(id, |c| {
+            c.end = Some(End {
+                cause,
+                error,
+                cancelled: c.state == State::Cancelling,
+                cycles: c.cycles,
+                left_moving: false,
+            });
+            (c.state, c.leaving) = (State::Terminated, true);
+        });
+    }
+
+    /// S3 to S6
+    fn fire(&mut self, id: RuleId, next: u64) {
+        let Some(at) = self.rules.iter().position(|r| r.0 == id) else {
+            return;
+        };
+        let (_, law, before) = self.rules[at].clone();
+        let startable = law.start.iter().all(|s| self.obtainable(&law, &before, *s));
+        self.rules.remove(at);
+        if !startable {
+            return;
+        }
+        for stop in &law.stop {
+            match self.commands.get(stop).map(|c| (c.runs(), c.state)) {
+                Some((true, _)) => self.leave(*stop, How::Stopped(id), 0),
+                Some((_, State::Scheduled)) => self.give_up(*stop),
+                _ => {}
+            }
+        }
+        for cancel in &law.cancel {
+            if self.commands.get(cancel).is_some_and(Cmd::runs) {
+                self.change(*cancel, |c| c.state = State::Cancelling);
+            }
+        }
+        let named = law
+            .condition
+            .names()
+            .into_iter()
+            .chain(law.stop.iter().copied());
+        let ending = named
+            .filter_map(|id| self.commands.get(&id))
+            .filter(|c| c.leaving);
+        let due = ending.map(|c| c.due).min().unwrap_or(next);
+        law.start.iter().for_each(|s| self.begin(*s, due));
+    }
+
+    /// S3
+    fn obtainable(&self, law: &Law, before: &[CommandId], next: CommandId) -> bool {
+        let Some(cmd) = self.commands.get(&next) else {
+            return false;
+        };
+        let gives = |h: &CommandId| {
+            self.commands[h].leaving || law.stop.contains(h) || self.alternative(before, *h)
+        };
+        cmd.state == State::Scheduled
+            && cmd
+                .needs()
+                .iter()
+                .filter(|r| !cmd.holds.contains(r))
+                .all(|r| self.holders(*r).iter().all(gives))
+    }
+
+    /// R7, B2, then S7.
+    fn close(&mut self) {
+        for cmd in self.commands.values_mut().filter(|c| c.leaving) {
+            cmd.leaving = false;
+            for resource in std::mem::take(&mut cmd.holds) {
+                if let Some(end) = cmd
+                    .end
+                    .as_mut()
+                    .filter(|_| self.axes.moving[resource as usize])
+                {
+                    end.left_moving = true;
+                    brake(&mut self.axes, resource);
+                }
+            }
+        }
+        self.settle();
+    }
+
+    /// S7
+    fn settle(&mut self) {
+        for cmd in self.commands.values_mut() {
+            cmd.live = cmd.state != State::Scheduled;
+        }
+        let mut open: BTreeSet<RuleId> = BTreeSet::new();
+        let mut grows = true;
+        while grows {
+            grows = false;
+            for (id, law, before) in self.rules.clone() {
+                if !open.contains(&id) && self.may_fire(&law, &before) {
+                    open.insert(id);
+                    law.start
+                        .iter()
+                        .for_each(|s| self.change(*s, |c| c.live = true));
+                    grows = true;
+                }
+            }
+        }
+        self.rules.retain(|r| open.contains(&r.0));
+        for (id, cmd) in self.commands.clone() {
+            let named = self.rules.iter().any(|r| r.1.start.contains(&id));
+            if cmd.state == State::Scheduled && !named {
+                self.give_up(id);
+            }
+        }
+        self.take_free();
+    }
+
+    fn may_fire(&self, law: &Law, before: &[CommandId]) -> bool {
+        let reachable = |s: &CommandId| {
+            self.commands.get(s).is_some_and(|c| {
+                let mut needs = c.needs().iter();
+                c.state == State::Scheduled
+                    && needs.all(|r| self.out_of_reach((before, &law.stop), *s, *r).is_none())
+            })
+        };
+        self.may_come_true(law) && law.start.iter().all(reachable)
+    }
+
+    /// C4: a command is no more.
+    fn forget(&mut self, id: CommandId) {
+        let Some(cmd) = self.commands.remove(&id) else {
+            return;
+        };
+        let last = |fact: Fact| match (fact, cmd.end) {
+            (Fact::Export(0), Some(_)) => cmd.shown,
+            (Fact::Export(_), _) => None,
+            (_, end) => Some(end.is_some_and(|end| said(fact, &end))),
+        };
+        for (_, law, _) in &mut self.rules {
+            law.condition.freeze(id, &last);
+        }
+    }
+
+    fn give_up(&mut self, id: CommandId) {
+        let kept = self.commands[&id].kept;
+        if kept {
+            self.change(id, |c| {
+                c.holds.clear();
+                (c.state, c.kept, c.live) = (State::Ready, false, true);
+            });
+        } else {
+            self.forget(id);
+            self.gone.insert(id);
+        }
+    }
+
+    // ---------------------------------------------------------------- cycle
+
+    fn running(&self) -> Vec<CommandId> {
+        let mut all: Vec<_> = self.commands.keys().copied().collect();
+        all.retain(|id| self.commands[id].runs());
+        all.sort_by_key(|id| id.place());
+        all
+    }
+
+    pub(crate) fn run_tick(&mut self) {
+        let mut due = self.running();
+        due.retain(|id| self.commands[id].due == self.tick);
+        for id in &due {
+            let covered = self.covered(*id);
+            self.change(*id, |c| c.covered = covered);
+        }
+        let accepted = self.axes.failed.map(|failed| !failed);
+        for id in &due {
+            self.cycle(*id, accepted);
+        }
+        for id in &due {
+            self.ends(*id);
+        }
+        let fires: Vec<RuleId> = self
+            .rules
+            .iter()
+            .filter(|r| self.is_true(&r.1))
+            .map(|r| r.0)
+            .collect();
+        let next = self.tick + 1;
+        fires.into_iter().for_each(|id| self.fire(id, next));
+        self.close();
+        self.tick += 1;
+    }
+
+    /// T1 for the one `yield` that there is.
+    fn covered(&self, id: CommandId) -> bool {
+        let cmd = &self.commands[&id];
+        let end = End {
+            cause: How::Result(1),
+            error: 0,
+            cancelled: cmd.state == State::Cancelling,
+            cycles: 0,
+            left_moving: false,
+        };
+        let know = |of: CommandId, fact: Fact| match fact {
+            Fact::Export(_) if of == id => Known {
+                now: None,
+                settled: false,
+            },
+            _ if of == id => Known {
+                now: Some(said(fact, &end)),
+                settled: true,
+            },
+            _ => {
+                let known = self.know(of, fact);
+                Known {
+                    now: known.now.filter(|_| known.settled),
+                    ..known
+                }
+            }
+        };
+        let moving = |r: &&u32| self.axes.moving[**r as usize];
+        self.rules.iter().any(|(_, law, before)| {
+            before.contains(&id)
+                && law.condition.value(&know) == Some(true)
+                && cmd.needs().iter().filter(moving).all(|r| {
+                    let starts = law.start.iter().filter_map(|s| self.commands.get(s));
+                    starts.into_iter().any(|c| c.needs().contains(r))
+                })
+        })
+    }
+
+    /// One cycle up to the hand-over: B3, B4.
+    fn cycle(&mut self, id: CommandId, accepted: [bool; 4]) {
+        let cmd = self.commands[&id].clone();
+        let fault = cmd.how == end::FAULT;
+        let mut lost = false;
+        for &r in cmd.needs() {
+            let axis = r as usize;
+            if !fault && accepted[axis] {
+                let target = self.axes.positions[axis] + cmd.speed;
+                self.axes.moving[axis] = target != self.axes.positions[axis];
+                self.axes.positions[axis] = target;
+            } else if self.axes.moving[axis] {
+                brake(&mut self.axes, r);
+                lost = true;
+            }
+        }
+        self.change(id, |c| {
+            c.cycles += 1;
+            c.shown = Some(c.flag);
+            c.due += KINDS[c.kind].1;
+        });
+        let ends = self.verdict(id).is_some();
+        if fault || (lost && !ends) {
+            // Marked here, ended in the decision.
+            self.change(id, |c| c.how = end::FAULT);
+        }
+    }
+
+    fn verdict(&self, id: CommandId) -> Option<(How, i64)> {
+        let cmd = &self.commands[&id];
+        match cmd.how {
+            end::FAULT => Some((How::Fault, -1)),
+            end::FAIL => Some((How::Result(2), 1)),
+            end::FINISH => Some((How::Result(0), 0)),
+            end::YIELD if cmd.covered => Some((How::Result(1), 0)),
+            _ => None,
+        }
+    }
+
+    fn ends(&mut self, id: CommandId) {
+        if let Some((how, error)) = self.verdict(id) {
+            self.leave(id, how, error);
+        }
+    }
+
+    fn change(&mut self, id: CommandId, change: impl FnOnce(&mut Cmd)) {
+        if let Some(cmd) = self.commands.get_mut(&id) {
+            change(cmd);
+        }
+    }
+}
+
+fn brake(axes: &mut Axes, resource: u32) {
+    axes.moving[resource as usize] = false;
+    axes.stops[resource as usize] += 1;
+}
+
+/// C2 and L6, of a command that has ended.
+fn said(fact: Fact, end: &End) -> bool {
+    let by_result = matches!(end.cause, How::Result(_));
+    match fact {
+        Fact::Export(_) => false,
+        Fact::Ended => true,
+        Fact::Regular => by_result && end.error == 0 && !end.cancelled,
+        Fact::Failed => end.error != 0,
+        Fact::Result(k) => end.cause == How::Result(k as usize),
+        Fact::Error(number) => end.error == number,
+    }
+}
