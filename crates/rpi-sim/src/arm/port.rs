@@ -111,7 +111,7 @@ impl Arm {
         let finite = value.iter().all(|bits| f64::from_bits(*bits).is_finite());
         match parameter {
             Parameter::Strategy => matches!(first, 10 | 20 | 30),
-            Parameter::Tool => finite && f64::from_bits(first) >= 0.0,
+            Parameter::Tool | Parameter::ToolAndTcp => finite && f64::from_bits(first) >= 0.0,
             _ => finite,
         }
     }
@@ -124,9 +124,14 @@ impl Arm {
             return;
         }
         if let Some(kept) = self.parameters.get_mut(place(parameter, index)) {
-            kept.iter_mut()
-                .zip(value)
-                .for_each(|(slot, bits)| *slot = f64::from_bits(*bits));
+            for (k, slot) in kept.iter_mut().enumerate() {
+                let k = match parameter {
+                    Parameter::ToolAndTcp => LOAD.get(k).copied(),
+                    _ => Some(k),
+                };
+                let bits = k.and_then(|k| value.get(k));
+                *slot = bits.map_or(*slot, |bits| f64::from_bits(*bits));
+            }
         }
     }
 
@@ -143,13 +148,17 @@ impl Arm {
     }
 }
 
+/// Where [`Arm::load`] finds its numbers in mass, centre of mass as a pose, moments of inertia, tool centre point as a
+/// pose: of poses it takes the positions.
+const LOAD: [usize; 10] = [0, 1, 2, 3, 8, 9, 10, 11, 12, 13];
+
 /// The states of axes that a set-point leads to.
 type Staged = [Option<State>; MAX_AXES];
 
 /// Where the values of a parameter are kept; also its number among the actuators that follow the axes.
 fn place(parameter: Parameter, index: usize) -> usize {
     match parameter {
-        Parameter::Tool => 0,
+        Parameter::Tool | Parameter::ToolAndTcp => 0,
         Parameter::ToolImpedance => 1,
         Parameter::ToolSine => 2,
         Parameter::JointImpedance => 3 + index,

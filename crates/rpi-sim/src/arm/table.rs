@@ -41,6 +41,8 @@ pub(super) enum Target {
 #[derive(Clone, Copy, PartialEq, Eq)]
 pub(super) enum Parameter {
     Tool,
+    /// The tool, and the poses of its centre of mass and of its centre point.
+    ToolAndTcp,
     Strategy,
     JointImpedance,
     ToolImpedance,
@@ -172,9 +174,9 @@ pub(super) const PORTS: &[Line] = &[
     ),
     actuator(
         "tool_and_tcp",
-        Carries::Reals(10),
+        Carries::Reals(18),
         false,
-        Act::Parameter(Parameter::Tool),
+        Act::Parameter(Parameter::ToolAndTcp),
     ),
     actuator(
         "control_strategy",

@@ -1,9 +1,13 @@
 //! Recorded nets, written as programs, formatted and compiled again, do what they did.
 
+mod bank;
 mod constant;
 mod nets;
 mod replay;
+mod run;
 mod trip;
+
+use std::path::PathBuf;
 
 use nets::{below, in_parallel, none_wrong};
 
@@ -12,4 +16,23 @@ use nets::{below, in_parallel, none_wrong};
 fn programs_of_the_corpus_agree_with_the_traces_of_their_nets() {
     let nets = below("corpus/nets");
     none_wrong(&nets, in_parallel(&nets, |net| replay::agrees(net)));
+}
+
+/// Nets without traces are run, and so are their programs.
+#[test]
+fn programs_of_the_first_generation_move_the_arms_as_their_nets_do() {
+    move_the_arms_alike(&below("v1"));
+}
+
+#[test]
+fn programs_of_the_second_generation_move_the_arms_as_their_nets_do() {
+    move_the_arms_alike(&below("v2"));
+}
+
+fn move_the_arms_alike(nets: &[PathBuf]) {
+    let outcomes = in_parallel(nets, |net| run::does_the_same(net));
+    let moving = outcomes.iter().filter(|o| **o == Ok(true)).count();
+    none_wrong(nets, outcomes.into_iter().map(|o| o.map(|_| ())).collect());
+    // Some nets wait for a word from outside before they move anything.
+    assert!(2 * moving >= nets.len(), "only {moving} nets moved an arm");
 }

@@ -1,0 +1,100 @@
+//! The devices that the recorded nets were made for, simulated, with a note of every set-point.
+
+use std::collections::BTreeMap;
+use std::ops::Range;
+
+use rpi_device::{DeviceBank, PortId, PortName, Refusal, ResolveError};
+use rpi_sim::{Cell, SimBank};
+
+/// Period of the recorded nets, ns.
+pub(crate) const PERIOD_NS: u64 = 25_000_000;
+
+/// Two arms side by side. The nets move them from where they stood when the nets were made, so what the controller of an
+/// arm would say to the first set-point is left out.
+const CELL: &str = r#"
+[devices.left]
+kind = "arm"
+model = "kuka-lwr4+"
+enforce = []
+
+[devices.right]
+kind = "arm"
+model = "kuka-lwr4+"
+enforce = []
+"#;
+
+/// The set-points of a cycle, by port.
+pub(crate) type SetPoints = BTreeMap<String, Vec<u64>>;
+
+/// Simulated devices that write down what they are told.
+pub(crate) struct Noting {
+    bank: SimBank,
+    names: BTreeMap<PortId, String>,
+    told: SetPoints,
+}
+
+impl Noting {
+    pub(crate) fn new() -> Self {
+        let cell = Cell::parse("cell.toml", CELL).expect("the cell above");
+        Noting {
+            bank: SimBank::new(&cell, PERIOD_NS as f64 * 1e-9),
+            names: BTreeMap::new(),
+            told: BTreeMap::new(),
+        }
+    }
+
+    /// Ends a cycle: what was told in it.
+    pub(crate) fn step(&mut self) -> SetPoints {
+        self.bank.step();
+        std::mem::take(&mut self.told)
+    }
+}
+
+impl DeviceBank for Noting {
+    fn resolve(&mut self, name: &PortName<'_>) -> Result<PortId, ResolveError> {
+        let port = self.bank.resolve(name)?;
+        self.names.insert(port, format!("{name:?}"));
+        Ok(port)
+    }
+
+    fn resource(&self, port: PortId) -> u32 {
+        self.bank.resource(port)
+    }
+
+    fn resources(&self, port: PortId) -> Range<u32> {
+        self.bank.resources(port)
+    }
+
+    fn pace(&mut self, resource: u32, ticks: u32) {
+        self.bank.pace(resource, ticks);
+    }
+
+    fn read(&mut self, port: PortId, value: &mut [u64]) -> bool {
+        self.bank.read(port, value)
+    }
+
+    fn check(&mut self, port: PortId, value: &[u64]) -> Refusal {
+        self.bank.check(port, value)
+    }
+
+    fn error(&self, port: PortId) -> i64 {
+        self.bank.error(port)
+    }
+
+    fn write(&mut self, port: PortId, value: &[u64]) {
+        self.told.insert(self.names[&port].clone(), value.to_vec());
+        self.bank.write(port, value);
+    }
+
+    fn call(&mut self, port: PortId, arguments: &[u64], result: &mut [u64]) -> bool {
+        self.bank.call(port, arguments, result)
+    }
+
+    fn moving(&self, resource: u32) -> bool {
+        self.bank.moving(resource)
+    }
+
+    fn stop(&mut self, resource: u32) {
+        self.bank.stop(resource);
+    }
+}
