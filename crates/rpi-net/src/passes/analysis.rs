@@ -19,6 +19,8 @@ pub struct Analysis {
     pub findings: Vec<Finding>,
     /// What each pass did, in words: its name and a line.
     pub told: Vec<(&'static str, String)>,
+    /// Who reads what.
+    pub users: Users,
     /// What waits for what.
     pub dependencies: Dependencies,
     /// The order of evaluation; none if something depends on itself.
@@ -33,13 +35,19 @@ pub struct Analysis {
 
 impl Analysis {
     /// What proofs look at.
-    fn background<'a>(&'a self, users: &'a Users) -> Background<'a> {
+    fn background(&self) -> Background<'_> {
         Background {
             net: &self.net,
             tree: &self.tree,
-            users,
+            users: &self.users,
             presences: &self.presences,
         }
+    }
+
+    /// Finds out anew what depends on what.
+    fn order(&mut self) {
+        self.dependencies = Dependencies::new(&self.net, &self.tree);
+        self.schedule = Schedule::new(&self.dependencies);
     }
 }
 
@@ -74,8 +82,15 @@ pub const PASSES: &[Pass] = &[
         name: "delays",
         about: "delays of imported nets stand at the level of the ring that they break",
         run: |a, _| {
-            let added = hoist::hoist_delays(&mut a.net);
-            a.tree = Tree::new(&a.net);
+            a.order();
+            let mut added = 0;
+            if a.schedule.is_none() {
+                added = hoist::hoist_delays(&mut a.net, &a.dependencies);
+            }
+            if added > 0 {
+                a.tree = Tree::new(&a.net);
+                a.order();
+            }
             Ok(format!("{added} added"))
         },
     },
@@ -83,8 +98,6 @@ pub const PASSES: &[Pass] = &[
         name: "causality",
         about: "nothing depends on itself within a cycle",
         run: |a, _| {
-            a.dependencies = Dependencies::new(&a.net, &a.tree);
-            a.schedule = Schedule::new(&a.dependencies);
             if a.schedule.is_none() {
                 a.findings.extend(causality::check(&a.net, &a.dependencies));
             }
@@ -105,8 +118,8 @@ pub const PASSES: &[Pass] = &[
         name: "presence",
         about: "which flows can be absent",
         run: |a, forced| {
-            let users = Users::new(&a.net);
-            a.presences = Presences::infer(&a.net, &a.tree, &users, forced);
+            a.users = Users::new(&a.net);
+            a.presences = Presences::infer(&a.net, &a.tree, &a.users, forced);
             a.presences.verify(&a.net, &a.tree)?;
             let count = |s| a.presences.iter().filter(|p| *p == s).count();
             let [total, optional, never] =
@@ -120,8 +133,7 @@ pub const PASSES: &[Pass] = &[
         name: "writers",
         about: "no actuator is driven twice in a cycle; the resources that are taken",
         run: |a, _| {
-            let users = Users::new(&a.net);
-            let writers = Writers::new(a.background(&users));
+            let writers = Writers::new(a.background());
             a.findings.extend(writers::check(&a.net, &writers));
             let watched = writers.watched().count();
             let proved = writers.pairs.len() - watched;
@@ -137,8 +149,7 @@ pub const PASSES: &[Pass] = &[
         name: "ends",
         about: "some `finish` can happen, and every result can",
         run: |a, _| {
-            let users = Users::new(&a.net);
-            let findings = ends::check(a.background(&users));
+            let findings = ends::check(a.background());
             let told = format!("{} faults", findings.len());
             a.findings.extend(findings);
             Ok(told)
@@ -158,8 +169,7 @@ pub const PASSES: &[Pass] = &[
         name: "work",
         about: "a bound on the work of a cycle, of exclusive fragments the largest",
         run: |a, _| {
-            let users = Users::new(&a.net);
-            a.work = Work::new(a.background(&users));
+            a.work = Work::new(a.background());
             Ok(format!("{} operations", a.work.of(FragmentId::ROOT)))
         },
     },
@@ -175,6 +185,7 @@ pub fn analyse(net: Net, forced: impl Fn(PortRef) -> bool) -> Result<Analysis, V
     let mut analysis = Analysis {
         findings: Vec::new(),
         told: Vec::with_capacity(PASSES.len()),
+        users: Users::new(&nothing),
         dependencies: Dependencies::none(),
         schedule: None,
         presences: Presences::unknown(&nothing),

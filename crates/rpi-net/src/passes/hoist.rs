@@ -9,17 +9,17 @@
 use crate::net::{Activation, Driver, FragmentId, Input, Net, Node, PortRef, Restart};
 use crate::passes::dependencies::{Dependence, Dependencies, Graph, Reader};
 use crate::passes::rings::Rings;
-use crate::tree::{Item, Tree};
+use crate::tree::Item;
 use petgraph::visit::EdgeRef;
 use rpi_image::Role;
 use std::collections::{BTreeMap, BTreeSet};
 
 /// Moves delays of an imported net out of fragments where that breaks a ring; the number of delays added.
-pub fn hoist_delays(net: &mut Net) -> usize {
+/// `dependencies` are those of the net as it is.
+pub fn hoist_delays(net: &mut Net, dependencies: &Dependencies) -> usize {
     if !matches!(net.driver, Driver::Ports { .. }) {
         return 0;
     }
-    let dependencies = Dependencies::new(net, &Tree::new(net));
     let mut added = 0;
     for level in net.fragment_ids() {
         let graph = dependencies.graph(level);

@@ -1,12 +1,13 @@
 //! From what stands in a primitive's parentheses to its inputs and parameters.
 
 use super::links::{Links, list, type_name};
-use super::text::{Argument, Definition, Given, Place, Source, Word};
+use super::text::{Argument, Definition, Given, Place, Source, Word, number};
 use super::value::{flow_type, neutral, parse};
 use crate::literal::LiteralError;
 use crate::net::{Input, PortRef};
 use rpi_diag::{Code, Finding, suggest};
 use rpi_image::{InPort, Need, Param, ParamType, PortDefault, PortType, PrimDesc, Value};
+use smallvec::SmallVec;
 
 /// The inputs and parameters of a primitive.
 pub(super) struct Connected {
@@ -19,7 +20,7 @@ pub(super) struct Arguments<'a, 'b, 't> {
     pub(super) links: &'a mut Links<'b, 't>,
     pub(super) findings: &'a mut Vec<Finding>,
     pub(super) desc: &'static PrimDesc,
-    pub(super) definition: &'a Definition<'t>,
+    pub(super) definition: &'a Definition,
     /// The text has no faults of syntax, with which something that is missing may have been lost.
     pub(super) intact: bool,
 }
@@ -33,8 +34,9 @@ impl<'t> Arguments<'_, '_, 't> {
     /// All inputs and parameters; what is wrong goes to the findings, and something neutral takes its place.
     pub(super) fn read(mut self) -> Connected {
         let definition = self.definition;
-        let (mut links, mut settings) = (Vec::new(), Vec::new());
-        for argument in &definition.arguments {
+        let mut links: SmallVec<[Link; 4]> = SmallVec::new();
+        let mut settings: SmallVec<[Setting<'t>; 2]> = SmallVec::new();
+        for argument in self.links.text.arguments(definition) {
             match argument.value {
                 Given::Link(source) => links.extend(self.link(argument, source)),
                 Given::Text(text) => settings.extend(self.setting(argument, text)),
@@ -47,10 +49,10 @@ impl<'t> Arguments<'_, '_, 't> {
         connect(self.desc, &links, &settings)
     }
 
-    fn link(&mut self, argument: &Argument<'t>, source: Source<'t>) -> Option<Link> {
+    fn link(&mut self, argument: &Argument, source: Source) -> Option<Link> {
         let scope = self.definition.scope;
         let origin = self.links.origin(scope, source, self.findings);
-        let Some(port) = self.desc.input(argument.name.text) else {
+        let Some(port) = self.desc.input(self.str(argument.name)) else {
             let finding = self.no_input(argument.name);
             self.findings.push(finding);
             return None;
@@ -60,14 +62,14 @@ impl<'t> Arguments<'_, '_, 't> {
         Some((port, origin))
     }
 
-    fn setting(&mut self, argument: &Argument<'t>, text: Word<'t>) -> Option<Setting<'t>> {
-        let name = argument.name.text;
+    fn setting(&mut self, argument: &Argument, text: Word) -> Option<Setting<'t>> {
+        let name = self.str(argument.name);
         let Some(ty) = parameter_type(self.desc, name) else {
             let finding = self.no_parameter(argument.name);
             self.findings.push(finding);
             return None;
         };
-        let value = parse(text.text, ty).unwrap_or_else(|error| {
+        let value = parse(self.str(text), ty).unwrap_or_else(|error| {
             let finding = self.no_value(argument.name, text, &error);
             self.findings.push(finding);
             neutral(ty)
@@ -75,7 +77,7 @@ impl<'t> Arguments<'_, '_, 't> {
         Some((name, value))
     }
 
-    fn wrong_type(&self, port: usize, origin: PortRef, source: Source<'t>) -> Option<Finding> {
+    fn wrong_type(&self, port: usize, origin: PortRef, source: Source) -> Option<Finding> {
         let input = &self.desc.inputs[port];
         let (ty, name) = self.links.port_type(origin)?;
         if ty == input.ty {
@@ -95,35 +97,35 @@ impl<'t> Arguments<'_, '_, 't> {
         )
     }
 
-    fn no_input(&self, name: Word<'t>) -> Finding {
+    fn no_input(&self, word: Word) -> Finding {
+        let name = self.str(word);
         let ports: Vec<&str> = self.desc.inputs.iter().map(|p| p.name).collect();
-        let message = format!("`{}` has no in-port `{}`", self.desc.name, name.text);
+        let message = format!("`{}` has no in-port `{}`", self.desc.name, name);
         let finding = Finding::new(Code::RPI1102, message)
-            .at(self.span(name.place()), "this link is ignored")
+            .at(self.span(word), "this link is ignored")
             .note("the reference's Java core ignores such links, its C++ core refuses the net");
-        if parameter_type(self.desc, name.text).is_some() {
+        if parameter_type(self.desc, name).is_some() {
             return finding.help("this is a parameter: give it a text in quotes");
         }
-        advise(finding, name.text, &ports)
+        advise(finding, name, &ports)
     }
 
-    fn no_parameter(&self, name: Word<'t>) -> Finding {
+    fn no_parameter(&self, word: Word) -> Finding {
+        let name = self.str(word);
         let parameters = parameters(self.desc);
-        let message = format!("`{}` has no parameter `{}`", self.desc.name, name.text);
-        let finding = Finding::new(Code::RPI1103, message).at(self.span(name.place()), "not known");
-        if self.desc.input(name.text).is_some() {
+        let message = format!("`{}` has no parameter `{}`", self.desc.name, name);
+        let finding = Finding::new(Code::RPI1103, message).at(self.span(word), "not known");
+        if self.desc.input(name).is_some() {
             return finding.help("this is an in-port: connect it to an out-port, `name.outPort`");
         }
-        advise(finding, name.text, &parameters)
+        advise(finding, name, &parameters)
     }
 
-    fn no_value(&self, name: Word<'t>, text: Word<'t>, error: &LiteralError) -> Finding {
-        let at = text.at + error.at.min(text.text.len());
-        let place = Place {
-            start: at,
-            end: text.place().end.max(at),
-        };
-        let message = format!("`{}` of `{}`: {}", name.text, self.desc.name, error.message);
+    fn no_value(&self, name: Word, text: Word, error: &LiteralError) -> Finding {
+        let start = text.start.saturating_add(number(error.at)).min(text.end);
+        let place = Place { start, ..text };
+        let (name, prim) = (self.str(name), self.desc.name);
+        let message = format!("`{name}` of `{prim}`: {}", error.message);
         Finding::new(Code::RPI2102, message)
             .at(self.span(place), error.message.clone())
             .help("the page of this finding lists how values are written")
@@ -131,16 +133,17 @@ impl<'t> Arguments<'_, '_, 't> {
 
     fn report_twice(&mut self) {
         let text = self.links.text;
-        let arguments = &self.definition.arguments;
+        let arguments = text.arguments(self.definition);
         for (k, second) in arguments.iter().enumerate() {
             let earlier = arguments[..k].iter();
-            let mut earlier = earlier.filter(|a| a.name.text == second.name.text);
+            let name = text.str(second.name);
+            let mut earlier = earlier.filter(|a| text.str(a.name) == name);
             let Some(first) = earlier.next() else {
                 continue;
             };
             let places = [first, second].map(|a| text.argument_place(a));
-            if text.slice(places[0]) != text.slice(places[1]) {
-                let message = format!("`{}` is given twice", second.name.text);
+            if text.str(places[0]) != text.str(places[1]) {
+                let message = format!("`{name}` is given twice");
                 let finding = Finding::new(Code::RPI1107, message)
                     .at(self.span(places[1]), "given again here")
                     .also(self.span(places[0]), "first given here")
@@ -181,8 +184,12 @@ impl<'t> Arguments<'_, '_, 't> {
         let start = self.definition.place.start;
         Place {
             start,
-            end: start + self.desc.name.len(),
+            end: start + number(self.desc.name.len()),
         }
+    }
+
+    fn str(&self, word: Word) -> &'t str {
+        self.links.text.str(word)
     }
 
     fn span(&self, place: Place) -> rpi_diag::Span {

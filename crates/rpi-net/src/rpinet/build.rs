@@ -11,6 +11,7 @@ use crate::net::{
 use rpi_diag::{Code, Finding, suggest};
 use rpi_image::{PortType, Scalar};
 use rpi_prims::{PrimId, registry};
+use rustc_hash::FxHashMap;
 use std::collections::BTreeMap;
 
 /// The in-port that activates a fragment.
@@ -35,6 +36,7 @@ pub(super) fn build(name: &str, text: &Text<'_>, findings: &mut Vec<Finding>) ->
         net: Net::new(name),
         nodes: vec![None; text.definitions.len()],
         fragments: vec![FragmentId::ROOT; text.fragments.len()],
+        prims: FxHashMap::default(),
         unnamed: 0,
         findings,
     };
@@ -65,22 +67,23 @@ struct Builder<'a, 't> {
     net: Net,
     nodes: Nodes,
     fragments: Vec<FragmentId>,
+    prims: FxHashMap<&'t str, Option<PrimId>>,
     unnamed: u32,
     findings: &'a mut Vec<Finding>,
 }
 
 impl<'t> Builder<'_, 't> {
     fn declare(&mut self) {
-        let mut unknown: BTreeMap<&str, Vec<Word<'t>>> = BTreeMap::new();
-        for id in 0..self.text.definitions.len() {
+        let mut unknown: BTreeMap<&str, Vec<Word>> = BTreeMap::new();
+        for id in self.text.definition_ids() {
             if self.names.is_repeated(id) {
                 continue;
             }
-            match self.text.definitions[id].kind {
+            match self.text.definition(id).kind {
                 Kind::Fragment(body) => self.declare_fragment(id, body),
-                Kind::Primitive(ty) => match PrimId::of(ty.text) {
+                Kind::Primitive(ty) => match self.prim(self.text.str(ty)) {
                     Some(prim) => self.declare_node(id, prim),
-                    None => unknown.entry(ty.text).or_default().push(ty),
+                    None => unknown.entry(self.text.str(ty)).or_default().push(ty),
                 },
             }
         }
@@ -88,10 +91,15 @@ impl<'t> Builder<'_, 't> {
         self.findings.extend(unknown);
     }
 
+    /// The primitive of a name; the registry is asked once for each.
+    fn prim(&mut self, name: &'t str) -> Option<PrimId> {
+        *self.prims.entry(name).or_insert_with(|| PrimId::of(name))
+    }
+
     fn declare_fragment(&mut self, id: DefinitionId, body: BodyId) {
         let fragment = Fragment {
             name: self.name(id),
-            parent: Some(self.fragments[self.text.definitions[id].scope]),
+            parent: Some(self.around(id)),
             activation: Activation::Always,
             restart: Restart::Never,
             inputs: Vec::new(),
@@ -99,27 +107,32 @@ impl<'t> Builder<'_, 't> {
             budget_ns: None,
             origin: self.origin(id),
         };
-        self.fragments[body] = self.net.add_fragment(fragment);
+        self.fragments[body as usize] = self.net.add_fragment(fragment);
+    }
+
+    /// The fragment in which a definition stands.
+    fn around(&self, id: DefinitionId) -> FragmentId {
+        self.fragments[self.text.definition(id).scope as usize]
     }
 
     fn declare_node(&mut self, id: DefinitionId, prim: PrimId) {
         let node = Node {
             name: self.name(id),
             prim,
-            fragment: self.fragments[self.text.definitions[id].scope],
+            fragment: self.around(id),
             inputs: Vec::new(),
             params: Vec::new(),
             outputs: Vec::new(),
             origin: self.origin(id),
         };
-        self.nodes[id] = Some((self.net.add_node(node), prim));
+        self.nodes[id as usize] = Some((self.net.add_node(node), prim));
     }
 
     /// The name of a definition, made up if it has none.
     fn name(&mut self, id: DefinitionId) -> String {
-        let definition = &self.text.definitions[id];
+        let definition = self.text.definition(id);
         if let Some(name) = definition.name {
-            return name.text.to_owned();
+            return self.text.str(name).to_owned();
         }
         loop {
             self.unnamed += 1;
@@ -132,7 +145,7 @@ impl<'t> Builder<'_, 't> {
 
     fn origin(&self, id: DefinitionId) -> Origin {
         Origin {
-            span: self.text.span(self.text.definitions[id].place),
+            span: self.text.span(self.text.definition(id).place),
             flow: None,
         }
     }
@@ -151,13 +164,13 @@ struct Connector<'a, 'b, 't> {
 impl<'t> Connector<'_, '_, 't> {
     fn definitions(&mut self, names: &Names<'t>) {
         let text = self.text;
-        for (id, definition) in text.definitions.iter().enumerate() {
+        for (id, definition) in text.definition_ids().zip(&text.definitions) {
             if names.is_repeated(id) {
                 continue;
             }
             match definition.kind {
                 Kind::Fragment(body) => {
-                    self.fragment(definition.scope, body, &definition.arguments)
+                    self.fragment(definition.scope, body, text.arguments(definition))
                 }
                 Kind::Primitive(_) => self.node(id),
             }
@@ -165,14 +178,14 @@ impl<'t> Connector<'_, '_, 't> {
     }
 
     fn node(&mut self, id: DefinitionId) {
-        let Some((node, prim)) = self.links.nodes[id] else {
+        let Some((node, prim)) = self.links.nodes[id as usize] else {
             return;
         };
         let arguments = Arguments {
             links: &mut self.links,
             findings: self.findings,
             desc: prim.desc(),
-            definition: &self.text.definitions[id],
+            definition: self.text.definition(id),
             intact: self.intact,
         };
         let connected = arguments.read();
@@ -181,10 +194,10 @@ impl<'t> Connector<'_, '_, 't> {
         node.params = connected.params;
     }
 
-    fn fragment(&mut self, scope: BodyId, body: BodyId, arguments: &'_ [Argument<'t>]) {
-        let at = self.fragments[body].index();
+    fn fragment(&mut self, scope: BodyId, body: BodyId, arguments: &[Argument]) {
+        let at = self.fragments[body as usize].index();
         for argument in arguments {
-            if restarts_on_activation(argument) {
+            if restarts_on_activation(self.text, argument) {
                 self.net.fragments[at].restart = Restart::OnActivation;
                 continue;
             }
@@ -192,11 +205,12 @@ impl<'t> Connector<'_, '_, 't> {
                 continue;
             };
             let name = argument.name;
-            if matches!(name.text, ACTIVATION | RESTART) {
+            let label = self.text.str(name);
+            if matches!(label, ACTIVATION | RESTART) {
                 self.check(port, PortType::One(Scalar::Bool), name);
             }
             let fragment = &mut self.net.fragments[at];
-            match name.text {
+            match label {
                 ACTIVATION => {
                     fragment.activation = Activation::When {
                         condition: port,
@@ -213,12 +227,13 @@ impl<'t> Connector<'_, '_, 't> {
     }
 
     /// What is connected to an in-port of a fragment.
-    fn argument(&mut self, scope: BodyId, argument: &Argument<'t>) -> Option<PortRef> {
+    fn argument(&mut self, scope: BodyId, argument: &Argument) -> Option<PortRef> {
         match argument.value {
             Given::Link(source) => self.links.origin(scope, source, self.findings),
             Given::Text(_) => {
                 let name = argument.name;
-                let message = format!("a fragment has no parameters, but `{}` is given", name.text);
+                let label = self.text.str(name);
+                let message = format!("a fragment has no parameters, but `{label}` is given");
                 let place = self.text.span(self.text.argument_place(argument));
                 let finding = Finding::new(Code::RPI1103, message).at(place, "a text");
                 let value = "connect it to a constant: `name=Core::DoubleValue(Value='..')`";
@@ -229,8 +244,8 @@ impl<'t> Connector<'_, '_, 't> {
     }
 
     fn outputs(&mut self, names: &Names<'t>) {
-        for body in 0..self.text.fragments.len() {
-            let definition = self.text.fragments[body].definition;
+        for body in self.text.body_ids() {
+            let definition = self.text.body(body).definition;
             if definition.is_some_and(|d| names.is_repeated(d)) {
                 continue;
             }
@@ -241,14 +256,15 @@ impl<'t> Connector<'_, '_, 't> {
     fn body_outputs(&mut self, body: BodyId, names: &Names<'t>) {
         let (mut terminate, mut fail) = (None, None);
         let mut outputs = Vec::new();
-        for (k, output) in self.text.fragments[body].outputs.iter().enumerate() {
-            if names.output(body, output.name.text) != Some(k) {
+        for (k, output) in self.text.body(body).outputs.iter().enumerate() {
+            let label = self.text.str(output.name);
+            if names.output(body, label) != Some(k) {
                 continue;
             }
             let Some(port) = self.output(body, output.source) else {
                 continue;
             };
-            match output.name.text {
+            match label {
                 TERMINATE if body == 0 => {
                     self.check(port, PortType::One(Scalar::Bool), output.name);
                     terminate = Some(Input::Port(port));
@@ -263,35 +279,35 @@ impl<'t> Connector<'_, '_, 't> {
                 }),
             }
         }
-        self.net.fragments[self.fragments[body].index()].outputs = outputs;
+        self.net.fragments[self.fragments[body as usize].index()].outputs = outputs;
         if body == 0 {
             self.net.driver = Driver::Ports { terminate, fail };
         }
     }
 
-    fn output(&mut self, body: BodyId, source: Source<'t>) -> Option<PortRef> {
+    fn output(&mut self, body: BodyId, source: Source) -> Option<PortRef> {
         self.links.origin(body, source, self.findings)
     }
 
     /// Reports a link to a port with a fixed meaning if it is of another type.
-    fn check(&mut self, port: PortRef, needed: PortType, name: Word<'t>) {
+    fn check(&mut self, port: PortRef, needed: PortType, name: Word) {
         let finding = self.links.wrong_type_at(port, needed, name);
         self.findings.extend(finding);
     }
 }
 
-fn restarts_on_activation(argument: &Argument<'_>) -> bool {
-    let whenever = matches!(argument.value, Given::Text(t) if t.text == RESTART_ON_ACTIVATION);
-    whenever && argument.name.text == RESTART
+fn restarts_on_activation(text: &Text<'_>, argument: &Argument) -> bool {
+    let whenever = |t| text.str(t) == RESTART_ON_ACTIVATION;
+    matches!(argument.value, Given::Text(t) if whenever(t)) && text.str(argument.name) == RESTART
 }
 
-fn unknown_type(text: &Text<'_>, places: &[Word<'_>]) -> Finding {
+fn unknown_type(text: &Text<'_>, places: &[Word]) -> Finding {
     const SHOWN: usize = 4;
-    let name = places[0].text;
+    let name = text.str(places[0]);
     let finding = Finding::new(Code::RPI1101, format!("there is no primitive `{name}`"));
     let labelled = places.iter().take(SHOWN);
     let finding = labelled.fold(finding, |f, word| {
-        f.at(text.span(word.place()), "not known")
+        f.at(text.span(*word), "not known")
     });
     let finding = match places.len().saturating_sub(SHOWN) {
         0 => finding,

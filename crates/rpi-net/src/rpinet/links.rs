@@ -6,7 +6,8 @@ use crate::net::{NodeId, PortRef};
 use rpi_diag::{Code, Finding, suggest};
 use rpi_image::PortType;
 use rpi_prims::PrimId;
-use std::collections::HashMap;
+use rustc_hash::FxHashMap;
+
 
 /// The nodes that definitions have become.
 pub(super) type Nodes = Vec<Option<(NodeId, PrimId)>>;
@@ -18,7 +19,7 @@ pub(super) struct Links<'a, 't> {
     pub(super) nodes: &'a Nodes,
     /// The primitive of each node.
     prims: Vec<PrimId>,
-    ports: HashMap<Port, Origin>,
+    ports: FxHashMap<Port, Origin>,
     /// How many more names are looked up for a "did you mean": a broken net may have thousands of wrong names.
     hints: u32,
 }
@@ -66,7 +67,7 @@ impl<'a, 't> Links<'a, 't> {
             names,
             nodes,
             prims: nodes.iter().flatten().map(|(_, prim)| *prim).collect(),
-            ports: HashMap::new(),
+            ports: FxHashMap::default(),
             hints: 32,
         }
     }
@@ -76,7 +77,7 @@ impl<'a, 't> Links<'a, 't> {
     pub(super) fn origin(
         &mut self,
         scope: BodyId,
-        source: Source<'t>,
+        source: Source,
         findings: &mut Vec<Finding>,
     ) -> Option<PortRef> {
         match self.step(scope, source) {
@@ -127,39 +128,39 @@ impl<'a, 't> Links<'a, 't> {
     }
 
     /// The link that is connected to a port on a border, and the fragment in which it stands.
-    fn behind(&self, port: Port) -> Option<(BodyId, Source<'t>)> {
+    fn behind(&self, port: Port) -> Option<(BodyId, Source)> {
         match port {
             Port::In(id, k) => {
-                let definition = &self.text.definitions[id];
-                match definition.arguments[k].value {
+                let definition = self.text.definition(id);
+                match self.text.arguments(definition)[k].value {
                     Given::Link(source) => Some((definition.scope, source)),
                     Given::Text(_) => None,
                 }
             }
-            Port::Out(body, k) => Some((body, self.text.fragments[body].outputs[k].source)),
+            Port::Out(body, k) => Some((body, self.text.body(body).outputs[k].source)),
         }
     }
 
-    fn step(&self, scope: BodyId, source: Source<'t>) -> Result<Step, Broken> {
+    fn step(&self, scope: BodyId, source: Source) -> Result<Step, Broken> {
         let id = match source.of {
-            Subject::Name(word) if word.text == PARENT => return self.in_port(scope, source),
+            Subject::Name(word) if self.str(word) == PARENT => return self.in_port(scope, source),
             Subject::Name(word) => self
                 .names
-                .definition(scope, word.text)
+                .definition(scope, self.str(word))
                 .ok_or(Broken::Name)?,
             Subject::Definition(id) => id,
         };
-        match self.text.definitions[id].kind {
+        match self.text.definition(id).kind {
             Kind::Fragment(body) => {
                 let k = self
                     .names
-                    .output(body, source.port.text)
+                    .output(body, self.str(source.port))
                     .ok_or(Broken::Port)?;
                 Ok(Step::Border(Port::Out(body, k)))
             }
             Kind::Primitive(_) => {
-                let (node, prim) = self.nodes[id].ok_or(Broken::Elsewhere)?;
-                let port = prim.desc().output(source.port.text).ok_or(Broken::Port)?;
+                let (node, prim) = self.nodes[id as usize].ok_or(Broken::Elsewhere)?;
+                let port = prim.desc().output(self.str(source.port)).ok_or(Broken::Port)?;
                 let port = u8::try_from(port).map_err(|_| Broken::Elsewhere)?;
                 Ok(Step::Node(PortRef { node, port }))
             }
@@ -167,9 +168,9 @@ impl<'a, 't> Links<'a, 't> {
     }
 
     /// An in-port of the fragment in which a link stands.
-    fn in_port(&self, scope: BodyId, source: Source<'t>) -> Result<Step, Broken> {
-        let id = self.text.fragments[scope].definition.ok_or(Broken::Root)?;
-        let k = self.names.input(id, source.port.text).ok_or(Broken::Port)?;
+    fn in_port(&self, scope: BodyId, source: Source) -> Result<Step, Broken> {
+        let id = self.text.body(scope).definition.ok_or(Broken::Root)?;
+        let k = self.names.input(id, self.str(source.port)).ok_or(Broken::Port)?;
         Ok(Step::Border(Port::In(id, k)))
     }
 
@@ -178,17 +179,18 @@ impl<'a, 't> Links<'a, 't> {
         &self,
         port: PortRef,
         needed: PortType,
-        name: Word<'t>,
+        name: Word,
     ) -> Option<Finding> {
         let (ty, from) = self.port_type(port).filter(|(ty, _)| *ty != needed)?;
         let [given, needed] = [ty, needed].map(type_name);
-        let message = format!("`{from}` gives {given}, `{}` takes {needed}", name.text);
-        let place = self.text.span(name.place());
+        let to = self.str(name);
+        let message = format!("`{from}` gives {given}, `{to}` takes {needed}");
+        let place = self.text.span(name);
         let finding = Finding::new(Code::RPI2101, message).at(place, format!("takes {needed}"));
         Some(finding.help(format!("connect something that gives {needed}")))
     }
 
-    fn report(&mut self, broken: Broken, scope: BodyId, source: Source<'t>) -> Option<Finding> {
+    fn report(&mut self, broken: Broken, scope: BodyId, source: Source) -> Option<Finding> {
         match broken {
             Broken::Elsewhere => None,
             Broken::Name => Some(self.no_name(scope, source)),
@@ -202,21 +204,22 @@ impl<'a, 't> Links<'a, 't> {
         }
     }
 
-    fn no_name(&mut self, scope: BodyId, source: Source<'t>) -> Finding {
+    fn no_name(&mut self, scope: BodyId, source: Source) -> Finding {
         let Subject::Name(word) = source.of else {
             return self.no_port(scope, source);
         };
-        let message = format!("nothing is called `{}` here", word.text);
-        let place = self.text.span(word.place());
+        let message = format!("nothing is called `{}` here", self.str(word));
+        let place = self.text.span(word);
         let finding =
             Finding::new(Code::RPI1104, message).at(place, "not defined in this fragment");
-        let here = self.text.definitions.iter().filter(|d| d.scope == scope);
-        let here = here.filter_map(|d| d.name).map(|n| n.text);
-        if let Some(near) = self.hint(word.text, here) {
+        let text = self.text;
+        let here = text.definitions.iter().filter(|d| d.scope == scope);
+        let here = here.filter_map(|d| d.name).map(|n| text.str(n));
+        if let Some(near) = self.hint(text.str(word), here) {
             return finding.help(format!("did you mean `{near}`?"));
         }
         let elsewhere = self.text.definitions.iter();
-        let mut elsewhere = elsewhere.filter(|d| d.name.is_some_and(|n| n.text == word.text));
+        let mut elsewhere = elsewhere.filter(|d| d.name.is_some_and(|n| text.str(n) == text.str(word)));
         match elsewhere.next().filter(|_| self.hints > 0) {
             Some(other) => finding
                 .also(
@@ -228,11 +231,11 @@ impl<'a, 't> Links<'a, 't> {
         }
     }
 
-    fn no_port(&mut self, scope: BodyId, source: Source<'t>) -> Finding {
-        let port = source.port.text;
+    fn no_port(&mut self, scope: BodyId, source: Source) -> Finding {
+        let port = self.str(source.port);
         let (what, ports) = self.ports_of(scope, source);
         let message = format!("{what} has no port `{port}`");
-        let place = self.text.span(source.port.place());
+        let place = self.text.span(source.port);
         let finding = Finding::new(Code::RPI1105, message).at(place, "no such port");
         match self.hint(port, ports.iter().copied()) {
             Some(near) => finding.help(format!("did you mean `{near}`?")),
@@ -242,29 +245,30 @@ impl<'a, 't> Links<'a, 't> {
     }
 
     /// What a link's subject is, in words, and the ports that a link can begin at.
-    fn ports_of(&self, scope: BodyId, source: Source<'t>) -> (String, Vec<&'t str>) {
+    fn ports_of(&self, scope: BodyId, source: Source) -> (String, Vec<&'t str>) {
         let id = match source.of {
-            Subject::Name(word) if word.text == PARENT => {
-                let around = self.text.fragments[scope].definition;
-                let arguments = around.map_or(&[][..], |d| &self.text.definitions[d].arguments);
-                let ports = arguments.iter().map(|a| a.name.text).collect();
+            Subject::Name(word) if self.str(word) == PARENT => {
+                let around = self.text.body(scope).definition;
+                let arguments = around.map(|d| self.text.arguments(self.text.definition(d)));
+                let arguments = arguments.unwrap_or_default().iter();
+                let ports = arguments.map(|a| self.str(a.name)).collect();
                 return ("the fragment around".into(), ports);
             }
-            Subject::Name(word) => self.names.definition(scope, word.text),
+            Subject::Name(word) => self.names.definition(scope, self.str(word)),
             Subject::Definition(id) => Some(id),
         };
-        match id.map(|id| (id, self.text.definitions[id].kind)) {
+        match id.map(|id| (id, self.text.definition(id).kind)) {
             Some((_, Kind::Fragment(body))) => {
-                let outputs = self.text.fragments[body].outputs.iter();
+                let outputs = self.text.body(body).outputs.iter();
                 (
                     "this fragment".into(),
-                    outputs.map(|o| o.name.text).collect(),
+                    outputs.map(|o| self.str(o.name)).collect(),
                 )
             }
             Some((id, Kind::Primitive(ty))) => {
-                let outputs = self.nodes[id].map_or(&[][..], |(_, prim)| prim.desc().outputs);
+                let outputs = self.nodes[id as usize].map_or(&[][..], |(_, prim)| prim.desc().outputs);
                 let ports = outputs.iter().map(|o| o.name).collect();
-                (format!("`{}`", ty.text), ports)
+                (format!("`{}`", self.str(ty)), ports)
             }
             None => ("this".into(), Vec::new()),
         }
@@ -272,16 +276,20 @@ impl<'a, 't> Links<'a, 't> {
 
     fn ring(&self, port: Port) -> Finding {
         let name = match port {
-            Port::In(id, k) => self.text.definitions[id].arguments[k].name,
-            Port::Out(body, k) => self.text.fragments[body].outputs[k].name,
+            Port::In(id, k) => self.text.arguments(self.text.definition(id))[k].name,
+            Port::Out(body, k) => self.text.body(body).outputs[k].name,
         };
-        let message = format!("`{}` is connected to itself", name.text);
+        let message = format!("`{}` is connected to itself", self.str(name));
         Finding::new(Code::RPI4002, message)
             .at(
-                self.text.span(name.place()),
+                self.text.span(name),
                 "following this port leads back to it",
             )
             .help("connect one of the ports on the way to a primitive")
+    }
+
+    fn str(&self, word: Word) -> &'t str {
+        self.text.str(word)
     }
 
     fn hint<'n>(&mut self, name: &str, names: impl Iterator<Item = &'n str>) -> Option<String> {

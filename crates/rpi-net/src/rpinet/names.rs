@@ -1,38 +1,42 @@
 //! What each name of a text stands for. Names are local to their fragment.
 
-use super::text::{BodyId, Definition, DefinitionId, Given, Kind, Place, Subject, Text, Word};
+use super::text::{Argument, BodyId, Definition, DefinitionId, Given, Kind, Place, Subject, Text, Word};
 use rpi_diag::{Code, Finding};
-use std::collections::HashMap;
-use std::collections::hash_map::Entry;
+use hashbrown::hash_table::{Entry, HashTable};
+use rustc_hash::{FxBuildHasher, FxHashMap};
+use std::hash::BuildHasher;
 
 /// The word that stands for the enclosing fragment's in-ports.
 pub(super) const PARENT: &str = "parent";
 
 /// All names of a text.
 pub(super) struct Names<'t> {
-    definitions: HashMap<(BodyId, &'t str), DefinitionId>,
-    aliases: HashMap<(BodyId, &'t str), Word<'t>>,
-    outputs: HashMap<(BodyId, &'t str), usize>,
-    inputs: HashMap<(DefinitionId, &'t str), usize>,
+    text: &'t Text<'t>,
+    /// By scope and name, which both stand in the definition: so an entry is no more than its index.
+    definitions: HashTable<DefinitionId>,
+    aliases: FxHashMap<(BodyId, &'t str), Word>,
+    outputs: FxHashMap<(BodyId, &'t str), usize>,
+    inputs: FxHashMap<(DefinitionId, &'t str), usize>,
     repeated: Vec<bool>,
 }
 
 impl<'t> Names<'t> {
     /// Enters all names. The reference writes some definitions twice; the second is passed over if it says the same.
-    pub(super) fn new(text: &Text<'t>, findings: &mut Vec<Finding>) -> Self {
+    pub(super) fn new(text: &'t Text<'t>, findings: &mut Vec<Finding>) -> Self {
         let mut names = Names {
-            definitions: HashMap::with_capacity(text.definitions.len()),
-            aliases: HashMap::new(),
-            outputs: HashMap::new(),
-            inputs: HashMap::new(),
+            text,
+            definitions: HashTable::with_capacity(text.definitions.len()),
+            aliases: FxHashMap::default(),
+            outputs: FxHashMap::default(),
+            inputs: FxHashMap::default(),
             repeated: vec![false; text.definitions.len()],
         };
-        for id in 0..text.definitions.len() {
-            names.enter(text, id, findings);
+        for id in text.definition_ids() {
+            names.enter(id, findings);
         }
-        for body in 0..text.fragments.len() {
-            names.enter_aliases(text, body, findings);
-            names.enter_outputs(text, body, findings);
+        for body in text.body_ids() {
+            names.enter_aliases(body, findings);
+            names.enter_outputs(body, findings);
         }
         names
     }
@@ -43,11 +47,16 @@ impl<'t> Names<'t> {
         // As many steps as there are second names: they may stand for each other in a circle.
         for _ in 0..self.aliases.len() {
             match self.aliases.get(&(scope, name)) {
-                Some(other) => name = other.text,
+                Some(other) => name = self.text.str(*other),
                 None => break,
             }
         }
-        self.definitions.get(&(scope, name)).copied()
+        self.defined(scope, name)
+    }
+
+    fn defined(&self, scope: BodyId, name: &str) -> Option<DefinitionId> {
+        let is = |id: &DefinitionId| is_called(self.text, *id, scope, name);
+        self.definitions.find(hash(scope, name), is).copied()
     }
 
     /// Index of an out-port of a fragment.
@@ -62,39 +71,41 @@ impl<'t> Names<'t> {
 
     /// Whether a definition says again what another one has said, or stands inside one that does.
     pub(super) fn is_repeated(&self, id: DefinitionId) -> bool {
-        self.repeated[id]
+        self.repeated[id as usize]
     }
 
     /// Whether a name is in use in a fragment.
     pub(super) fn is_taken(&self, scope: BodyId, name: &str) -> bool {
-        self.definitions.contains_key(&(scope, name)) || self.aliases.contains_key(&(scope, name))
+        self.defined(scope, name).is_some() || self.aliases.contains_key(&(scope, name))
     }
 
-    fn enter(&mut self, text: &Text<'t>, id: DefinitionId, findings: &mut Vec<Finding>) {
-        let definition = &text.definitions[id];
-        let outer = definition
-            .owner
-            .or(text.fragments[definition.scope].definition);
-        self.repeated[id] = outer.is_some_and(|o| self.repeated[o]);
-        if self.repeated[id] {
+    fn enter(&mut self, id: DefinitionId, findings: &mut Vec<Finding>) {
+        let text = self.text;
+        let definition = text.definition(id);
+        let outer = definition.owner.or(text.body(definition.scope).definition);
+        if outer.is_some_and(|o| self.is_repeated(o)) {
+            self.repeated[id as usize] = true;
             return;
         }
         if let Kind::Fragment(_) = definition.kind {
             self.enter_inputs(id, definition);
         }
-        let Some(name) = definition.name else {
+        let (scope, Some(name)) = (definition.scope, definition.name) else {
             return;
         };
-        if name.text == PARENT {
+        let label = text.str(name);
+        if label == PARENT {
             findings.push(reserved(text, name));
         }
-        match self.definitions.entry((definition.scope, name.text)) {
+        let is = |id: &DefinitionId| is_called(text, *id, scope, label);
+        let again = |id: &DefinitionId| hash_of(text, *id);
+        match self.definitions.entry(hash(scope, label), is, again) {
             Entry::Vacant(free) => {
                 free.insert(id);
             }
             Entry::Occupied(first) => {
-                self.repeated[id] = true;
-                let first = &text.definitions[*first.get()];
+                self.repeated[id as usize] = true;
+                let first = text.definition(*first.get());
                 if !same(text, first, definition) {
                     findings.push(twice(text, name, first.place, definition.place));
                 }
@@ -102,48 +113,68 @@ impl<'t> Names<'t> {
         }
     }
 
-    fn enter_inputs(&mut self, id: DefinitionId, definition: &Definition<'t>) {
-        for (k, argument) in definition.arguments.iter().enumerate() {
-            self.inputs.entry((id, argument.name.text)).or_insert(k);
+    fn enter_inputs(&mut self, id: DefinitionId, definition: &Definition) {
+        for (k, argument) in self.text.arguments(definition).iter().enumerate() {
+            let name = self.text.str(argument.name);
+            self.inputs.entry((id, name)).or_insert(k);
         }
     }
 
-    fn enter_aliases(&mut self, text: &Text<'t>, body: BodyId, findings: &mut Vec<Finding>) {
-        for (name, other) in &text.fragments[body].aliases {
-            let key = (body, name.text);
-            let definition = self.definitions.get(&key);
+    fn enter_aliases(&mut self, body: BodyId, findings: &mut Vec<Finding>) {
+        let text = self.text;
+        for (name, other) in &text.body(body).aliases {
+            let key = (body, text.str(*name));
+            let definition = self.defined(body, key.1);
             let alias = self.aliases.get(&key).copied();
             let other_meaning = match (definition, alias) {
-                (Some(id), _) => Some(text.definitions[*id].place),
-                (None, Some(word)) if word.text != other.text => Some(word.place()),
+                (Some(id), _) => Some(text.definition(id).place),
+                (None, Some(word)) if text.str(word) != text.str(*other) => Some(word),
                 _ => None,
             };
             match other_meaning {
-                Some(first) => findings.push(twice(text, *name, first, other.place())),
+                Some(first) => findings.push(twice(text, *name, first, *other)),
                 None => drop(self.aliases.insert(key, *other)),
             }
         }
     }
 
-    fn enter_outputs(&mut self, text: &Text<'t>, body: BodyId, findings: &mut Vec<Finding>) {
-        let outputs = &text.fragments[body].outputs;
+    fn enter_outputs(&mut self, body: BodyId, findings: &mut Vec<Finding>) {
+        let text = self.text;
+        let outputs = &text.body(body).outputs;
         for (k, output) in outputs.iter().enumerate() {
-            let first = *self.outputs.entry((body, output.name.text)).or_insert(k);
+            let key = (body, text.str(output.name));
+            let first = *self.outputs.entry(key).or_insert(k);
             let places = [first, k].map(|k| text.source_place(outputs[k].source));
-            if text.slice(places[0]) != text.slice(places[1]) {
+            if text.str(places[0]) != text.str(places[1]) {
                 findings.push(twice(text, output.name, places[0], places[1]));
             }
         }
     }
 }
 
+fn hash(scope: BodyId, name: &str) -> u64 {
+    FxBuildHasher.hash_one((scope, name))
+}
+
+/// The hash under which a definition is entered; those without a name are not.
+fn hash_of(text: &Text<'_>, id: DefinitionId) -> u64 {
+    let definition = text.definition(id);
+    let name = definition.name.map_or("", |n| text.str(n));
+    hash(definition.scope, name)
+}
+
+fn is_called(text: &Text<'_>, id: DefinitionId, scope: BodyId, name: &str) -> bool {
+    let definition = text.definition(id);
+    definition.scope == scope && definition.name.is_some_and(|n| text.str(n) == name)
+}
+
 /// Whether two definitions say the same: letter for letter, or the same type with the same arguments in any order.
-fn same<'t>(text: &Text<'t>, a: &Definition<'t>, b: &Definition<'t>) -> bool {
-    if text.slice(a.place) == text.slice(b.place) {
+fn same(text: &Text<'_>, a: &Definition, b: &Definition) -> bool {
+    if text.str(a.place) == text.str(b.place) {
         return true;
     }
     match (a.kind, b.kind) {
-        (Kind::Primitive(x), Kind::Primitive(y)) if x.text == y.text => {
+        (Kind::Primitive(x), Kind::Primitive(y)) if text.str(x) == text.str(y) => {
             arguments(text, a) == arguments(text, b)
         }
         _ => false,
@@ -151,24 +182,24 @@ fn same<'t>(text: &Text<'t>, a: &Definition<'t>, b: &Definition<'t>) -> bool {
 }
 
 /// The arguments as they stand, recording times left out, sorted by name.
-fn arguments<'t>(text: &Text<'t>, definition: &Definition<'t>) -> Vec<(&'t str, &'t str, &'t str)> {
-    let mut all: Vec<_> = definition
-        .arguments
-        .iter()
-        .map(|a| match &a.value {
-            Given::Text(value) => (a.name.text, "'", value.text),
+fn arguments<'t>(text: &Text<'t>, definition: &Definition) -> Vec<(&'t str, &'t str, &'t str)> {
+    let said = |a: &Argument| {
+        let name = text.str(a.name);
+        match a.value {
+            Given::Text(value) => (name, "'", text.str(value)),
             Given::Link(source) => match source.of {
-                Subject::Name(of) => (a.name.text, of.text, source.port.text),
-                Subject::Definition(_) => (a.name.text, "", text.slice(text.source_place(*source))),
+                Subject::Name(of) => (name, text.str(of), text.str(source.port)),
+                Subject::Definition(_) => (name, "", text.str(text.source_place(source))),
             },
-        })
-        .collect();
+        }
+    };
+    let mut all: Vec<_> = text.arguments(definition).iter().map(said).collect();
     all.sort_unstable();
     all
 }
 
-fn twice(text: &Text<'_>, name: Word<'_>, first: Place, second: Place) -> Finding {
-    let name = name.text;
+fn twice(text: &Text<'_>, name: Word, first: Place, second: Place) -> Finding {
+    let name = text.str(name);
     Finding::new(
         Code::RPI1106,
         format!("`{name}` is defined twice, and not the same way"),
@@ -179,11 +210,11 @@ fn twice(text: &Text<'_>, name: Word<'_>, first: Place, second: Place) -> Findin
     .note("the same definition may stand twice: the reference writes its nets so")
 }
 
-fn reserved(text: &Text<'_>, name: Word<'_>) -> Finding {
+fn reserved(text: &Text<'_>, name: Word) -> Finding {
     Finding::new(
         Code::RPI1106,
         "`parent` already means the enclosing fragment",
     )
-    .at(text.span(name.place()), "defined here")
+    .at(text.span(name), "defined here")
     .help("give this definition another name")
 }

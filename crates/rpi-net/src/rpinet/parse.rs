@@ -5,7 +5,7 @@
 
 use super::text::{
     Argument, Body, BodyId, Definition, DefinitionId, Given, Kind, Output, Place, Source, Subject,
-    Text, Word,
+    Text, Word, number,
 };
 use rpi_diag::{Code, FileId, Finding};
 
@@ -21,10 +21,12 @@ pub(super) fn parse(file: FileId, text: &str) -> (Text<'_>, Vec<Finding>) {
             file,
             text,
             definitions: Vec::new(),
+            arguments: Vec::new(),
             fragments: vec![Body::default()],
         },
         at: 0,
         depth: 0,
+        open: Vec::new(),
         findings: Vec::new(),
     };
     // A fault that stops the whole net is among the findings.
@@ -41,6 +43,8 @@ struct Parser<'t> {
     out: Text<'t>,
     at: usize,
     depth: usize,
+    /// Arguments of the definitions that are not closed yet, the innermost last.
+    open: Vec<Argument>,
     findings: Vec<Finding>,
 }
 
@@ -149,19 +153,17 @@ impl<'t> Parser<'t> {
             let port = self.word("the name of an out-port")?;
             self.rename(of);
             let source = Source { of, port };
-            self.out.fragments[scope]
-                .outputs
-                .push(Output { name, source });
+            self.body(scope).outputs.push(Output { name, source });
         } else if let Subject::Name(other) = of {
-            self.out.fragments[scope].aliases.push((name, other));
+            self.body(scope).aliases.push((name, other));
         }
         Ok(())
     }
 
     /// In `name = Type(..).port` the name is the port's, and the primitive has none.
-    fn rename(&mut self, of: Subject<'t>) {
+    fn rename(&mut self, of: Subject) {
         if let Subject::Definition(id) = of {
-            self.out.definitions[id].name = None;
+            self.definition(id).name = None;
         }
     }
 
@@ -179,8 +181,7 @@ impl<'t> Parser<'t> {
             let port = self.word("the name of an out-port")?;
             Given::Link(Source { of, port })
         };
-        let argument = Argument { name, value };
-        self.out.definitions[owner].arguments.push(argument);
+        self.open.push(Argument { name, value });
         Ok(())
     }
 
@@ -189,8 +190,8 @@ impl<'t> Parser<'t> {
         &mut self,
         scope: BodyId,
         owner: Option<DefinitionId>,
-        name: Option<Word<'t>>,
-    ) -> Parsed<Subject<'t>> {
+        name: Option<Word>,
+    ) -> Parsed<Subject> {
         self.space();
         let start = self.at;
         if self.peek() == Some(b'{') {
@@ -205,7 +206,7 @@ impl<'t> Parser<'t> {
             return Ok(Subject::Name(word));
         }
         let id = self.define(scope, owner, name, start);
-        self.out.definitions[id].kind = Kind::Primitive(word);
+        self.definition(id).kind = Kind::Primitive(word);
         self.nested(start, |p| p.arguments(id))?;
         Ok(Subject::Definition(id))
     }
@@ -215,27 +216,28 @@ impl<'t> Parser<'t> {
         &mut self,
         scope: BodyId,
         owner: Option<DefinitionId>,
-        name: Option<Word<'t>>,
+        name: Option<Word>,
         start: usize,
     ) -> DefinitionId {
+        let id = number(self.out.definitions.len());
         self.out.definitions.push(Definition {
             scope,
             owner,
             name,
             kind: Kind::Fragment(0),
-            arguments: Vec::new(),
-            place: Place { start, end: start },
+            arguments: Place::EMPTY,
+            place: Place::new(start, start),
         });
-        self.out.definitions.len() - 1
+        id
     }
 
     fn fragment(&mut self, id: DefinitionId) -> Parsed<()> {
-        let scope = self.out.fragments.len();
+        let scope = number(self.out.fragments.len());
         self.out.fragments.push(Body {
             definition: Some(id),
             ..Body::default()
         });
-        self.out.definitions[id].kind = Kind::Fragment(scope);
+        self.definition(id).kind = Kind::Fragment(scope);
         let open = self.at;
         self.bump();
         self.list(List {
@@ -252,7 +254,8 @@ impl<'t> Parser<'t> {
     }
 
     fn arguments(&mut self, id: DefinitionId) -> Parsed<()> {
-        let (scope, open) = (self.out.definitions[id].scope, self.at);
+        let (scope, open) = (self.definition(id).scope, self.at);
+        let first = self.open.len();
         self.bump();
         let parsed = self.list(List {
             open,
@@ -260,8 +263,21 @@ impl<'t> Parser<'t> {
             scope,
             owner: Some(id),
         });
-        self.out.definitions[id].place.end = self.at;
+        let start = self.out.arguments.len();
+        self.out.arguments.extend(self.open.drain(first..));
+        let (arguments, end) = (Place::new(start, self.out.arguments.len()), number(self.at));
+        let definition = self.definition(id);
+        definition.arguments = arguments;
+        definition.place.end = end;
         parsed
+    }
+
+    fn definition(&mut self, id: DefinitionId) -> &mut Definition {
+        &mut self.out.definitions[id as usize]
+    }
+
+    fn body(&mut self, id: BodyId) -> &mut Body {
+        &mut self.out.fragments[id as usize]
     }
 
     fn nested(&mut self, start: usize, inner: impl FnOnce(&mut Self) -> Parsed<()>) -> Parsed<()> {

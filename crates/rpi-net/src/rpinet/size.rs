@@ -58,7 +58,7 @@ impl Size {
         };
         let mut types = BTreeSet::new();
         for definition in &text.definitions {
-            let arguments = &definition.arguments;
+            let arguments = text.arguments(definition);
             let links = arguments
                 .iter()
                 .filter(|a| matches!(a.value, Given::Link(_)));
@@ -66,12 +66,12 @@ impl Size {
             match definition.kind {
                 Kind::Primitive(ty) => {
                     size.primitives += 1;
-                    types.insert(ty.text);
+                    types.insert(text.str(ty));
                 }
                 Kind::Fragment(_) => {
                     let gated = arguments
                         .iter()
-                        .any(|a| a.name.text == super::build::ACTIVATION);
+                        .any(|a| text.str(a.name) == super::build::ACTIVATION);
                     size.gated += usize::from(gated);
                 }
             }
@@ -85,7 +85,7 @@ fn depth(text: &Text<'_>) -> usize {
     let mut depths = vec![0_usize; text.fragments.len()];
     for (k, body) in text.fragments.iter().enumerate() {
         if let Some(id) = body.definition {
-            depths[k] = depths[text.definitions[id].scope] + 1;
+            depths[k] = depths[text.definition(id).scope as usize] + 1;
         }
     }
     depths.into_iter().max().unwrap_or(0)

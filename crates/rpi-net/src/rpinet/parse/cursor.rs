@@ -38,20 +38,19 @@ impl<'t> Parser<'t> {
         Err(Stop)
     }
 
-    pub(super) fn word(&mut self, what: &str) -> Parsed<Word<'t>> {
+    pub(super) fn word(&mut self, what: &str) -> Parsed<Word> {
         self.space();
         let at = self.at;
         self.at = after_word(self.out.text.as_bytes(), at);
         if self.at == at {
             return Err(self.unexpected(what));
         }
-        let text = &self.out.text[at..self.at];
-        Ok(Word { text, at })
+        Ok(Place::new(at, self.at))
     }
 
     /// A text in quotes. `\'` and `\\` stand for the sign itself. The reference writes quotes inside a text as they
     /// are; so a quote ends the text only if something follows that can follow a text.
-    pub(super) fn quoted(&mut self) -> Parsed<Word<'t>> {
+    pub(super) fn quoted(&mut self) -> Parsed<Word> {
         let bytes = self.out.text.as_bytes();
         let start = self.at;
         self.at += 1;
@@ -60,11 +59,7 @@ impl<'t> Parser<'t> {
                 b'\\' => self.at = (self.at + 2).min(bytes.len()),
                 b'\'' if ends_text(bytes, self.at + 1) => {
                     self.at += 1;
-                    let at = start + 1;
-                    return Ok(Word {
-                        text: &self.out.text[at..self.at - 1],
-                        at,
-                    });
+                    return Ok(Place::new(start + 1, self.at - 1));
                 }
                 _ => self.at += 1,
             }
@@ -80,7 +75,7 @@ impl<'t> Parser<'t> {
 /// Findings.
 impl Parser<'_> {
     pub(super) fn span(&self, start: usize, end: usize) -> Span {
-        self.out.span(Place { start, end })
+        self.out.span(Place::new(start, end))
     }
 
     pub(super) fn fault(&mut self, finding: Finding) -> Stop {
