@@ -62,11 +62,50 @@ fn accesses(prim: PrimId, form: Form) -> Vec<Access> {
     all
 }
 
+/// What one operation does with its words.
+#[derive(Clone, Copy)]
+pub(crate) enum Shape<'a> {
+    /// One entry per word.
+    Each(&'a [Access]),
+    /// So many are read, the others written.
+    Split(usize),
+}
+
+impl Shape<'_> {
+    /// What is done with word `k`.
+    pub(crate) fn access(self, k: usize) -> Access {
+        match self {
+            Shape::Each(all) => all[k],
+            Shape::Split(inputs) if k < inputs => Access::Read,
+            Shape::Split(_) => Access::Write,
+        }
+    }
+}
+
+impl Access {
+    /// The word is read, for its value or to decide.
+    pub(crate) const fn is_read(self) -> bool {
+        matches!(self, Access::Read | Access::Decide)
+    }
+}
+
+impl Shapes {
+    /// What an operation does with its words.
+    pub(crate) fn shape(&self, op: Op) -> Shape<'_> {
+        match op.work {
+            Work::Run(prim, form) => Shape::Each(self.get(prim, form)),
+            Work::Copy => Shape::Split(1),
+            Work::Actuate(_, inputs) | Work::Call(_, inputs) => Shape::Split(inputs as usize),
+        }
+    }
+}
+
 impl Flat {
     /// What an operation does with its words, in order; numbers are left out.
     pub(crate) fn accesses(&self, op: Op) -> impl Iterator<Item = (Access, Slot)> + '_ {
+        let shape = self.shapes.shape(op);
         let words = self.words(op).iter().enumerate();
-        words.filter_map(move |(k, word)| match self.access(op, k) {
+        words.filter_map(move |(k, word)| match shape.access(k) {
             Access::Number => None,
             access => Some((access, Slot(*word))),
         })
@@ -74,18 +113,28 @@ impl Flat {
 
     /// What an operation does with its word `k`.
     pub(crate) fn access(&self, op: Op, k: usize) -> Access {
-        match op.work {
-            Work::Run(prim, form) => self.shapes.get(prim, form)[k],
-            Work::Copy => [Access::Read, Access::Write][k],
-            Work::Actuate(_, inputs) | Work::Call(_, inputs) if k < inputs as usize => Access::Read,
-            Work::Actuate(..) | Work::Call(..) => Access::Write,
+        self.shapes.shape(op).access(k)
+    }
+
+    /// Replaces the slots that an operation accesses in a certain way.
+    pub(crate) fn replace(
+        &mut self,
+        op: Op,
+        which: impl Fn(Access) -> bool,
+        by: impl Fn(Slot) -> Slot,
+    ) {
+        let shape = self.shapes.shape(op);
+        let words = &mut self.words[op.at as usize..(op.at + op.len) as usize];
+        for (k, word) in words.iter_mut().enumerate() {
+            if which(shape.access(k)) {
+                *word = by(Slot(*word)).0;
+            }
         }
     }
 
     /// The slots that an operation reads, constants and presences included.
     pub(crate) fn reads(&self, op: Op) -> impl Iterator<Item = Slot> + '_ {
-        let read = |a: &(Access, Slot)| matches!(a.0, Access::Read | Access::Decide);
-        self.accesses(op).filter(read).map(|a| a.1)
+        self.accesses(op).filter(|a| a.0.is_read()).map(|a| a.1)
     }
 
     /// The slots that an operation writes.

@@ -4,7 +4,7 @@ use crate::flat::{Flat, NO_NODE, ScopeId, Work};
 use crate::slots::{Region, Slot};
 use rpi_image::Form;
 use rpi_prims::PrimId;
-use std::collections::BTreeMap;
+use rustc_hash::FxHashMap;
 use std::sync::LazyLock;
 
 /// The primitives that it uses.
@@ -26,7 +26,7 @@ static GATES: LazyLock<Gates> = LazyLock::new(|| {
 /// What was computed already: (primitive, first, second) to result and the scope in which it stands.
 #[derive(Default)]
 pub(crate) struct Logic {
-    known: BTreeMap<(PrimId, Slot, Slot), Vec<(ScopeId, Slot)>>,
+    known: FxHashMap<(PrimId, Slot, Slot), Vec<(ScopeId, Slot)>>,
 }
 
 impl Logic {

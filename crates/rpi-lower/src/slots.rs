@@ -2,7 +2,8 @@
 
 use rpi_image::Value;
 use rpi_net::FragmentId;
-use std::collections::{BTreeMap, HashMap};
+use rustc_hash::FxHashMap;
+use std::collections::BTreeMap;
 
 /// A place for one value: some cells side by side.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Debug)]
@@ -39,9 +40,9 @@ pub(crate) struct Slots {
     /// Initial contents of larger slots, unless they are all zero.
     wide: BTreeMap<Slot, Vec<u64>>,
     /// Constants of one cell, which are most, by content.
-    constants: HashMap<u64, Slot>,
+    constants: FxHashMap<u64, Slot>,
     /// Larger constants.
-    wide_constants: HashMap<Vec<u64>, Slot>,
+    wide_constants: FxHashMap<Vec<u64>, Slot>,
 }
 
 impl Slots {
@@ -52,8 +53,8 @@ impl Slots {
             regions: Vec::new(),
             bits: Vec::new(),
             wide: BTreeMap::new(),
-            constants: HashMap::new(),
-            wide_constants: HashMap::new(),
+            constants: FxHashMap::default(),
+            wide_constants: FxHashMap::default(),
         };
         slots.constant(&[0]);
         slots.constant(&[1]);

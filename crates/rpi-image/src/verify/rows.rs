@@ -12,10 +12,23 @@ use alloc::string::String;
 use alloc::vec::Vec;
 use alloc::{format, vec};
 
-/// What the words of one group say, as far as sizes need it.
+/// What the words of one group say, where sizes depend on it; else nothing.
 struct Group {
     inputs: Vec<Option<Type>>,
     params: Vec<Value>,
+}
+
+impl Group {
+    fn new(desc: &PrimDesc) -> Self {
+        let (inputs, params) = match sized(desc) {
+            true => (desc.inputs.len(), desc.params.len()),
+            false => (0, 0),
+        };
+        Group {
+            inputs: vec![None; inputs],
+            params: vec![Value::Str(String::new()); params],
+        }
+    }
 }
 
 impl Check<'_> {
@@ -38,14 +51,7 @@ impl Check<'_> {
     }
 
     fn group(&mut self, desc: &PrimDesc, fields: &[Field], words: &[u32]) {
-        let mut group = Group {
-            inputs: vec![None; desc.inputs.len()],
-            params: desc
-                .params
-                .iter()
-                .map(|_| Value::Str(String::new()))
-                .collect(),
-        };
+        let mut group = Group::new(desc);
         let mut words = words;
         for field in fields {
             let (mine, rest) = words.split_at(field.words());
@@ -59,15 +65,17 @@ impl Check<'_> {
         match field.part {
             Part::Input(k) => {
                 let ty = port_type(desc.inputs[k].ty, words);
-                group.inputs[k] = Some(ty);
+                if let Some(input) = group.inputs.get_mut(k) {
+                    *input = Some(ty);
+                }
                 self.reads(cells(words[0], ty));
                 presence.into_iter().for_each(|cell| self.decides(cell));
             }
             Part::Param(k) => {
                 let ty = param_type(desc.params[k].ty, words);
                 self.constant(cells(words[0], ty));
-                if sized(desc) {
-                    group.params[k] = self.value(words[0], ty);
+                if let Some(param) = group.params.get_mut(k) {
+                    *param = self.value(words[0], ty);
                 }
             }
             Part::Output(k) => {

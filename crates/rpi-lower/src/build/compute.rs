@@ -1,7 +1,7 @@
 //! Primitives with code of their own.
 
-use super::Builder;
 use super::links::{Flow, Link};
+use super::{Builder, Flows, Links};
 use crate::flat::{ScopeId, Work};
 use crate::slots::{Region, Slot};
 use rpi_image::image::Form;
@@ -9,6 +9,7 @@ use rpi_image::operands::Part;
 use rpi_image::{ParamType, Presence, PrimDesc, SizeArgs, State, Type, Value};
 use rpi_net::passes::Sureness;
 use rpi_net::{NodeId, PortRef};
+use smallvec::SmallVec;
 
 /// From this much work on, a strict primitive is skipped rather than run on stale values.
 const DEAR: u32 = 32;
@@ -26,7 +27,7 @@ impl Builder<'_> {
         }
     }
 
-    pub(super) fn links(&mut self, id: NodeId) -> Vec<Link> {
+    pub(super) fn links(&mut self, id: NodeId) -> Links {
         (0..self.desc(id).inputs.len())
             .map(|k| self.link(id, k))
             .collect()
@@ -76,7 +77,7 @@ impl Builder<'_> {
     }
 
     fn optional(&mut self, id: NodeId, links: &[Link]) {
-        let mut outputs = Vec::with_capacity(self.desc(id).outputs.len());
+        let mut outputs = Flows::new();
         for port in ports(id, self.desc(id)) {
             let present = self.flat.slots.add(Region::Value, 1);
             let mut flow = self.output(port, present);
@@ -89,7 +90,7 @@ impl Builder<'_> {
         self.run(id, Form::Optional, self.scope_of(id), links, &outputs);
     }
 
-    pub(super) fn outputs(&mut self, id: NodeId, present: Slot) -> Vec<Flow> {
+    pub(super) fn outputs(&mut self, id: NodeId, present: Slot) -> Flows {
         let scope = self.scope_of(id);
         let ports = ports(id, self.desc(id));
         ports
@@ -103,7 +104,7 @@ impl Builder<'_> {
     /// Adds the operation; its words are what [`rpi_image::operands`] says.
     fn run(&mut self, id: NodeId, form: Form, scope: ScopeId, links: &[Link], outputs: &[Flow]) {
         let node = self.net.node(id);
-        let mut words = Vec::with_capacity(8);
+        let mut words: SmallVec<[u32; 12]> = SmallVec::new();
         let fields = self.fields(node.prim, form);
         for field in fields.iter() {
             let (flow, ty) = match field.part {
@@ -113,7 +114,7 @@ impl Builder<'_> {
                 Part::State => self.state(id),
             };
             words.push(flow.value.0);
-            words.extend(&sizes(ty)[..field.sizes]);
+            words.extend_from_slice(&sizes(ty)[..field.sizes]);
             if field.presence {
                 words.push(flow.present.0);
             }

@@ -12,16 +12,18 @@ mod roles;
 
 use crate::flat::{Flat, ScopeId, Work};
 use crate::logic::Logic;
-use crate::options::LowerOptions;
+use crate::options::{LowerOptions, Observe};
 use crate::plan::Plan;
 use crate::slots::{Region, Slot};
-use links::Flow;
+use links::{Flow, Link};
 use rpi_image::image::Form;
 use rpi_image::operands::{Field, fields};
 use rpi_image::{PrimDesc, Role};
 use rpi_net::passes::Item;
 use rpi_net::{FragmentId, Net, NodeId, PortRef};
 use rpi_prims::PrimId;
+use rustc_hash::FxHashMap;
+use smallvec::SmallVec;
 use std::collections::BTreeMap;
 use std::rc::Rc;
 
@@ -32,9 +34,16 @@ pub(crate) fn build(net: &Net, plan: &Plan<'_>, options: &LowerOptions<'_>) -> F
     builder.items(FragmentId::ROOT);
     builder.latches();
     builder.ends();
-    builder.probes();
+    if options.observe == Observe::All {
+        builder.probes();
+    }
     builder.flat
 }
+
+/// What the in-ports of one node read.
+type Links = SmallVec<[Link; 4]>;
+/// What the out-ports of one node give.
+type Flows = SmallVec<[Flow; 2]>;
 
 struct Builder<'a> {
     net: &'a Net,
@@ -54,7 +63,7 @@ struct Builder<'a> {
     firsts: BTreeMap<FragmentId, Slot>,
     /// Delays, with the slots in which they keep value and presence.
     delays: Vec<(NodeId, Flow)>,
-    fields: BTreeMap<(PrimId, Form), Rc<[Field]>>,
+    fields: FxHashMap<(PrimId, Form), Rc<[Field]>>,
 }
 
 impl<'a> Builder<'a> {
@@ -77,7 +86,7 @@ impl<'a> Builder<'a> {
             active: vec![Slot::TRUE; net.fragments.len()],
             firsts: BTreeMap::new(),
             delays: Vec::new(),
-            fields: BTreeMap::new(),
+            fields: FxHashMap::default(),
         }
     }
 

@@ -1,7 +1,7 @@
 //! Which slot gets which cells: constants, external cells, state by fragments, values.
 
 use crate::flat::Flat;
-use crate::slots::{Region, Slot};
+use crate::slots::{Region, Slot, Slots};
 use rpi_image::image::{Cells, Layout};
 use rpi_net::{FragmentId, Net};
 
@@ -15,16 +15,7 @@ pub(super) struct Layouts {
 
 impl Layouts {
     pub(super) fn new(net: &Net, flat: &Flat) -> Self {
-        let ranks = ranks(net);
         let slots = &flat.slots;
-        let mut order: Vec<Slot> = (0..slots.len()).map(|k| Slot(k as u32)).collect();
-        let key = |s: &Slot| match slots.region(*s) {
-            Region::Constant => (0, 0),
-            Region::External => (1, 0),
-            Region::State(f) => (2, ranks[f.index()].0),
-            Region::Value => (3, 0),
-        };
-        order.sort_by_key(key);
         let mut layouts = Layouts {
             at: vec![0; slots.len()],
             layout: Layout::default(),
@@ -32,7 +23,7 @@ impl Layouts {
         };
         let mut own = vec![Cells::default(); net.fragments.len()];
         let mut end = 0u32;
-        for slot in order {
+        for slot in order(slots, &ranks(net)) {
             layouts.at[slot.index()] = end;
             let start = end;
             end = end.saturating_add(slots.cells(slot));
@@ -73,6 +64,23 @@ impl Layouts {
         init.sort_unstable();
         init
     }
+}
+
+/// All slots: constants, external ones, state by fragments, values.
+fn order(slots: &Slots, ranks: &[(u32, u32)]) -> Vec<Slot> {
+    let all = (0..).take(slots.len()).map(Slot);
+    let of = |region: Region| all.clone().filter(move |s| slots.region(*s) == region);
+    let rank = |s: &Slot| match slots.region(*s) {
+        Region::State(f) => Some(ranks[f.index()].0),
+        Region::Constant | Region::External | Region::Value => None,
+    };
+    let mut order = Vec::with_capacity(slots.len());
+    order.extend(of(Region::Constant).chain(of(Region::External)));
+    let first = order.len();
+    order.extend(all.clone().filter(|s| rank(s).is_some()));
+    order[first..].sort_by_key(rank);
+    order.extend(of(Region::Value));
+    order
 }
 
 /// For each fragment its place in a walk that visits parents before children and no stranger in between, and the place

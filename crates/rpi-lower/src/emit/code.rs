@@ -9,7 +9,7 @@ use rpi_image::Image;
 use rpi_image::hash::signature;
 use rpi_image::image::{Actuator, Cells, Form, Function, PrimUse, Step, TRUE};
 use rpi_prims::PrimId;
-use std::collections::BTreeMap;
+use rustc_hash::FxHashMap;
 
 /// Writes both step lists.
 pub(super) fn write(flat: &Flat, layouts: &Layouts, options: &LowerOptions<'_>, image: &mut Image) {
@@ -19,7 +19,7 @@ pub(super) fn write(flat: &Flat, layouts: &Layouts, options: &LowerOptions<'_>, 
         rows: options.observe == Observe::Exports,
         border: 0,
         image,
-        prims: BTreeMap::new(),
+        prims: FxHashMap::default(),
     };
     writer.scope(ScopeId::ROOT);
     writer.commit(ScopeId::ROOT);
@@ -33,7 +33,7 @@ struct Writer<'a> {
     /// The first step behind the last jump or landing.
     border: usize,
     image: &'a mut Image,
-    prims: BTreeMap<PrimId, u16>,
+    prims: FxHashMap<PrimId, u16>,
 }
 
 impl Writer<'_> {

@@ -8,6 +8,7 @@ use rpi_diag::Span;
 use rpi_image::Image;
 use rpi_image::image::{Place, Probe, Signal, TextRange};
 use rpi_net::{Net, NodeId};
+use rustc_hash::FxHashMap;
 use std::collections::BTreeMap;
 
 pub(super) fn write(
@@ -20,7 +21,7 @@ pub(super) fn write(
     let observed = options.observe == Observe::All;
     let mut places = Places {
         net,
-        known: BTreeMap::new(),
+        known: FxHashMap::default(),
         places: Vec::new(),
     };
     if observed {
@@ -36,7 +37,7 @@ pub(super) fn write(
 /// Places that something refers to.
 struct Places<'a> {
     net: &'a Net,
-    known: BTreeMap<NodeId, u32>,
+    known: FxHashMap<NodeId, u32>,
     places: Vec<Place>,
 }
 

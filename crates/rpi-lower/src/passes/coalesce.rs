@@ -27,6 +27,9 @@ pub(super) fn coalesce(flat: &mut Flat, _: f64) {
         });
         flat.scopes[k].latches = kept.collect();
     }
+    if !moved.contains(&true) {
+        return;
+    }
     writes(flat, &renames);
     renames.apply(flat);
 }
@@ -35,12 +38,7 @@ pub(super) fn coalesce(flat: &mut Flat, _: f64) {
 fn writes(flat: &mut Flat, renames: &Renames) {
     for number in 0..flat.ops.len() {
         let op = flat.ops[number];
-        for k in 0..op.len as usize {
-            if flat.access(op, k) == Access::Write {
-                let word = &mut flat.words[op.at as usize + k];
-                *word = renames.get(Slot(*word)).0;
-            }
-        }
+        flat.replace(op, |a| a == Access::Write, |s| renames.get(s));
     }
 }
 
@@ -58,11 +56,8 @@ impl Facts {
         let mut facts = Facts {
             writer: vec![None; flat.slots.len()],
             last_read: vec![0; flat.slots.len()],
-            read_late: vec![false; flat.slots.len()],
+            read_late: read_late(flat),
         };
-        for slot in read_late(flat) {
-            facts.read_late[slot.index()] = true;
-        }
         for (place, (number, scope)) in (0..).zip(ops(flat)) {
             let op = flat.ops[number as usize];
             for slot in flat.reads(op) {

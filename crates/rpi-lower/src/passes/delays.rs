@@ -8,7 +8,7 @@ use crate::slots::{Region, Slot};
 use rpi_image::State;
 use rpi_image::image::{End, Form};
 use rpi_prims::PrimId;
-use std::collections::{BTreeSet, HashMap};
+use rustc_hash::FxHashMap;
 
 /// A delay whose start is chosen by a constant starts with it.
 ///
@@ -18,13 +18,15 @@ pub(super) fn start(flat: &mut Flat, _: f64) {
     let known = Known::new(flat);
     let mut renames = Renames::new(flat);
     let mut dropped = vec![false; flat.ops.len()];
-    let mut started: HashMap<Slot, Slot> = HashMap::new();
+    let mut started: FxHashMap<Slot, Slot> = FxHashMap::default();
     for (number, _) in ops(flat) {
         let op = flat.ops[number as usize];
         let Some(choice) = known.choice(flat, op) else {
             continue;
         };
-        let kept = known.kept[&choice.delayed];
+        let Some(kept) = known.kept_of(choice.delayed) else {
+            continue;
+        };
         if *started.entry(kept).or_insert(choice.constant) != choice.constant {
             continue;
         }
@@ -51,7 +53,7 @@ pub(super) fn direct(flat: &mut Flat, _: f64) {
     for (number, _) in ops(flat) {
         let op = flat.ops[number as usize];
         if let Some((kept, given)) = delay(flat, op)
-            && !read_late.contains(&given)
+            && !read_late[given.index()]
         {
             renames.set(given, kept);
             dropped[number as usize] = true;
@@ -61,22 +63,27 @@ pub(super) fn direct(flat: &mut Flat, _: f64) {
     drop_ops(flat, &dropped);
 }
 
-/// Slots that are read otherwise than by operations: after the evaluation, by guards in both phases, by resets.
-pub(super) fn read_late(flat: &Flat) -> BTreeSet<Slot> {
-    let scopes = flat.scopes.iter();
-    let mut late: BTreeSet<Slot> = scopes.clone().map(|s| s.guard).collect();
-    late.extend(scopes.clone().flat_map(|s| s.latches.iter().map(|l| l.0)));
-    late.extend(scopes.filter_map(|s| s.reset.map(|r| r.0)));
+/// For each slot whether it is read otherwise than by operations: after the evaluation, by guards in both phases, by
+/// resets.
+pub(super) fn read_late(flat: &Flat) -> Vec<bool> {
+    let mut late = vec![false; flat.slots.len()];
+    for scope in &flat.scopes {
+        let latched = scope.latches.iter().map(|l| l.0);
+        let reset = scope.reset.map(|r| r.0);
+        latched
+            .chain(reset)
+            .chain([scope.guard])
+            .for_each(|s| late[s.index()] = true);
+    }
     let exports = flat.tables.exports.iter().map(|e| e.value);
     let ends: Vec<_> = match &flat.tables.end {
         End::Results(results) => results.iter().map(|r| r.condition).collect(),
         End::Ports { terminate, fail } => terminate.iter().chain(fail).copied().collect(),
     };
-    late.extend(
-        exports
-            .chain(ends)
-            .flat_map(|s| [Slot(s.at), Slot(s.present)]),
-    );
+    for signal in exports.chain(ends) {
+        late[signal.at as usize] = true;
+        late[signal.present as usize] = true;
+    }
     late
 }
 
@@ -96,22 +103,23 @@ struct Choice {
 
 /// What is known about slots as long as the net is not changed.
 struct Known {
-    /// Where what a delay gives is kept.
-    kept: HashMap<Slot, Slot>,
+    /// For each slot, if a delay gives it, where that is kept.
+    kept: Vec<Option<Slot>>,
     /// What is latched into a slot.
-    latched: HashMap<Slot, Slot>,
+    latched: FxHashMap<Slot, Slot>,
     /// What a slot is the opposite of.
-    opposite: HashMap<Slot, Slot>,
-    /// Slots that are read otherwise than as the alternative to a constant in a choice that depends on `first`.
-    read_plainly: BTreeSet<Slot>,
+    opposite: FxHashMap<Slot, Slot>,
+    /// For each slot whether it is read otherwise than as the alternative to a constant in a choice that depends on
+    /// `first`.
+    read_plainly: Vec<bool>,
 }
 
 impl Known {
     fn new(flat: &Flat) -> Self {
         let mut known = Known {
-            kept: HashMap::new(),
-            latched: HashMap::new(),
-            opposite: HashMap::new(),
+            kept: vec![None; flat.slots.len()],
+            latched: FxHashMap::default(),
+            opposite: FxHashMap::default(),
             read_plainly: read_late(flat),
         };
         for scope in &flat.scopes {
@@ -122,9 +130,9 @@ impl Known {
         let order = ops(flat);
         for &(number, _) in &order {
             let op = flat.ops[number as usize];
-            known
-                .kept
-                .extend(delay(flat, op).map(|(kept, given)| (given, kept)));
+            if let Some((kept, given)) = delay(flat, op) {
+                known.kept[given.index()] = Some(kept);
+            }
             if let Work::Run(prim, Form::Total) = op.work
                 && laws::of(prim) == Some(Law::Opposite)
             {
@@ -135,14 +143,19 @@ impl Known {
         for &(number, _) in &order {
             let op = flat.ops[number as usize];
             let behind = known.behind_first(flat, op).map(|c| c.delayed);
-            let others = flat.reads(op).filter(|s| Some(*s) != behind);
-            known.read_plainly.extend(others);
+            for slot in flat.reads(op).filter(|s| Some(*s) != behind) {
+                known.read_plainly[slot.index()] = true;
+            }
         }
         known
     }
 
+    fn kept_of(&self, given: Slot) -> Option<Slot> {
+        self.kept[given.index()]
+    }
+
     fn choice(&self, flat: &Flat, op: Op) -> Option<Choice> {
-        let sure = |c: &Choice| !self.read_plainly.contains(&c.delayed);
+        let sure = |c: &Choice| !self.read_plainly[c.delayed.index()];
         self.behind_first(flat, op)
             .filter(sure)
             .or_else(|| self.behind_null(flat, op))
@@ -154,8 +167,8 @@ impl Known {
             return None;
         };
         let (condition, choice) = self.alternative(flat, op, prim, [0, 1, 2])?;
-        let first = *self.kept.get(&condition)?;
-        let kept = *self.kept.get(&choice.delayed)?;
+        let first = self.kept_of(condition)?;
+        let kept = self.kept_of(choice.delayed)?;
         let mut content = Vec::new();
         flat.slots.content(first, &mut content);
         let is_first = content == [1] && self.latched.get(&first) == Some(&Slot::FALSE);
@@ -170,7 +183,7 @@ impl Known {
         let (condition, choice) = self.alternative(flat, op, prim, [0, 2, 4])?;
         let words = flat.words(op);
         let (sure, other, present) = (Slot(words[1]), Slot(words[3]), Slot(words[5]));
-        let was = *self.kept.get(&present)?;
+        let was = self.kept_of(present)?;
         let null = self.opposite.get(&condition) == Some(&present);
         let total = self.latched.get(&was) == Some(&Slot::TRUE);
         (sure == Slot::TRUE && other == Slot::TRUE && null && total).then_some(choice)
@@ -190,7 +203,7 @@ impl Known {
         }
         let [condition, constant, delayed] = at.map(|k| Slot(flat.words(op)[k]));
         let fits =
-            flat.slots.region(constant) == Region::Constant && self.kept.contains_key(&delayed);
+            flat.slots.region(constant) == Region::Constant && self.kept_of(delayed).is_some();
         fits.then_some((condition, Choice { delayed, constant }))
     }
 }

@@ -29,7 +29,8 @@ pub(super) fn fold(flat: &mut Flat, dt: f64) {
             Stop::Leave(scope) => _ = fold.never.pop_if(|s| *s == scope),
         }
     }
-    fold.renames.apply(flat);
+    // Operations come after those whose results they read, so theirs are replaced by now.
+    fold.renames.apply_outside(flat);
     drop_ops(flat, &fold.dropped);
     dissolve(flat);
 }

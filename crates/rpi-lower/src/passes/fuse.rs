@@ -7,7 +7,7 @@ use crate::flat::{Flat, Op, ScopeId, Work, index};
 use crate::slots::{Region, Slot};
 use rpi_image::image::{End, Form, Signal};
 use rpi_prims::PrimId;
-use std::collections::HashMap;
+use rustc_hash::FxHashMap;
 use std::sync::LazyLock;
 
 /// What is fused: a primitive, what it feeds and through which in-port, and what does both. The inputs of the fused one
@@ -58,7 +58,7 @@ const FUSED: &[(&str, &str, usize, &str)] = &[
 ];
 
 /// The table by outer primitive, in-port and inner primitive.
-static BY_PARTS: LazyLock<HashMap<(PrimId, usize, PrimId), PrimId>> = LazyLock::new(|| {
+static BY_PARTS: LazyLock<FxHashMap<(PrimId, usize, PrimId), PrimId>> = LazyLock::new(|| {
     let row = |&(inner, outer, port, both): &(&str, &str, usize, &str)| {
         let id = PrimId::of;
         Some(((id(outer)?, port, id(inner)?), id(both)?))
@@ -77,16 +77,15 @@ pub(super) fn fuse(flat: &mut Flat, _: f64) {
             let fed = fed(flat, op, port)?;
             let (inner, place) = writer[fed.index()]?;
             let alone = uses[fed.index()] == 1 && place == scope && !dropped[inner as usize];
-            let both = both(flat, op, port, flat.ops[inner as usize])?;
-            alone.then_some((port, inner, both))
+            let both = || both(flat, op, port, flat.ops[inner as usize]);
+            Some((port, inner, alone.then(both)??))
         });
         if let Some((port, inner, both)) = found {
             join(flat, number, port, inner, both);
             dropped[inner as usize] = true;
         }
         let op = flat.ops[number as usize];
-        let written: Vec<Slot> = flat.writes(op).collect();
-        for slot in written {
+        for slot in flat.writes(op) {
             writer[slot.index()] = Some((number, scope));
         }
     }

@@ -2,7 +2,8 @@
 //! the primitives' own code against every law told here.
 
 use crate::slots::Slot;
-use rpi_prims::PrimId;
+use rpi_prims::{PrimId, registry};
+use std::sync::LazyLock;
 
 /// What is known of a primitive besides its declaration.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
@@ -17,7 +18,13 @@ pub(super) enum Law {
 
 /// The law of a primitive, if there is one.
 pub(super) fn of(prim: PrimId) -> Option<Law> {
-    match prim.desc().name {
+    static LAWS: LazyLock<Vec<Option<Law>>> =
+        LazyLock::new(|| registry().iter().map(|p| by_name(p.desc.name)).collect());
+    LAWS.get(usize::from(prim.0)).copied().flatten()
+}
+
+fn by_name(name: &str) -> Option<Law> {
+    match name {
         "Core::BooleanAnd" => Some(Law::Gate {
             neutral: Slot::TRUE,
             absorbing: Slot::FALSE,
@@ -55,7 +62,7 @@ pub(super) fn choice(condition: Slot, yes: Slot, no: Slot) -> Option<Slot> {
 mod tests {
     use super::*;
     use rpi_image::{PortType, Scalar};
-    use rpi_prims::{Clock, Cx, NoDevices, registry};
+    use rpi_prims::{Clock, Cx, NoDevices};
 
     /// Runs the total form on single cells and gives the first output cell.
     fn run(prim: PrimId, inputs: &[Vec<u64>], cells_out: usize) -> Vec<u64> {

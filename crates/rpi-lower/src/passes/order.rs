@@ -16,34 +16,39 @@ pub(super) enum Stop {
 /// All stops in order. Scopes nest as deep as fragments do, so the stack is kept on the heap.
 pub(super) fn walk(flat: &Flat) -> Vec<Stop> {
     let mut stops = Vec::with_capacity(flat.ops.len() + 2 * flat.scopes.len());
+    visit(flat, |stop| stops.push(stop));
+    stops
+}
+
+fn visit(flat: &Flat, mut with: impl FnMut(Stop)) {
     let mut open = vec![(ScopeId::ROOT, 0)];
-    stops.push(Stop::Enter(ScopeId::ROOT));
+    with(Stop::Enter(ScopeId::ROOT));
     while let Some((scope, at)) = open.last_mut() {
         let scope = *scope;
         let item = flat.scopes[scope.index()].items.get(*at).copied();
         *at += 1;
         match item {
-            Some(Item::Op(op)) => stops.push(Stop::Op(op, scope)),
+            Some(Item::Op(op)) => with(Stop::Op(op, scope)),
             Some(Item::Scope(inner)) => {
-                stops.push(Stop::Enter(inner));
+                with(Stop::Enter(inner));
                 open.push((inner, 0));
             }
             None => {
-                stops.push(Stop::Leave(scope));
+                with(Stop::Leave(scope));
                 open.pop();
             }
         }
     }
-    stops
 }
 
 /// The operations in order, each with its scope.
 pub(crate) fn ops(flat: &Flat) -> Vec<(u32, ScopeId)> {
-    let ops = walk(flat).into_iter().filter_map(|stop| match stop {
-        Stop::Op(op, scope) => Some((op, scope)),
-        Stop::Enter(_) | Stop::Leave(_) => None,
+    let mut ops = Vec::with_capacity(flat.ops.len());
+    visit(flat, |stop| match stop {
+        Stop::Op(op, scope) => ops.push((op, scope)),
+        Stop::Enter(_) | Stop::Leave(_) => {}
     });
-    ops.collect()
+    ops
 }
 
 /// True if `inner` is `outer` or stands in it.

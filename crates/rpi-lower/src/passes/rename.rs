@@ -8,6 +8,8 @@ use rpi_image::image::{End, Signal};
 /// For each slot the one that stands in for it.
 pub(super) struct Renames {
     to: Vec<Slot>,
+    /// Whether any slot is replaced.
+    any: bool,
 }
 
 impl Renames {
@@ -15,6 +17,7 @@ impl Renames {
     pub(super) fn new(flat: &Flat) -> Self {
         Renames {
             to: (0..).map(Slot).take(flat.slots.len()).collect(),
+            any: false,
         }
     }
 
@@ -30,24 +33,26 @@ impl Renames {
     /// Lets `to` stand in for `from`.
     pub(super) fn set(&mut self, from: Slot, to: Slot) {
         self.to[from.index()] = self.get(to);
+        self.any = true;
     }
 
     /// Replaces the slots that an operation reads.
     pub(super) fn reads(&self, flat: &mut Flat, op: u32) {
-        let op = flat.ops[op as usize];
-        for k in 0..op.len as usize {
-            if matches!(flat.access(op, k), Access::Read | Access::Decide) {
-                let word = &mut flat.words[op.at as usize + k];
-                *word = self.get(Slot(*word)).0;
-            }
-        }
+        flat.replace(flat.ops[op as usize], Access::is_read, |s| self.get(s));
     }
 
     /// Replaces what is read anywhere.
     pub(super) fn apply(&self, flat: &mut Flat) {
-        for op in 0..flat.ops.len() as u32 {
-            self.reads(flat, op);
+        if self.any {
+            for op in 0..flat.ops.len() as u32 {
+                self.reads(flat, op);
+            }
+            self.apply_outside(flat);
         }
+    }
+
+    /// Replaces what is read otherwise than by operations.
+    pub(super) fn apply_outside(&self, flat: &mut Flat) {
         for scope in &mut flat.scopes {
             scope.guard = self.get(scope.guard);
             if let Some((unless, _)) = &mut scope.reset {
@@ -75,6 +80,9 @@ impl Renames {
 
 /// Takes operations out of all scopes.
 pub(super) fn drop_ops(flat: &mut Flat, dropped: &[bool]) {
+    if !dropped.contains(&true) {
+        return;
+    }
     let keep = |item: &Item| match item {
         Item::Op(op) => !dropped.get(*op as usize).copied().unwrap_or(false),
         Item::Scope(_) => true,

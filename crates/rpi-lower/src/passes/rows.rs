@@ -7,12 +7,13 @@
 //! more than anything else.
 //! Scopes under the same guard are a kind, too: neighbours become one scope.
 
-use crate::flat::{Flat, Item, ScopeId, Work, index};
+use crate::flat::{Flat, Item, ScopeId, Work};
 use crate::slots::Slot;
 use rpi_image::image::Form;
 use rpi_prims::PrimId;
+use rustc_hash::FxHashMap;
 use std::cmp::Reverse;
-use std::collections::{BTreeMap, VecDeque};
+use std::collections::VecDeque;
 
 pub(super) fn arrange(flat: &mut Flat, _: f64) {
     let mut writer = vec![NONE; flat.slots.len()];
@@ -54,7 +55,7 @@ fn place(flat: &mut Flat, arranged: &mut Vec<Item>, item: Item) {
 }
 
 /// What can stand in one row.
-#[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Debug)]
+#[derive(Clone, Copy, PartialEq, Eq, Hash, Debug)]
 enum Kind {
     Run(PrimId, Form),
     Copy,
@@ -98,7 +99,7 @@ struct Graph {
 impl Graph {
     fn new(flat: &Flat, scope: ScopeId, writer: &mut [u32]) -> Self {
         let items = &flat.scopes[scope.index()].items;
-        let mut edges = Vec::with_capacity(3 * items.len());
+        let mut edges = Vec::with_capacity(2 * items.len());
         let mut device = NONE;
         for (at, item) in (0..).zip(items) {
             visit(flat, *item, &mut |slot, written| match written {
@@ -119,7 +120,7 @@ impl Graph {
             visit(flat, *item, &mut |slot, _| writer[slot.index()] = NONE);
         }
         let (kinds, kind_count) = kinds(flat, items);
-        let (start, readers, waits) = compress(items.len(), edges);
+        let (start, readers, waits) = compress(items.len(), &edges);
         Graph {
             kinds,
             kind_count,
@@ -209,7 +210,7 @@ impl Ready {
 
 /// Number of the kind of each item, in order of first appearance.
 fn kinds(flat: &Flat, items: &[Item]) -> (Vec<u32>, usize) {
-    let mut known = BTreeMap::new();
+    let mut known = FxHashMap::default();
     let mut count = 0;
     let kinds = items.iter().map(|item| {
         let kind = Kind::of(flat, *item);
@@ -223,20 +224,25 @@ fn kinds(flat: &Flat, items: &[Item]) -> (Vec<u32>, usize) {
     (kinds.collect(), count as usize)
 }
 
-/// Edges by their source: starts, readers, and how many edges end at each item.
-fn compress(items: usize, mut edges: Vec<(u32, u32)>) -> (Vec<u32>, Vec<u32>, Vec<u32>) {
-    edges.sort_unstable();
-    edges.dedup();
+/// Edges by their source: starts, readers, and how many edges end at each item. They come by ascending target, so that
+/// counting sorts them; an edge that comes several times counts as often on both sides.
+fn compress(items: usize, edges: &[(u32, u32)]) -> (Vec<u32>, Vec<u32>, Vec<u32>) {
     let (mut start, mut waits) = (vec![0; items + 1], vec![0; items]);
-    for (from, to) in &edges {
+    for (from, to) in edges {
         start[*from as usize + 1] += 1;
         waits[*to as usize] += 1;
     }
     for k in 0..items {
         start[k + 1] += start[k];
     }
-    debug_assert_eq!(index(edges.len()), start[items]);
-    (start, edges.into_iter().map(|e| e.1).collect(), waits)
+    let mut next = start.clone();
+    let mut readers = vec![0; edges.len()];
+    for (from, to) in edges {
+        let at = &mut next[*from as usize];
+        readers[*at as usize] = *to;
+        *at += 1;
+    }
+    (start, readers, waits)
 }
 
 /// Every slot that an item reads or writes (true), in order.

@@ -4,11 +4,11 @@ use super::rename::Renames;
 use crate::flat::Flat;
 use crate::slots::Slot;
 use rpi_image::image::{DevicePort, Sensor};
-use std::collections::HashMap;
+use rustc_hash::FxHashMap;
 
 pub(super) fn share(flat: &mut Flat, _: f64) {
     let mut renames = Renames::new(flat);
-    let mut known: HashMap<(String, String, u32), Vec<Sensor>> = HashMap::new();
+    let mut known: FxHashMap<(String, String, u32), Vec<Sensor>> = FxHashMap::default();
     let sensors = std::mem::take(&mut flat.tables.sensors);
     for (sensor, node) in sensors {
         let same = known.entry(key(&sensor.port)).or_default();

@@ -7,43 +7,100 @@ use super::order::{encloses, ops};
 use super::rename::{Renames, drop_ops};
 use crate::access::Access;
 use crate::flat::{Flat, Op, ScopeId, Work};
+use hashbrown::hash_table::{Entry, HashTable};
 use rpi_image::State;
-use std::collections::HashMap;
-
-/// What is computed from what.
-type Key = (Work, Vec<u32>);
+use rustc_hash::FxHasher;
+use std::hash::{Hash, Hasher};
 
 pub(super) fn share(flat: &mut Flat, _: f64) {
     let mut renames = Renames::new(flat);
     let mut dropped = vec![false; flat.ops.len()];
-    let mut known: HashMap<Key, Vec<(u32, ScopeId)>> = HashMap::new();
+    let mut known = Known::new(flat);
     for (number, scope) in ops(flat) {
         renames.reads(flat, number);
         let op = flat.ops[number as usize];
         if !is_pure(op) {
             continue;
         }
-        let same = known.entry((op.work, inputs(flat, op))).or_default();
-        let earlier = same.iter().find(|(_, at)| encloses(flat, *at, scope));
-        if let Some(&(earlier, _)) = earlier {
-            let given: Vec<_> = flat.writes(flat.ops[earlier as usize]).collect();
+        if let Some(earlier) = known.earlier(flat, number, scope) {
+            let given = flat.writes(flat.ops[earlier as usize]);
             for (mine, other) in flat.writes(op).zip(given) {
                 renames.set(mine, other);
             }
             dropped[number as usize] = true;
-        } else {
-            same.push((number, scope));
         }
     }
-    renames.apply(flat);
+    // Operations come after those whose results they read, so theirs are replaced by now.
+    renames.apply_outside(flat);
     drop_ops(flat, &dropped);
 }
 
+const NONE: u32 = u32::MAX;
+
+/// The operations so far by what they compute from what; equal ones that do not serve for each other in a chain.
+struct Known {
+    first: HashTable<u32>,
+    next: Vec<u32>,
+    scope: Vec<ScopeId>,
+}
+
+impl Known {
+    fn new(flat: &Flat) -> Self {
+        Known {
+            first: HashTable::with_capacity(flat.ops.len()),
+            next: vec![NONE; flat.ops.len()],
+            scope: vec![ScopeId::ROOT; flat.ops.len()],
+        }
+    }
+
+    /// An equal operation that runs whenever this one does; if there is none, this one is entered.
+    fn earlier(&mut self, flat: &Flat, number: u32, scope: ScopeId) -> Option<u32> {
+        let op = |number: u32| flat.ops[number as usize];
+        self.scope[number as usize] = scope;
+        let entry = self.first.entry(
+            hash(flat, op(number)),
+            |other| same(flat, op(*other), op(number)),
+            |other| hash(flat, op(*other)),
+        );
+        let mut at = match entry {
+            Entry::Vacant(free) => {
+                free.insert(number);
+                return None;
+            }
+            Entry::Occupied(first) => *first.get(),
+        };
+        loop {
+            if encloses(flat, self.scope[at as usize], scope) {
+                return Some(at);
+            }
+            match self.next[at as usize] {
+                NONE => {
+                    self.next[at as usize] = number;
+                    return None;
+                }
+                next => at = next,
+            }
+        }
+    }
+}
+
+fn hash(flat: &Flat, op: Op) -> u64 {
+    let mut hasher = FxHasher::default();
+    op.work.hash(&mut hasher);
+    inputs(flat, op).for_each(|word| hasher.write_u32(word));
+    hasher.finish()
+}
+
+fn same(flat: &Flat, a: Op, b: Op) -> bool {
+    a.work == b.work && inputs(flat, a).eq(inputs(flat, b))
+}
+
 /// Words that tell what comes out: all but those that are written.
-fn inputs(flat: &Flat, op: Op) -> Vec<u32> {
+fn inputs(flat: &Flat, op: Op) -> impl Iterator<Item = u32> + '_ {
+    let shape = flat.shapes.shape(op);
     let words = flat.words(op).iter().enumerate();
-    let read = words.filter(|(k, _)| flat.access(op, *k) != Access::Write);
-    read.map(|(_, word)| *word).collect()
+    let read = words.filter(move |(k, _)| shape.access(*k) != Access::Write);
+    read.map(|(_, word)| *word)
 }
 
 /// No state, no device; the same inputs give the same outputs within a cycle, faults included.

@@ -306,9 +306,7 @@ fn unknown_type(text: &Text<'_>, places: &[Word]) -> Finding {
     let name = text.str(places[0]);
     let finding = Finding::new(Code::RPI1101, format!("there is no primitive `{name}`"));
     let labelled = places.iter().take(SHOWN);
-    let finding = labelled.fold(finding, |f, word| {
-        f.at(text.span(*word), "not known")
-    });
+    let finding = labelled.fold(finding, |f, word| f.at(text.span(*word), "not known"));
     let finding = match places.len().saturating_sub(SHOWN) {
         0 => finding,
         more => finding.note(format!("and at {more} more places")),

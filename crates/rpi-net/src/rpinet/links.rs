@@ -8,7 +8,6 @@ use rpi_image::PortType;
 use rpi_prims::PrimId;
 use rustc_hash::FxHashMap;
 
-
 /// The nodes that definitions have become.
 pub(super) type Nodes = Vec<Option<(NodeId, PrimId)>>;
 
@@ -160,7 +159,10 @@ impl<'a, 't> Links<'a, 't> {
             }
             Kind::Primitive(_) => {
                 let (node, prim) = self.nodes[id as usize].ok_or(Broken::Elsewhere)?;
-                let port = prim.desc().output(self.str(source.port)).ok_or(Broken::Port)?;
+                let port = prim
+                    .desc()
+                    .output(self.str(source.port))
+                    .ok_or(Broken::Port)?;
                 let port = u8::try_from(port).map_err(|_| Broken::Elsewhere)?;
                 Ok(Step::Node(PortRef { node, port }))
             }
@@ -170,7 +172,10 @@ impl<'a, 't> Links<'a, 't> {
     /// An in-port of the fragment in which a link stands.
     fn in_port(&self, scope: BodyId, source: Source) -> Result<Step, Broken> {
         let id = self.text.body(scope).definition.ok_or(Broken::Root)?;
-        let k = self.names.input(id, self.str(source.port)).ok_or(Broken::Port)?;
+        let k = self
+            .names
+            .input(id, self.str(source.port))
+            .ok_or(Broken::Port)?;
         Ok(Step::Border(Port::In(id, k)))
     }
 
@@ -219,7 +224,8 @@ impl<'a, 't> Links<'a, 't> {
             return finding.help(format!("did you mean `{near}`?"));
         }
         let elsewhere = self.text.definitions.iter();
-        let mut elsewhere = elsewhere.filter(|d| d.name.is_some_and(|n| text.str(n) == text.str(word)));
+        let mut elsewhere =
+            elsewhere.filter(|d| d.name.is_some_and(|n| text.str(n) == text.str(word)));
         match elsewhere.next().filter(|_| self.hints > 0) {
             Some(other) => finding
                 .also(
@@ -266,7 +272,8 @@ impl<'a, 't> Links<'a, 't> {
                 )
             }
             Some((id, Kind::Primitive(ty))) => {
-                let outputs = self.nodes[id as usize].map_or(&[][..], |(_, prim)| prim.desc().outputs);
+                let outputs =
+                    self.nodes[id as usize].map_or(&[][..], |(_, prim)| prim.desc().outputs);
                 let ports = outputs.iter().map(|o| o.name).collect();
                 (format!("`{}`", self.str(ty)), ports)
             }
@@ -281,10 +288,7 @@ impl<'a, 't> Links<'a, 't> {
         };
         let message = format!("`{}` is connected to itself", self.str(name));
         Finding::new(Code::RPI4002, message)
-            .at(
-                self.text.span(name),
-                "following this port leads back to it",
-            )
+            .at(self.text.span(name), "following this port leads back to it")
             .help("connect one of the ports on the way to a primitive")
     }
 

@@ -1,8 +1,10 @@
 //! What each name of a text stands for. Names are local to their fragment.
 
-use super::text::{Argument, BodyId, Definition, DefinitionId, Given, Kind, Place, Subject, Text, Word};
-use rpi_diag::{Code, Finding};
+use super::text::{
+    Argument, BodyId, Definition, DefinitionId, Given, Kind, Place, Subject, Text, Word,
+};
 use hashbrown::hash_table::{Entry, HashTable};
+use rpi_diag::{Code, Finding};
 use rustc_hash::{FxBuildHasher, FxHashMap};
 use std::hash::BuildHasher;
 
