@@ -23,6 +23,6 @@ pub use desc::{
 };
 pub use image::{Form, Image, Step};
 pub use ty::{Scalar, Type};
-pub use value::Value;
+pub use value::{Bits, Value};
 pub use verify::{Catalogue, VerifyError, verify};
 pub use wire::ReadError;

@@ -2,8 +2,10 @@
 
 use crate::ty::{Scalar, Type};
 use alloc::string::String;
-use alloc::vec;
-use alloc::vec::Vec;
+use smallvec::{SmallVec, smallvec};
+
+/// The cells of a value; one or two, as most values have, lie in place.
+pub type Bits = SmallVec<[u64; 2]>;
 
 /// A constant: the cells of a flow's value, or a text (parameters only).
 #[derive(Clone, PartialEq, Debug)]
@@ -13,7 +15,7 @@ pub enum Value {
         /// Its type.
         ty: Type,
         /// Its bits, laid out as [`Scalar`] says.
-        cells: Vec<u64>,
+        cells: Bits,
     },
     /// A text: device names, keys. Never flows through a link.
     Str(String),
@@ -23,25 +25,25 @@ impl Value {
     /// A Boolean.
     #[must_use]
     pub fn bool(v: bool) -> Self {
-        Self::one(Scalar::Bool, vec![u64::from(v)])
+        Self::one(Scalar::Bool, smallvec![u64::from(v)])
     }
 
     /// An integer.
     #[must_use]
     pub fn int(v: i64) -> Self {
-        Self::one(Scalar::Int, vec![v.cast_unsigned()])
+        Self::one(Scalar::Int, smallvec![v.cast_unsigned()])
     }
 
     /// A real.
     #[must_use]
     pub fn real(v: f64) -> Self {
-        Self::one(Scalar::Real, vec![v.to_bits()])
+        Self::one(Scalar::Real, smallvec![v.to_bits()])
     }
 
     /// A point in time, nanoseconds since the Unix epoch.
     #[must_use]
     pub fn time(ns: i64) -> Self {
-        Self::one(Scalar::Time, vec![ns.cast_unsigned()])
+        Self::one(Scalar::Time, smallvec![ns.cast_unsigned()])
     }
 
     /// A spatial value from its reals, laid out as [`Scalar`] says; `None` if their number does not fit.
@@ -55,7 +57,7 @@ impl Value {
     /// The neutral value of a type: false, 0, zero vector, identity rotation and pose.
     #[must_use]
     pub fn neutral(ty: Type) -> Self {
-        let mut cells = vec![0; ty.cells() as usize];
+        let mut cells: Bits = smallvec![0; ty.cells() as usize];
         let (scalar, w) = match ty {
             Type::One(s) | Type::Array(s, _) => (s, s.cells() as usize),
             Type::Matrix(..) => (Scalar::Real, 1),
@@ -68,7 +70,7 @@ impl Value {
         Value::Cells { ty, cells }
     }
 
-    fn one(scalar: Scalar, cells: Vec<u64>) -> Self {
+    fn one(scalar: Scalar, cells: Bits) -> Self {
         Value::Cells {
             ty: Type::One(scalar),
             cells,

@@ -14,7 +14,7 @@ mod violation;
 
 pub use net::{
     Absent, Activation, Alternatives, Driver, ExportPort, Fragment, FragmentId, FragmentPort,
-    Input, Net, Node, NodeId, Origin, PortRef, Restart, ResultKind, ResultPort,
+    Input, Net, Node, NodeId, Origin, PortRef, Restart, ResultKind, ResultPort, Types,
 };
 pub use tree::{Item, Tree};
 pub use violation::Violation;

@@ -6,9 +6,10 @@
 
 use std::fmt;
 
-use rpi_image::{Scalar, Type, Value};
+use rpi_image::{Bits, Scalar, Type, Value};
 use rpi_prims::flow::Flow;
 use rpi_prims::geometry;
+use smallvec::smallvec;
 
 mod tree;
 mod write;
@@ -98,19 +99,19 @@ pub fn read(text: &str, ty: Type) -> Result<Option<Value>, LiteralError> {
     }))
 }
 
-fn element(tree: &Tree<'_>, scalar: Scalar) -> Result<Option<Vec<u64>>, LiteralError> {
+fn element(tree: &Tree<'_>, scalar: Scalar) -> Result<Option<Bits>, LiteralError> {
     if tree.is_null() {
         return Ok(None);
     }
     cells(tree, scalar).map(Some)
 }
 
-fn cells(tree: &Tree<'_>, scalar: Scalar) -> Result<Vec<u64>, LiteralError> {
+fn cells(tree: &Tree<'_>, scalar: Scalar) -> Result<Bits, LiteralError> {
     Ok(match scalar {
-        Scalar::Bool => vec![u64::from(tree.word("true or false", truth)?)],
-        Scalar::Int => vec![tree.word("a whole number", whole)?.cast_unsigned()],
-        Scalar::Time => vec![tree.word("a time in milliseconds", millis)?.cast_unsigned()],
-        Scalar::Real => vec![real(tree)?.to_bits()],
+        Scalar::Bool => smallvec![u64::from(tree.word("true or false", truth)?)],
+        Scalar::Int => smallvec![tree.word("a whole number", whole)?.cast_unsigned()],
+        Scalar::Time => smallvec![tree.word("a time in milliseconds", millis)?.cast_unsigned()],
+        Scalar::Real => smallvec![real(tree)?.to_bits()],
         Scalar::Vector => reals(tree, &["x", "y", "z"])?,
         Scalar::Rotation => {
             let angles = reals(tree, &["a", "b", "c"])?;
@@ -123,22 +124,22 @@ fn cells(tree: &Tree<'_>, scalar: Scalar) -> Result<Vec<u64>, LiteralError> {
     })
 }
 
-fn stored<T: Flow>(value: T) -> Vec<u64> {
-    let mut cells = vec![0; T::CELLS];
+fn stored<T: Flow>(value: T) -> Bits {
+    let mut cells: Bits = smallvec![0; T::CELLS];
     value.store(&mut cells, 0);
     cells
 }
 
 type Half = (&'static str, Scalar);
 
-fn pair(tree: &Tree<'_>, a: Half, b: Half) -> Result<Vec<u64>, LiteralError> {
+fn pair(tree: &Tree<'_>, a: Half, b: Half) -> Result<Bits, LiteralError> {
     let [first, second] = tree.fields([a.0, b.0])?;
     let mut all = cells(first, a.1)?;
     all.extend(cells(second, b.1)?);
     Ok(all)
 }
 
-fn reals(tree: &Tree<'_>, keys: &[&'static str; 3]) -> Result<Vec<u64>, LiteralError> {
+fn reals(tree: &Tree<'_>, keys: &[&'static str; 3]) -> Result<Bits, LiteralError> {
     let fields = tree.fields(*keys)?;
     fields.iter().map(|f| Ok(real(f)?.to_bits())).collect()
 }

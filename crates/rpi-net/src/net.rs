@@ -3,6 +3,7 @@
 use rpi_diag::Span;
 use rpi_image::{PrimDesc, Type, Value};
 use rpi_prims::PrimId;
+use smallvec::SmallVec;
 
 /// Index of a node in [`Net::nodes`].
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Debug)]
@@ -61,6 +62,9 @@ pub struct Origin {
     pub flow: Option<String>,
 }
 
+/// The types of some ports; one, as most primitives have, lies in place.
+pub type Types = SmallVec<[Type; 1]>;
+
 /// A primitive in a net.
 #[derive(Clone, PartialEq, Debug)]
 pub struct Node {
@@ -75,7 +79,7 @@ pub struct Node {
     /// One entry per declared parameter, defaults filled in.
     pub params: Vec<Value>,
     /// Type of each declared out-port, sizes resolved.
-    pub outputs: Vec<Type>,
+    pub outputs: Types,
     /// Where it comes from.
     pub origin: Origin,
 }

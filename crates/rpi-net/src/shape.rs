@@ -1,6 +1,6 @@
 //! The types of all out-ports: lengths of arrays and shapes of matrices follow from inputs and parameters.
 
-use crate::net::{Input, Net, NodeId};
+use crate::net::{Input, Net, NodeId, Types};
 use rpi_diag::{Code, Finding};
 use rpi_image::{PortType, PrimDesc, Shape, ShapeArgs, Type};
 
@@ -70,7 +70,7 @@ fn infer(net: &mut Net, id: NodeId, states: &[State]) -> Option<Finding> {
         params: &node.params,
     };
     let types = (0..desc.outputs.len()).map(|k| desc.out_type(k, &args));
-    let types: Option<Vec<Type>> = types
+    let types: Option<Types> = types
         .map(|t| t.filter(|t| t.cells() <= MAX_CELLS))
         .collect();
     match types {

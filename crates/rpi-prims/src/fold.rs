@@ -104,7 +104,7 @@ fn results(mut cells: &[u64], outputs: &[Type]) -> Vec<Value> {
         let (own, rest) = cells.split_at(ty.cells() as usize);
         values.push(Value::Cells {
             ty: *ty,
-            cells: own.to_vec(),
+            cells: own.into(),
         });
         cells = rest;
     }

@@ -147,8 +147,8 @@ impl<'a> Reader<'a> {
 
     fn name(&mut self) -> &'a str {
         let rest = self.rest();
-        let inside = |c: char| c.is_ascii_alphanumeric() || "+-._".contains(c);
-        let word = &rest[..rest.find(|c| !inside(c)).unwrap_or(rest.len())];
+        let inside = |b: &u8| b.is_ascii_alphanumeric() || b"+-._".contains(b);
+        let word = &rest[..rest.bytes().take_while(inside).count()];
         self.at += word.len();
         word
     }

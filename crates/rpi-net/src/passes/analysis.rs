@@ -21,8 +21,8 @@ pub struct Analysis {
     pub told: Vec<(&'static str, String)>,
     /// Who reads what.
     pub users: Users,
-    /// What waits for what.
-    pub dependencies: Dependencies,
+    /// What waits for what; let go once the order is known, for it is large.
+    dependencies: Dependencies,
     /// The order of evaluation; none if something depends on itself.
     pub schedule: Option<Schedule>,
     /// Which flows can be absent.
@@ -111,6 +111,7 @@ pub const PASSES: &[Pass] = &[
             if let Some(schedule) = &a.schedule {
                 schedule::verify(&a.net, &a.dependencies, schedule)?;
             }
+            a.dependencies = Dependencies::none();
             Ok("each item after all that it reads".into())
         },
     },

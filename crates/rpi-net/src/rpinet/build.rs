@@ -6,7 +6,7 @@ use super::names::Names;
 use super::text::{Argument, BodyId, DefinitionId, Given, Kind, Source, Text, Word};
 use crate::net::{
     Absent, Activation, Driver, Fragment, FragmentId, FragmentPort, Input, Net, Node, Origin,
-    PortRef, Restart,
+    PortRef, Restart, Types,
 };
 use rpi_diag::{Code, Finding, suggest};
 use rpi_image::{PortType, Scalar};
@@ -122,7 +122,7 @@ impl<'t> Builder<'_, 't> {
             fragment: self.around(id),
             inputs: Vec::new(),
             params: Vec::new(),
-            outputs: Vec::new(),
+            outputs: Types::new(),
             origin: self.origin(id),
         };
         self.nodes[id as usize] = Some((self.net.add_node(node), prim));

@@ -201,7 +201,7 @@ impl Rig {
     }
 
     fn output(&self, slot: Slot, sure: bool) -> Option<Value> {
-        let cells = self.cells[slot.at..slot.presence].to_vec();
+        let cells = self.cells[slot.at..slot.presence].into();
         (sure || self.cells[slot.presence] != 0).then_some(Value::Cells { ty: slot.ty, cells })
     }
 }
@@ -235,7 +235,7 @@ pub(crate) fn of<T: Flow>(value: T) -> Value {
     value.store(&mut cells, 0);
     Value::Cells {
         ty: Type::One(T::SCALAR),
-        cells,
+        cells: cells.into(),
     }
 }
 

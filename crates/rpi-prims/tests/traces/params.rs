@@ -39,6 +39,7 @@ pub(crate) fn parameter(
             .ok_or_else(|| "a parameter is missing".into()),
         Some(text) => {
             let cells = text::cells(ty, text).ok_or_else(|| format!("not a {ty}: {text}"))?;
+            let cells = cells.into();
             Ok(Value::Cells { ty, cells })
         }
     }

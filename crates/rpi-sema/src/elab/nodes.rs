@@ -134,7 +134,7 @@ impl Elab<'_> {
             fragment,
             inputs,
             params,
-            outputs,
+            outputs: outputs.into(),
             origin: Origin { span, flow: None },
         })
     }
@@ -312,7 +312,7 @@ pub(super) fn leaves(value: &Value) -> Vec<Leaf> {
     };
     let element = |cells: &[u64]| Value::Cells {
         ty: Type::One(scalar),
-        cells: cells.to_vec(),
+        cells: cells.into(),
     };
     let chunks = value.cells().chunks(scalar.cells() as usize);
     chunks.take(count as usize).map(element).collect()

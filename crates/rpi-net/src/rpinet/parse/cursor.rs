@@ -112,10 +112,20 @@ fn after_space(bytes: &[u8], at: usize) -> usize {
 }
 
 fn after_word(bytes: &[u8], at: usize) -> usize {
-    let inside = |b: &&u8| b.is_ascii_alphanumeric() || matches!(b, b':' | b'_');
     let rest = bytes.get(at..).unwrap_or(&[]);
+    let inside = |b: &&u8| IN_WORD[usize::from(**b)];
     at + rest.iter().take_while(inside).count()
 }
+
+/// For each byte whether it can stand in a name.
+static IN_WORD: [bool; 256] = {
+    let (mut table, mut k) = ([false; 256], 0_u8);
+    while k < 128 {
+        table[k as usize] = k.is_ascii_alphanumeric() || matches!(k, b':' | b'_');
+        k += 1;
+    }
+    table
+};
 
 /// Whether what follows a quote says that the text ends there: `)`, or a comma that is not part of the text because a
 /// next argument (`name=`) or nothing sensible follows it.

@@ -118,7 +118,7 @@ fn node(prim: PrimId, params: Vec<Value>) -> Node {
         fragment: FragmentId::ROOT,
         inputs: vec![Input::Open; prim.desc().inputs.len()],
         params,
-        outputs: vec![Type::One(Scalar::Bool)],
+        outputs: [Type::One(Scalar::Bool)].into_iter().collect(),
         origin: Origin {
             span: Span::NONE,
             flow: None,
