@@ -176,7 +176,7 @@ fn sleeping(fragments: bool, size: usize) -> Net {
     let x = b.add_with(root, "Core::DoubleNetcommIn", &[], &[key]);
     let whole = b.add(root, "Core::IntFromDouble", &[Input::Port(x)]);
     for k in 0..MANY {
-        let limit = Input::Const(rpi_image::Value::int(10 + k as i64));
+        let limit = Input::constant(rpi_image::Value::int(10 + k as i64));
         let awake = b.add(root, "Core::IntGreater", &[Input::Port(whole), limit]);
         let params = [("Key", rpi_image::Value::Str(format!("awake{k}")))];
         b.add_with(

@@ -175,13 +175,13 @@ impl Build {
 /// A real constant.
 #[must_use]
 pub fn real(v: f64) -> Input {
-    Input::Const(Value::real(v))
+    Input::constant(Value::real(v))
 }
 
 /// A Boolean constant.
 #[must_use]
 pub fn boolean(v: bool) -> Input {
-    Input::Const(Value::bool(v))
+    Input::constant(Value::bool(v))
 }
 
 fn nowhere() -> Origin {
@@ -208,10 +208,10 @@ fn default_param(p: &rpi_image::Param) -> Value {
 fn default_input(p: &rpi_image::InPort) -> Input {
     match (p.need, p.ty) {
         (Need::Param(_, default), PortType::One(s)) => {
-            Input::Const(default.value(Type::One(s)).expect("a default"))
+            Input::constant(default.value(Type::One(s)).expect("a default"))
         }
         (Need::Params(names, make), _) => {
-            Input::Const(make(&names.iter().map(|n| n.1).collect::<Vec<_>>()))
+            Input::constant(make(&names.iter().map(|n| n.1).collect::<Vec<_>>()))
         }
         _ => Input::Open,
     }

@@ -109,7 +109,8 @@ pub(crate) struct Flat {
 pub(crate) const NO_NODE: u32 = u32::MAX;
 
 impl Flat {
-    pub(crate) fn new() -> Self {
+    /// Nothing yet, with room for about so many primitives: large tables that grow leave holes behind.
+    pub(crate) fn new(primitives: usize) -> Self {
         let root = Scope {
             parent: None,
             guard: Slot::TRUE,
@@ -118,10 +119,10 @@ impl Flat {
             latches: Vec::new(),
         };
         Flat {
-            slots: Slots::new(),
+            slots: Slots::new(2 * primitives),
             shapes: Shapes::default(),
-            words: Vec::new(),
-            ops: Vec::new(),
+            words: Vec::with_capacity(4 * primitives),
+            ops: Vec::with_capacity(primitives + primitives / 8),
             scopes: vec![root],
             tables: Tables::default(),
         }

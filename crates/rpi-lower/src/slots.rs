@@ -46,12 +46,12 @@ pub(crate) struct Slots {
 }
 
 impl Slots {
-    /// The two Booleans.
-    pub(crate) fn new() -> Self {
+    /// The two Booleans, with room for so many slots.
+    pub(crate) fn new(room: usize) -> Self {
         let mut slots = Slots {
-            cells: Vec::new(),
-            regions: Vec::new(),
-            bits: Vec::new(),
+            cells: Vec::with_capacity(room),
+            regions: Vec::with_capacity(room),
+            bits: Vec::with_capacity(room),
             wide: BTreeMap::new(),
             constants: FxHashMap::default(),
             wide_constants: FxHashMap::default(),

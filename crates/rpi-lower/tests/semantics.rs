@@ -12,7 +12,7 @@ const ROOT: FragmentId = FragmentId::ROOT;
 const MS: u64 = 1_000_000;
 
 fn real(v: f64) -> Input {
-    Input::Const(Value::real(v))
+    Input::constant(Value::real(v))
 }
 
 /// `x = if null(pre x) then 0 else pre x + 1`, the reference's idiom for a counter.

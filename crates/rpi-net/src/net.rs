@@ -47,7 +47,7 @@ pub enum Input {
     /// Nothing: allowed where the descriptor says [`rpi_image::Need::Absent`].
     Open,
     /// A constant: a parameter standing in for an open port, or a literal operand.
-    Const(Value),
+    Const(Box<Value>),
     /// An out-port of a node in the same fragment, an enclosing one, or (then it may be absent) any other one.
     /// Links cross fragment borders freely; the border's ports are derived, or named in [`Fragment::outputs`].
     Port(PortRef),

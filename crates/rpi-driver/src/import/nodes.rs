@@ -126,7 +126,7 @@ fn stands_in(need: Need, ty: PortType, input: &Input) -> bool {
         (Need::Param(_, default), PortType::One(_)) => is_default(default, value),
         (Need::Params(parts, make), _) => {
             let reals: Vec<f64> = parts.iter().map(|(_, default)| *default).collect();
-            make(&reals) == *value
+            make(&reals) == **value
         }
         _ => false,
     }

@@ -78,7 +78,7 @@ impl<'a> Builder<'a> {
             net,
             plan,
             options,
-            flat: Flat::new(),
+            flat: Flat::new(net.nodes.len()),
             logic: Logic::default(),
             first,
             flows: vec![Flow::NONE; ports as usize],

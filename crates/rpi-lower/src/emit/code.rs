@@ -13,6 +13,7 @@ use rustc_hash::FxHashMap;
 
 /// Writes both step lists.
 pub(super) fn write(flat: &Flat, layouts: &Layouts, options: &LowerOptions<'_>, image: &mut Image) {
+    image.code.reserve(flat.words.len());
     let mut writer = Writer {
         flat,
         layouts,

@@ -4,7 +4,7 @@
 //! read before, and x is computed whenever the latch would act, in the same scope.
 
 use super::delays::read_late;
-use super::order::ops;
+use super::order::Writers;
 use super::rename::Renames;
 use crate::access::Access;
 use crate::flat::{Flat, Op, ScopeId, Work};
@@ -44,8 +44,7 @@ fn writes(flat: &mut Flat, renames: &Renames) {
 
 /// Who writes and who reads a slot, in the order in which operations run.
 struct Facts {
-    /// For each slot the place of its writer, its scope, and the operation.
-    writer: Vec<Option<(u32, ScopeId, Op)>>,
+    writers: Writers,
     /// For each slot the place of its last reader.
     last_read: Vec<u32>,
     read_late: Vec<bool>,
@@ -54,31 +53,27 @@ struct Facts {
 impl Facts {
     fn new(flat: &Flat) -> Self {
         let mut facts = Facts {
-            writer: vec![None; flat.slots.len()],
+            writers: Writers::new(flat),
             last_read: vec![0; flat.slots.len()],
             read_late: read_late(flat),
         };
-        for (place, (number, scope)) in (0..).zip(ops(flat)) {
-            let op = flat.ops[number as usize];
-            for slot in flat.reads(op) {
+        for (place, (number, _)) in (0..).zip(&facts.writers.order) {
+            for slot in flat.reads(flat.ops[*number as usize]) {
                 facts.last_read[slot.index()] = place;
-            }
-            for slot in flat.writes(op) {
-                facts.writer[slot.index()] = Some((place, scope, op));
             }
         }
         facts
     }
 
     fn fits(&self, flat: &Flat, scope: ScopeId, from: Slot, to: Slot) -> bool {
-        let Some((place, written_in, op)) = self.writer[from.index()] else {
+        let Some((place, number, written_in)) = self.writers.of(from) else {
             return false;
         };
         flat.slots.region(from) == Region::Value
             && written_in == scope
             && self.last_read[to.index()] <= place
             && !self.read_late[to.index()]
-            && writes_at_the_end(flat, op)
+            && writes_at_the_end(flat, flat.ops[number as usize])
     }
 }
 

@@ -3,17 +3,18 @@
 //! Alive is what leaves the command (exports, ends), what reaches a device, what may fault, and everything that these
 //! read, through delays and guards too.
 
-use super::order::ops;
+use super::order::Writers;
 use super::rename::drop_ops;
 use crate::access::Access;
 use crate::flat::{Flat, Item, Op, ScopeId, Work};
 use crate::slots::{Region, Slot};
 use rpi_image::image::{End, Signal};
+use rustc_hash::FxHashMap;
 
 pub(super) fn remove(flat: &mut Flat, _: f64) {
-    let order = ops(flat);
-    let mut life = Life::new(flat, &order);
-    for &(number, scope) in &order {
+    let writers = Writers::new(flat);
+    let mut life = Life::new(flat, &writers);
+    for &(number, scope) in &writers.order {
         if has_effect(flat.ops[number as usize]) {
             life.op(flat, number, scope);
         }
@@ -41,35 +42,29 @@ fn has_effect(op: Op) -> bool {
     }
 }
 
-struct Life {
+struct Life<'a> {
     ops: Vec<bool>,
     slots: Vec<bool>,
     scopes: Vec<bool>,
     waiting: Vec<Slot>,
-    /// For each slot who writes it.
-    writer: Vec<Option<(u32, ScopeId)>>,
-    /// For each slot the scope that latches it, and from where.
-    latch: Vec<Option<(Slot, ScopeId)>>,
+    writers: &'a Writers,
+    /// For each slot that is latched the scope that does, and from where.
+    latch: FxHashMap<Slot, (Slot, ScopeId)>,
 }
 
-impl Life {
-    fn new(flat: &Flat, order: &[(u32, ScopeId)]) -> Self {
+impl<'a> Life<'a> {
+    fn new(flat: &Flat, writers: &'a Writers) -> Self {
         let mut life = Life {
             ops: vec![false; flat.ops.len()],
             slots: vec![false; flat.slots.len()],
             scopes: vec![false; flat.scopes.len()],
             waiting: Vec::new(),
-            writer: vec![None; flat.slots.len()],
-            latch: vec![None; flat.slots.len()],
+            writers,
+            latch: FxHashMap::default(),
         };
-        for &(number, scope) in order {
-            for slot in flat.writes(flat.ops[number as usize]) {
-                life.writer[slot.index()] = Some((number, scope));
-            }
-        }
         for (k, scope) in (0..).map(ScopeId).zip(&flat.scopes) {
             for (from, to) in &scope.latches {
-                life.latch[to.index()] = Some((*from, k));
+                life.latch.insert(*to, (*from, k));
             }
         }
         life
@@ -117,10 +112,10 @@ impl Life {
     }
 
     fn follow(&mut self, flat: &Flat, slot: Slot) {
-        if let Some((number, scope)) = self.writer[slot.index()] {
+        if let Some((_, number, scope)) = self.writers.of(slot) {
             self.op(flat, number, scope);
         }
-        if let Some((from, scope)) = self.latch[slot.index()] {
+        if let Some(&(from, scope)) = self.latch.get(&slot) {
             self.slot(from);
             self.scope(flat, scope);
         }

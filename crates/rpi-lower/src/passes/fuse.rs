@@ -1,6 +1,6 @@
 //! Two primitives of which one feeds only the other become one: one dispatch and one value less.
 
-use super::order::ops;
+use super::order::Writers;
 use super::rename::drop_ops;
 use crate::access::Access;
 use crate::flat::{Flat, Op, ScopeId, Work, index};
@@ -67,15 +67,14 @@ static BY_PARTS: LazyLock<FxHashMap<(PrimId, usize, PrimId), PrimId>> = LazyLock
 });
 
 pub(super) fn fuse(flat: &mut Flat, _: f64) {
-    let order = ops(flat);
-    let uses = uses(flat, &order);
-    let mut writer: Vec<Option<(u32, ScopeId)>> = vec![None; flat.slots.len()];
+    let writers = Writers::new(flat);
+    let uses = uses(flat, &writers.order);
     let mut dropped = vec![false; flat.ops.len()];
-    for (number, scope) in order {
+    for &(number, scope) in &writers.order {
         let found = (0..2).find_map(|port| {
             let op = flat.ops[number as usize];
             let fed = fed(flat, op, port)?;
-            let (inner, place) = writer[fed.index()]?;
+            let (_, inner, place) = writers.of(fed)?;
             let alone = uses[fed.index()] == 1 && place == scope && !dropped[inner as usize];
             let both = || both(flat, op, port, flat.ops[inner as usize]);
             Some((port, inner, alone.then(both)??))
@@ -83,10 +82,6 @@ pub(super) fn fuse(flat: &mut Flat, _: f64) {
         if let Some((port, inner, both)) = found {
             join(flat, number, port, inner, both);
             dropped[inner as usize] = true;
-        }
-        let op = flat.ops[number as usize];
-        for slot in flat.writes(op) {
-            writer[slot.index()] = Some((number, scope));
         }
     }
     drop_ops(flat, &dropped);

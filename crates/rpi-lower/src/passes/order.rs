@@ -1,6 +1,7 @@
 //! Walking through a net in the order in which it runs.
 
 use crate::flat::{Flat, Item, ScopeId};
+use crate::slots::Slot;
 
 /// One stop of a walk.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
@@ -49,6 +50,36 @@ pub(crate) fn ops(flat: &Flat) -> Vec<(u32, ScopeId)> {
         Stop::Enter(_) | Stop::Leave(_) => {}
     });
     ops
+}
+
+/// The operations in order, and which of them writes each slot.
+pub(super) struct Writers {
+    /// The operations with their scopes.
+    pub(super) order: Vec<(u32, ScopeId)>,
+    /// For each slot the place of its writer in `order`.
+    place: Vec<u32>,
+}
+
+impl Writers {
+    pub(super) fn new(flat: &Flat) -> Self {
+        let mut writers = Writers {
+            order: ops(flat),
+            place: vec![u32::MAX; flat.slots.len()],
+        };
+        for (place, (number, _)) in (0..).zip(&writers.order) {
+            for slot in flat.writes(flat.ops[*number as usize]) {
+                writers.place[slot.index()] = place;
+            }
+        }
+        writers
+    }
+
+    /// The writer of a slot: its place, its number and its scope.
+    pub(super) fn of(&self, slot: Slot) -> Option<(u32, u32, ScopeId)> {
+        let place = self.place[slot.index()];
+        let (number, scope) = self.order.get(place as usize)?;
+        Some((place, *number, *scope))
+    }
 }
 
 /// True if `inner` is `outer` or stands in it.

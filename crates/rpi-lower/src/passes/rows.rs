@@ -99,7 +99,7 @@ struct Graph {
 impl Graph {
     fn new(flat: &Flat, scope: ScopeId, writer: &mut [u32]) -> Self {
         let items = &flat.scopes[scope.index()].items;
-        let mut edges = Vec::with_capacity(2 * items.len());
+        let mut edges = Vec::with_capacity(3 * items.len());
         let mut device = NONE;
         for (at, item) in (0..).zip(items) {
             visit(flat, *item, &mut |slot, written| match written {

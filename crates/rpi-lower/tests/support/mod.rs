@@ -90,7 +90,7 @@ impl Build {
                         let rpi_image::PortType::One(s) = p.ty else {
                             return Input::Open;
                         };
-                        Input::Const(default.value(Type::One(s)).expect("a default"))
+                        Input::constant(default.value(Type::One(s)).expect("a default"))
                     }
                     _ => Input::Open,
                 })

@@ -19,8 +19,8 @@ pub struct Analysis {
     pub findings: Vec<Finding>,
     /// What each pass did, in words: its name and a line.
     pub told: Vec<(&'static str, String)>,
-    /// Who reads what.
-    pub users: Users,
+    /// Who reads what; let go after the last pass.
+    users: Users,
     /// What waits for what; let go once the order is known, for it is large.
     dependencies: Dependencies,
     /// The order of evaluation; none if something depends on itself.
@@ -199,5 +199,6 @@ pub fn analyse(net: Net, forced: impl Fn(PortRef) -> bool) -> Result<Analysis, V
         let told = (pass.run)(&mut analysis, &forced)?;
         analysis.told.push((pass.name, told));
     }
+    analysis.users = Users::new(&nothing);
     Ok(analysis)
 }

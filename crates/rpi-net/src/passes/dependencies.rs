@@ -8,7 +8,7 @@
 use crate::net::{Activation, FragmentId, Input, Net, NodeId, PortRef, Restart};
 use crate::tree::{Item, Tree};
 use petgraph::graph::{DiGraph, NodeIndex};
-use rpi_image::Role;
+use rpi_image::{Role, Value};
 
 /// Who reads a flow.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
@@ -177,6 +177,12 @@ impl<'a> Builder<'a> {
 }
 
 impl Input {
+    /// An in-port that reads a constant.
+    #[must_use]
+    pub fn constant(value: Value) -> Input {
+        Input::Const(Box::new(value))
+    }
+
     /// The flow that is read, unless it is a constant or nothing.
     #[must_use]
     pub fn port(&self) -> Option<PortRef> {

@@ -212,7 +212,7 @@ fn connect(desc: &PrimDesc, links: &[Link], settings: &[Setting<'_>]) -> Connect
     };
     let input = |(k, port): (usize, &InPort)| match links.iter().find(|(i, _)| *i == k) {
         Some((_, origin)) => origin.map_or(Input::Open, Input::Port),
-        None => stand_in(port, given).map_or(Input::Open, Input::Const),
+        None => stand_in(port, given).map_or(Input::Open, Input::constant),
     };
     let param = |p: &Param| {
         let default = || p.default.value(flow_type(p.ty));

@@ -40,6 +40,7 @@ pub(super) fn build(name: &str, text: &Text<'_>, findings: &mut Vec<Finding>) ->
         unnamed: 0,
         findings,
     };
+    builder.net.nodes.reserve_exact(text.definitions.len());
     builder.declare();
     let Builder {
         mut net,

@@ -224,7 +224,7 @@ impl Elab<'_> {
         let mut values = Vec::with_capacity(inputs.len());
         for input in inputs {
             match input {
-                Input::Const(value) => values.push(value),
+                Input::Const(value) => values.push(&**value),
                 _ => return None,
             }
         }
@@ -291,7 +291,7 @@ fn open(need: Need, ty: PortType) -> Input {
         Need::Param(_, default) => default_input(default, scalar),
         Need::Params(parts, make) => {
             let reals: Vec<f64> = parts.iter().map(|(_, default)| *default).collect();
-            Input::Const(make(&reals))
+            Input::constant(make(&reals))
         }
         Need::Required | Need::Absent => Input::Open,
     }
@@ -300,7 +300,7 @@ fn open(need: Need, ty: PortType) -> Input {
 fn default_input(default: PortDefault, scalar: Scalar) -> Input {
     default
         .value(Type::One(scalar))
-        .map_or(Input::Open, Input::Const)
+        .map_or(Input::Open, Input::constant)
 }
 
 /// A value leaf by leaf: the elements of an array one by one.

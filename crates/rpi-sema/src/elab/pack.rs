@@ -20,7 +20,7 @@ impl Elab<'_> {
 
     fn one_input(&mut self, signal: &Signal, scalar: Scalar, at: At, span: Span) -> Input {
         match signal {
-            Signal::Const(value) => Input::Const(value.clone()),
+            Signal::Const(value) => Input::constant(value.clone()),
             Signal::Port(port) => Input::Port(*port),
             Signal::Element(port, k) => Input::Port(self.element(*port, *k, span)),
             Signal::Absent => match self.absent(scalar, at, span) {
@@ -33,8 +33,8 @@ impl Elab<'_> {
     /// A flow that is never present.
     pub(super) fn absent(&mut self, scalar: Scalar, at: At, span: Span) -> Option<PortRef> {
         let prim = member(Family::SetNull, scalar)?;
-        let value = Input::Const(Value::neutral(Type::One(scalar)));
-        let inputs = vec![value, Input::Const(Value::bool(true))];
+        let value = Input::constant(Value::neutral(Type::One(scalar)));
+        let inputs = vec![value, Input::constant(Value::bool(true))];
         let params = super::nodes::default_params(prim);
         let node = self.node(
             prim,
@@ -97,7 +97,7 @@ impl Elab<'_> {
         }
         if let Some(values) = wire.iter().map(constant).collect::<Option<Vec<Value>>>() {
             let cells = values.iter().flat_map(|leaf| leaf.cells()).copied();
-            return Input::Const(Value::Cells {
+            return Input::constant(Value::Cells {
                 ty,
                 cells: cells.collect(),
             });

@@ -232,7 +232,7 @@ impl<'u> Elab<'u> {
             self.begin(&end.result);
             let signal = self.one(scope, end.condition, At::ROOT);
             let condition = match signal {
-                Signal::Const(value) => Input::Const(value),
+                Signal::Const(value) => Input::constant(value),
                 other => match self.port_of(&other, Scalar::Bool, At::ROOT, end.span) {
                     Some(port) => Input::Port(port),
                     None => Input::Open,

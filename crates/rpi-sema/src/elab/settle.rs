@@ -78,7 +78,7 @@ impl Elab<'_> {
             let at = At::fragment(self.net.nodes[node].fragment);
             let span = self.net.nodes[node].origin.span;
             let input = match self.aliases[alias].clone() {
-                Some(Signal::Const(value)) => Input::Const(value),
+                Some(Signal::Const(value)) => Input::constant(value),
                 Some(Signal::Port(port)) => Input::Port(port),
                 Some(Signal::Element(port, k)) => Input::Port(self.element(port, k, span)),
                 _ => match self.absent(self.alias_types[alias], at, span) {

@@ -143,7 +143,7 @@ fn never_restarts(background: Background<'_>, fragment: FragmentId) -> bool {
 fn is_constant(background: Background<'_>, input: &Input, wanted: bool) -> bool {
     let value = match input {
         Input::Open => return !wanted,
-        Input::Const(value) => Some(value),
+        Input::Const(value) => Some(&**value),
         Input::Port(port) => {
             let node = background.net.node(port.node);
             node.params
