@@ -4,6 +4,7 @@
 //! Only tests and benches depend on this crate.
 
 pub mod build;
+pub mod clock;
 pub mod generate;
 pub mod puppet;
 pub mod rng;

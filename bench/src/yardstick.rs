@@ -1,27 +1,19 @@
-//! The yardstick: the net as C, compiled by gcc, timing itself.
+//! The yardstick: the net as C, compiled by gcc, run in batches beside ours.
+//!
+//! Both sides measure the time that their own thread runs, batch by batch in turn, so that whatever else the machine
+//! does meets both; of each the best batch counts.
 
+use crate::clock::timed;
 use crate::twin::image;
 use rpi_core::{Machine, Moment};
 use rpi_device::NoDevices;
 use rpi_lower::{LowerOptions, Plan, emit_c};
 use rpi_net::Net;
 use rpi_net::passes::analyse;
-use std::fmt::Write as _;
+use std::io::{BufRead, BufReader, Write};
 use std::path::Path;
-use std::process::Command;
-use std::time::Instant;
+use std::process::{Child, ChildStdin, ChildStdout, Command, Stdio};
 
-/// What a run took and gave.
-#[derive(Clone, Copy, PartialEq, Debug)]
-pub struct Run {
-    /// Nanoseconds per cycle: the best of all batches.
-    pub ns: f64,
-    /// Bits of `y` in the last cycle.
-    pub y: u64,
-}
-
-/// Batches of which the best counts.
-const BATCHES: u64 = 15;
 /// Cycles before the first batch.
 const WARM: u64 = 20;
 
@@ -30,40 +22,115 @@ fn x(cycle: u64) -> f64 {
     (cycle % 200) as f64 * 0.01 - 1.0
 }
 
-/// Runs a net with the input `x` and the export `y` in the interpreter.
-///
-/// # Errors
-/// What kept it from running.
-pub fn ours(net: &Net, cycles: u64) -> Result<Run, String> {
-    let image = image(net, &LowerOptions::running(1_000_000))?;
-    let loaded = Machine::load(image, &mut NoDevices);
-    let mut machine = loaded.map_err(|f| f.first().map_or(String::new(), ToString::to_string))?;
-    let mut cycle = 0;
-    let mut run = |machine: &mut Machine, cycles: u64| {
-        let start = Instant::now();
-        for _ in 0..cycles {
-            machine.set_input(0, &[x(cycle).to_bits()], 0);
-            machine.read(&mut NoDevices, &Moment::default());
-            machine.evaluate(&mut NoDevices);
-            machine.commit();
-            machine.hand_over(&mut NoDevices);
-            cycle += 1;
-        }
-        start.elapsed().as_nanos() as f64 / cycles as f64
-    };
-    run(&mut machine, WARM);
-    let ns = (0..BATCHES)
-        .map(|_| run(&mut machine, cycles))
-        .fold(f64::MAX, f64::min);
-    let y = machine
-        .image()
-        .exports
-        .first()
-        .and_then(|e| machine.value(e.value));
-    Ok(Run {
-        ns,
-        y: y.map_or(0, |y| y[0]),
-    })
+/// A net with the input `x` and the export `y` in the interpreter.
+pub struct Ours {
+    machine: Machine,
+    cycle: u64,
+}
+
+impl Ours {
+    /// Lowers, loads and warms up.
+    ///
+    /// # Errors
+    /// What kept it from running.
+    pub fn new(net: &Net) -> Result<Ours, String> {
+        let image = image(net, &LowerOptions::running(1_000_000))?;
+        let loaded = Machine::load(image, &mut NoDevices);
+        let machine = loaded.map_err(|f| f.first().map_or(String::new(), ToString::to_string))?;
+        let mut ours = Ours { machine, cycle: 0 };
+        ours.batch(WARM);
+        Ok(ours)
+    }
+
+    /// Runs so many cycles: nanoseconds for each.
+    pub fn batch(&mut self, cycles: u64) -> f64 {
+        let ((), ns) = timed(|| (0..cycles).for_each(|_| self.step()));
+        ns / cycles as f64
+    }
+
+    fn step(&mut self) {
+        let machine = &mut self.machine;
+        machine.set_input(0, &[x(self.cycle).to_bits()], 0);
+        machine.read(&mut NoDevices, &Moment::default());
+        machine.evaluate(&mut NoDevices);
+        machine.commit();
+        machine.hand_over(&mut NoDevices);
+        self.cycle += 1;
+    }
+
+    /// Cycles so far, and the bits of `y` in the last of them.
+    #[must_use]
+    pub fn last(&self) -> (u64, u64) {
+        let exports = &self.machine.image().exports;
+        let y = exports.first().and_then(|e| self.machine.value(e.value));
+        (self.cycle, y.map_or(0, |y| y[0]))
+    }
+}
+
+/// The same as a program of gcc's, which runs a batch whenever it is asked for one.
+pub struct Gcc {
+    child: Child,
+    ask: Option<ChildStdin>,
+    answer: BufReader<ChildStdout>,
+    last: (u64, u64),
+}
+
+impl Gcc {
+    /// Compiles a net in this directory, starts it and warms up.
+    ///
+    /// # Errors
+    /// What kept it from it; a missing compiler, too.
+    pub fn new(net: &Net, dir: &Path) -> Result<Gcc, String> {
+        let program = compile(net, dir)?;
+        let child = Command::new(program)
+            .stdin(Stdio::piped())
+            .stdout(Stdio::piped())
+            .spawn();
+        let mut child = child.map_err(|e| e.to_string())?;
+        let (ask, answer) = (child.stdin.take(), child.stdout.take());
+        let mut gcc = Gcc {
+            child,
+            ask,
+            answer: BufReader::new(answer.ok_or("no pipe")?),
+            last: (0, 0),
+        };
+        gcc.batch(WARM)?;
+        Ok(gcc)
+    }
+
+    /// Runs so many cycles: nanoseconds for each.
+    ///
+    /// # Errors
+    /// If the program does not answer.
+    pub fn batch(&mut self, cycles: u64) -> Result<f64, String> {
+        let ask = self.ask.as_mut().ok_or("no pipe")?;
+        writeln!(ask, "{cycles}").map_err(|e| e.to_string())?;
+        let mut line = String::new();
+        let read = self.answer.read_line(&mut line);
+        read.map_err(|e| e.to_string())?;
+        let mut words = line.split_whitespace();
+        let ns = words.next().and_then(|w| w.parse().ok());
+        let y = words.next().and_then(|w| u64::from_str_radix(w, 16).ok());
+        let (Some(ns), Some(y)) = (ns, y) else {
+            return Err(format!("what it printed: {line}"));
+        };
+        self.last = (self.last.0 + cycles, y);
+        Ok(ns)
+    }
+
+    /// Cycles so far, and the bits of `y` in the last of them.
+    #[must_use]
+    pub fn last(&self) -> (u64, u64) {
+        self.last
+    }
+}
+
+impl Drop for Gcc {
+    fn drop(&mut self) {
+        // Without a question to come the program ends by itself.
+        drop(self.ask.take());
+        let _ = self.child.wait();
+    }
 }
 
 /// The C text of a net.
@@ -80,15 +147,10 @@ pub fn c_text(net: &Net) -> Result<String, String> {
     })
 }
 
-/// Compiles a net with gcc and runs it.
-///
-/// # Errors
-/// What kept it from it; a missing compiler, too.
-pub fn gcc(net: &Net, cycles: u64, dir: &Path) -> Result<Run, String> {
-    let source = dir.join("net.c");
-    let binary = dir.join("net");
-    let text = c_text(net)? + &driver(cycles);
-    std::fs::write(&source, text).map_err(|e| e.to_string())?;
+/// Compiles a net with gcc; the path of the program.
+fn compile(net: &Net, dir: &Path) -> Result<std::path::PathBuf, String> {
+    let (source, binary) = (dir.join("net.c"), dir.join("net"));
+    std::fs::write(&source, c_text(net)? + DRIVER).map_err(|e| e.to_string())?;
     let flags = [
         "-O2",
         "-std=c99",
@@ -103,48 +165,37 @@ pub fn gcc(net: &Net, cycles: u64, dir: &Path) -> Result<Run, String> {
         .arg("-lm")
         .output();
     let compiled = compiled.map_err(|e| format!("cc: {e}"))?;
-    if !compiled.status.success() {
-        return Err(String::from_utf8_lossy(&compiled.stderr).into_owned());
+    match compiled.status.success() {
+        true => Ok(binary),
+        false => Err(String::from_utf8_lossy(&compiled.stderr).into_owned()),
     }
-    let output = Command::new(&binary).output().map_err(|e| e.to_string())?;
-    let text = String::from_utf8_lossy(&output.stdout).into_owned();
-    let mut words = text.split_whitespace();
-    let ns = words.next().and_then(|w| w.parse().ok());
-    let y = words.next().and_then(|w| u64::from_str_radix(w, 16).ok());
-    let (Some(ns), Some(y)) = (ns, y) else {
-        return Err(format!("what it printed: {text}"));
-    };
-    Ok(Run { ns, y })
 }
 
-fn driver(cycles: u64) -> String {
-    let mut text = String::from("\n#include <stdio.h>\n#include <string.h>\n#include <time.h>\n");
-    // Writing to a string cannot fail.
-    let _ = write!(
-        text,
-        "
-int main(void) {{
+/// Reads numbers of cycles, runs so many, and prints nanoseconds for each and the bits of `y`.
+const DRIVER: &str = r#"
+#include <stdio.h>
+#include <string.h>
+#include <time.h>
+
+int main(void) {
   static Inputs in; static State state; static Outputs out;
-  double best = 1e300; uint64_t cycle = 0, bits;
+  unsigned long long n;
+  uint64_t cycle = 0, bits;
   reset(&state);
-  for (int batch = 0; batch <= {BATCHES}; ++batch) {{
-    uint64_t n = batch == 0 ? {WARM} : {cycles};
+  while (scanf("%llu", &n) == 1) {
     struct timespec a, b;
-    clock_gettime(CLOCK_MONOTONIC, &a);
-    for (uint64_t k = 0; k < n; ++k, ++cycle) {{
+    clock_gettime(CLOCK_THREAD_CPUTIME_ID, &a);
+    for (uint64_t k = 0; k < n; ++k, ++cycle) {
       in.n0_outValue = (double)(cycle % 200) * 0.01 - 1.0;
       step(&in, &state, &out);
-      __asm__ volatile(\"\" ::: \"memory\");
-    }}
-    clock_gettime(CLOCK_MONOTONIC, &b);
+      __asm__ volatile("" ::: "memory");
+    }
+    clock_gettime(CLOCK_THREAD_CPUTIME_ID, &b);
     double ns = ((b.tv_sec - a.tv_sec) * 1e9 + (b.tv_nsec - a.tv_nsec)) / n;
-    if (batch > 0 && ns < best) best = ns;
-  }}
-  memcpy(&bits, &out.y_, sizeof bits);
-  printf(\"%.3f %llx\\n\", best, (unsigned long long)bits);
+    memcpy(&bits, &out.y_, sizeof bits);
+    printf("%.3f %llx\n", ns, (unsigned long long)bits);
+    fflush(stdout);
+  }
   return 0;
-}}
-"
-    );
-    text
 }
+"#;

@@ -1,5 +1,7 @@
 //! The table that a run prints.
 
+use std::process::Command;
+
 /// Rows of figures against bars.
 pub(crate) struct Table {
     only: Vec<String>,
@@ -38,8 +40,10 @@ impl Table {
         });
     }
 
-    /// Prints all rows.
+    /// Prints all rows under the machine that they were measured on.
     pub(crate) fn print(&self) {
+        println!("{}", machine());
+        println!("Times are processor time of the measuring thread, the best of several tries.");
         println!(
             "{:44} {:>10} {:>10}  {:4}  note",
             "what", "measured", "bar", ""
@@ -53,4 +57,23 @@ impl Table {
             println!("{:44} {value:>10} {bar:>10}  {met:4}  {}", r.name, r.note);
         }
     }
+}
+
+/// Processor, its number of cores, system and compiler.
+fn machine() -> String {
+    let info = std::fs::read_to_string("/proc/cpuinfo").unwrap_or_default();
+    let model = info.lines().find(|l| l.starts_with("model name"));
+    let model = model.and_then(|l| l.split_once(": ")).map(|l| l.1);
+    let cores = std::thread::available_parallelism().map_or(0, usize::from);
+    let compiler = Command::new("cc").arg("--version").output();
+    let compiler = compiler.map_or(String::new(), |o| {
+        String::from_utf8_lossy(&o.stdout).into_owned()
+    });
+    format!(
+        "{}, {cores} cores, {} {}; C compiler: {}",
+        model.unwrap_or("unknown processor"),
+        std::env::consts::OS,
+        std::env::consts::ARCH,
+        compiler.lines().next().unwrap_or("none"),
+    )
 }

@@ -1,0 +1,84 @@
+//! The authors' nets: what a cycle takes.
+
+use crate::MS;
+use crate::table::Table;
+use rpi_bench::clock::timed;
+use rpi_bench::{Puppet, twin};
+use rpi_core::{Machine, Moment};
+use rpi_diag::FileId;
+use rpi_lower::LowerOptions;
+use rpi_net::{Net, rpinet};
+
+/// The authors' nets, per cycle.
+pub(crate) fn rows(table: &mut Table) {
+    let nets = [
+        ("authors' LIN net", "nets/traces/lin-3.rpinet.gz", 2.0),
+        (
+            "authors' 16-LIN net",
+            "nets/v1/seq-011-opt-contSequential_16_lin.rpinet.gz",
+            10.0,
+        ),
+    ];
+    for (name, path, bar) in nets {
+        let row = format!("{name}, cycle");
+        if !table.wants(&row) {
+            continue;
+        }
+        let Some(net) = recorded(path) else { continue };
+        let us = cycle_us(&net);
+        let (all, active) = (net.nodes.len(), active(&net));
+        let each = us * 1e3 / active as f64;
+        let note = format!("{all} primitives, {active} active, {each:.1} ns each of these");
+        table.row(&row, us, bar, "us", &note);
+    }
+}
+
+fn recorded(path: &str) -> Option<Net> {
+    let text = crate::text(path)?;
+    rpinet::read("net", FileId(0), &text).0
+}
+
+/// Microseconds per cycle over the first cycles of the command, again and again from its start: that is when it moves.
+fn cycle_us(net: &Net) -> f64 {
+    let image = twin::image(net, &LowerOptions::running(25 * MS)).expect("recorded nets are right");
+    let mut bank = Puppet::new();
+    let mut machine = Machine::load(image, &mut bank).expect("every device is there");
+    let mut best = f64::MAX;
+    for batch in 0..60 {
+        machine.reset();
+        let ((), ns) = timed(|| (0..MOVING).for_each(|_| cycle(&mut machine, &mut bank)));
+        if batch > 2 {
+            best = best.min(ns / 1e3 / f64::from(MOVING));
+        }
+    }
+    best
+}
+
+/// Cycles that are measured.
+const MOVING: u32 = 100;
+
+fn cycle(machine: &mut Machine, bank: &mut Puppet) {
+    bank.advance();
+    machine.read(bank, &Moment::default());
+    machine.evaluate(bank);
+    machine.commit();
+    machine.hand_over(bank);
+}
+
+/// How many of a net's primitives are in active fragments, on average over the measured cycles.
+fn active(net: &Net) -> usize {
+    let image =
+        twin::image(net, &LowerOptions::observed(25 * MS)).expect("recorded nets are right");
+    let mut bank = Puppet::new();
+    let mut machine = Machine::load(image, &mut bank).expect("every device is there");
+    let mut sum = 0;
+    for _ in 0..MOVING {
+        cycle(&mut machine, &mut bank);
+        sum += net
+            .nodes
+            .iter()
+            .filter(|n| machine.is_active(n.fragment.0))
+            .count();
+    }
+    sum / MOVING as usize
+}

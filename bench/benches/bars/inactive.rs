@@ -1,0 +1,140 @@
+//! Inactive fragments: what each costs, whatever is inside.
+
+use crate::table::Table;
+use crate::{MS, scratch};
+use rpi_bench::yardstick::Ours;
+use rpi_bench::{Build, build, twin};
+use rpi_core::{Machine, Moment};
+use rpi_device::NoDevices;
+use rpi_lower::LowerOptions;
+use rpi_net::{FragmentId, Input, Net, Restart};
+use std::path::Path;
+use std::process::Command;
+
+/// The argument with which this program runs cycles for callgrind.
+pub(crate) const CHILD: &str = "cycles-child";
+
+/// How many fragments sleep.
+const MANY: usize = 64;
+
+/// Many fragments that are never active, with so many primitives inside of each; or only what would activate them.
+fn sleeping(fragments: bool, size: usize) -> Net {
+    let mut b = Build::new("sleeping");
+    let root = FragmentId::ROOT;
+    let key = ("Key", rpi_image::Value::Str("x".into()));
+    let x = b.add_with(root, "Core::DoubleNetcommIn", &[], &[key]);
+    let whole = b.add(root, "Core::IntFromDouble", &[Input::Port(x)]);
+    for k in 0..MANY {
+        let limit = Input::constant(rpi_image::Value::int(10 + k as i64));
+        let awake = b.add(root, "Core::IntGreater", &[Input::Port(whole), limit]);
+        let params = [("Key", rpi_image::Value::Str(format!("awake{k}")))];
+        b.add_with(
+            root,
+            "Core::BooleanNetcommOut",
+            &[Input::Port(awake)],
+            &params,
+        );
+        if !fragments {
+            continue;
+        }
+        let f = b.fragment(root, &format!("f{k}"), awake, Restart::Never);
+        let mut y = x;
+        for _ in 0..size {
+            let half = b.add(
+                f,
+                "Core::DoubleMultiply",
+                &[Input::Port(y), build::real(0.9)],
+            );
+            y = half;
+        }
+        b.export(&format!("y{k}"), y);
+    }
+    b.net
+}
+
+/// What an inactive fragment costs: time, steps, and instructions where valgrind is there.
+pub(crate) fn rows(table: &mut Table) {
+    for size in [1, 100, 10_000] {
+        let row = format!("inactive fragment, {size} inside");
+        if !table.wants(&row) {
+            continue;
+        }
+        let (with, without) = (sleeping(true, size), sleeping(false, size));
+        let ns = difference(&with, &without) / MANY as f64;
+        let steps = (steps_per_cycle(&with) - steps_per_cycle(&without)) as f64 / MANY as f64;
+        let instructions = match (instructions(&with), instructions(&without)) {
+            (Some(a), Some(b)) => format!("{:.2} instructions", (a - b) / MANY as f64),
+            _ => "no valgrind".into(),
+        };
+        let note = format!("{instructions} and {steps:.2} steps each");
+        table.row(&row, ns, 2.0, "ns", &note);
+    }
+}
+
+/// Nanoseconds per cycle that one net takes more than another; batches in turn, of each the best.
+fn difference(with: &Net, without: &Net) -> f64 {
+    let mut nets = [with, without].map(|n| Ours::new(n).expect("there are no devices"));
+    let mut best = [f64::MAX; 2];
+    for _ in 0..15 {
+        for (net, best) in nets.iter_mut().zip(&mut best) {
+            *best = best.min(net.batch(20_000));
+        }
+    }
+    best[0] - best[1]
+}
+
+fn steps_per_cycle(net: &Net) -> usize {
+    let image = twin::image(net, &LowerOptions::running(MS)).expect("it can be lowered");
+    let end = image.steps.len();
+    let mut machine = Machine::load(image, &mut NoDevices).expect("there are no devices");
+    machine.read(&mut NoDevices, &Moment::default());
+    let (mut pc, mut steps) = (0, 0);
+    while pc < end {
+        pc = machine.step(pc, &mut NoDevices);
+        steps += 1;
+    }
+    steps
+}
+
+/// Instructions of such a cycle, as callgrind counts them: two runs of this program that differ in the number of cycles
+/// only. Both read the image from a file, so that nothing else differs.
+fn instructions(net: &Net) -> Option<f64> {
+    let image = twin::image(net, &LowerOptions::running(MS))
+        .ok()?
+        .to_bytes();
+    let count = |cycles: u32| {
+        scratch(|dir| {
+            let path = dir.join("net.rpib");
+            std::fs::write(&path, &image).map_err(|e| e.to_string())?;
+            callgrind(&path, cycles).ok_or_else(String::new)
+        })
+    };
+    Some((count(2000)? - count(1000)?) / 1000.0)
+}
+
+fn callgrind(path: &Path, cycles: u32) -> Option<f64> {
+    let output = Command::new("valgrind")
+        .args(["--tool=callgrind", "--callgrind-out-file=/dev/null"])
+        .arg(std::env::current_exe().ok()?)
+        .arg(CHILD)
+        .arg(path)
+        .arg(cycles.to_string())
+        .output()
+        .ok()?;
+    let text = String::from_utf8_lossy(&output.stderr).into_owned();
+    let line = text.lines().find(|l| l.contains("Collected"))?;
+    line.split_whitespace().last()?.parse().ok()
+}
+
+/// Runs an image from a file, nothing else.
+pub(crate) fn run_cycles(path: &Path, cycles: usize) {
+    let bytes = std::fs::read(path).unwrap_or_default();
+    let image = rpi_image::Image::from_bytes(&bytes).expect("it was written by us");
+    let mut machine = Machine::load(image, &mut NoDevices).expect("there are no devices");
+    for _ in 0..cycles {
+        machine.read(&mut NoDevices, &Moment::default());
+        machine.evaluate(&mut NoDevices);
+        machine.commit();
+        machine.hand_over(&mut NoDevices);
+    }
+}

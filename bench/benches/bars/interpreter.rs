@@ -1,0 +1,99 @@
+//! Generated nets in the interpreter beside gcc -O2 of the same net as C.
+
+use crate::table::Table;
+use rpi_bench::generate;
+use rpi_bench::yardstick::{Gcc, Ours};
+use rpi_net::Net;
+use tempfile::TempDir;
+
+/// A way to make nets: its name, the nets by size, and how many times gcc's time is allowed.
+type Kind = (&'static str, fn(usize) -> Net, f64);
+
+const KINDS: [Kind; 3] = [
+    ("regular, filter chain", |n| generate::biquad(n / 11), 5.0),
+    ("regular, control loops", |n| generate::pid(n / 26), 5.0),
+    ("irregular", |n| generate::mixed(n, 1), 12.0),
+];
+
+const SIZES: [usize; 3] = [1_000, 10_000, 100_000];
+
+/// gcc does not get through a function of more equations than this; beside larger nets the largest one below runs.
+const MOST_FOR_GCC: usize = 50_000;
+
+/// Batches of which the best counts.
+const BATCHES: usize = 20;
+
+pub(crate) fn rows(table: &mut Table) {
+    for (name, make, bar) in KINDS {
+        let mut gcc = None;
+        for size in SIZES {
+            let row = format!("interpreter, {name}, {size}");
+            let largest = SIZES.iter().rfind(|s| **s < MOST_FOR_GCC) == Some(&size);
+            if !table.wants(&row) && !(largest && gcc_is_needed(table, name)) {
+                continue;
+            }
+            let net = make(size);
+            if size < MOST_FOR_GCC {
+                gcc = Yardstick::new(&net);
+            }
+            if table.wants(&row) {
+                measure(table, &row, bar, &net, gcc.as_mut());
+            }
+        }
+    }
+}
+
+/// Whether a net is measured for which gcc's figure is that of a smaller one.
+fn gcc_is_needed(table: &Table, name: &str) -> bool {
+    let mut large = SIZES.iter().filter(|s| **s >= MOST_FOR_GCC);
+    large.any(|size| table.wants(&format!("interpreter, {name}, {size}")))
+}
+
+/// gcc's program for a net.
+struct Yardstick {
+    gcc: Gcc,
+    size: usize,
+    /// The program lies in it.
+    _dir: TempDir,
+}
+
+impl Yardstick {
+    fn new(net: &Net) -> Option<Yardstick> {
+        let dir = tempfile::tempdir().ok()?;
+        let gcc = Gcc::new(net, dir.path()).ok()?;
+        let size = net.nodes.len();
+        Some(Yardstick {
+            gcc,
+            size,
+            _dir: dir,
+        })
+    }
+}
+
+fn measure(table: &mut Table, row: &str, bar: f64, net: &Net, gcc: Option<&mut Yardstick>) {
+    let size = net.nodes.len();
+    let Some(gcc) = gcc else {
+        eprintln!("{row}: left out, there is no C compiler");
+        return;
+    };
+    let mut ours = Ours::new(net).expect("generated nets run");
+    let mut best = [f64::MAX; 2];
+    for _ in 0..BATCHES {
+        let theirs = gcc.gcc.batch(cycles(gcc.size)).expect("it answers");
+        best[0] = best[0].min(ours.batch(cycles(size)) / size as f64);
+        best[1] = best[1].min(theirs / gcc.size as f64);
+    }
+    let [ours_ns, gcc_ns] = best;
+    let note = match ours.last() == gcc.gcc.last() {
+        _ if gcc.size != size => format!("gcc's figure is that of {}", gcc.size),
+        true => "same bits as gcc".into(),
+        false => "BITS DIFFER FROM GCC".into(),
+    };
+    let note = format!("{ours_ns:.2} ns, gcc {gcc_ns:.2} ns per primitive; {note}");
+    table.row(row, ours_ns / gcc_ns, bar, "x", &note);
+}
+
+/// Cycles of one batch: some milliseconds.
+fn cycles(size: usize) -> u64 {
+    3_000_000 / size as u64 + 5
+}

@@ -1,0 +1,60 @@
+//! From a text to a command that can run.
+
+use crate::MS;
+use crate::table::Table;
+use rpi_bench::clock::timed;
+use rpi_bench::{Puppet, generate};
+use rpi_core::Machine;
+use rpi_diag::FileId;
+use rpi_lower::LowerOptions;
+use rpi_net::rpinet;
+
+/// From text to a command that can run.
+pub(crate) fn rows(table: &mut Table) {
+    for (size, bar) in [(1_000, 2.0), (10_000, 15.0), (100_000, 200.0)] {
+        let row = format!("text to runnable, {size}");
+        if table.wants(&row) {
+            let net = generate::mixed(size, 1);
+            let text = rpinet::write(&net);
+            stages(table, &row, &text, bar);
+        }
+    }
+    let row = "text to runnable, authors' 16-LIN net";
+    if table.wants(row)
+        && let Some(text) = crate::text("nets/v1/seq-011-opt-contSequential_16_lin.rpinet.gz")
+    {
+        stages(table, row, &text, 150.0);
+    }
+}
+
+fn stages(table: &mut Table, row: &str, text: &str, bar: f64) {
+    let mut best = [f64::MAX; 4];
+    for _ in 0..5 {
+        let times = load(text);
+        if times.iter().sum::<f64>() < best.iter().sum() {
+            best = times;
+        }
+    }
+    let [read, check, lower, load] = best;
+    let note =
+        format!("read {read:.1}, check {check:.1}, lower {lower:.1}, verify and load {load:.1} ms");
+    table.row(row, best.iter().sum(), bar, "ms", &note);
+}
+
+/// Milliseconds for reading, checking, lowering and loading.
+pub(crate) fn load(text: &str) -> [f64; 4] {
+    let (net, read) = timed(|| {
+        let net = rpinet::read("net", FileId(0), text).0;
+        net.expect("it was written by us")
+    });
+    let (analysis, check) =
+        timed(|| rpi_net::passes::analyse(net, |_| false).expect("a net in order"));
+    let (image, lower) = timed(|| {
+        let plan = rpi_lower::Plan::of(&analysis).expect("no rings");
+        let options = LowerOptions::running(MS);
+        rpi_lower::lower(&analysis.net, &plan, &options).expect("small enough")
+    });
+    let (machine, load) = timed(|| Machine::load(image, &mut Puppet::new()));
+    assert!(machine.is_ok());
+    [read, check, lower, load].map(|ns| ns / MS as f64)
+}

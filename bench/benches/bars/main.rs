@@ -1,0 +1,49 @@
+//! The bars: what the interpreter, the loader and the memory do, beside the yardsticks, in one run.
+//!
+//! `cargo bench -p rpi-bench --bench bars [-- NAME...]` prints one table; names choose rows by a part of theirs.
+
+mod authors;
+mod inactive;
+mod interpreter;
+mod loading;
+mod memory;
+mod table;
+
+use std::path::Path;
+use table::Table;
+
+/// Nanoseconds in a millisecond.
+const MS: u64 = 1_000_000;
+
+fn main() {
+    let arguments: Vec<String> = std::env::args().skip(1).collect();
+    if let [mode, path, cycles] = &arguments[..]
+        && mode == inactive::CHILD
+    {
+        return inactive::run_cycles(Path::new(path), cycles.parse().unwrap_or(0));
+    }
+    if let [mode, path] = &arguments[..]
+        && mode == memory::CHILD
+    {
+        return memory::load_and_tell(Path::new(path));
+    }
+    let names = arguments.into_iter().filter(|a| !a.starts_with('-'));
+    let mut table = Table::new(names.collect());
+    interpreter::rows(&mut table);
+    authors::rows(&mut table);
+    inactive::rows(&mut table);
+    loading::rows(&mut table);
+    memory::rows(&mut table);
+    table.print();
+}
+
+/// Does something in a directory of its own.
+fn scratch<T, E>(with: impl FnOnce(&Path) -> Result<T, E>) -> Option<T> {
+    let dir = tempfile::tempdir().ok()?;
+    with(dir.path()).ok()
+}
+
+/// A text of the data beside the project, if they are there.
+fn text(path: &str) -> Option<String> {
+    rpi_testkit::read_maybe_gz(rpi_testkit::shared_path(path)?).ok()
+}

@@ -1,0 +1,66 @@
+//! Bytes per primitive, running and while loading.
+
+use crate::table::Table;
+use crate::{MS, scratch};
+use rpi_bench::{generate, twin};
+use rpi_core::Machine;
+use rpi_device::NoDevices;
+use rpi_lower::LowerOptions;
+use rpi_net::rpinet;
+use std::path::Path;
+use std::process::Command;
+
+/// The argument with which this program loads a net and tells how much memory that took.
+pub(crate) const CHILD: &str = "load-child";
+
+/// Bytes per primitive, running and at most while loading.
+pub(crate) fn rows(table: &mut Table) {
+    let size = 100_000;
+    let net = generate::mixed(size, 1);
+    if table.wants("memory, running") {
+        let image = twin::image(&net, &LowerOptions::running(MS)).expect("it can be lowered");
+        let machine = Machine::load(image, &mut NoDevices).expect("there are no devices");
+        let bytes = machine.footprint() as f64 / net.nodes.len() as f64;
+        table.row(
+            "memory, running",
+            bytes,
+            48.0,
+            "B",
+            "per primitive, irregular net of 100 000",
+        );
+    }
+    if table.wants("memory, peak while loading") {
+        let peak = |size: usize| scratch(|dir| peak(dir, size));
+        if let (Some(large), Some(small)) = (peak(size), peak(100)) {
+            let bytes = (large - small) * 1024.0 / net.nodes.len() as f64;
+            let note = "per primitive: resident memory at its highest, from text to runnable";
+            table.row("memory, peak while loading", bytes, 500.0, "B", note);
+        }
+    }
+}
+
+/// Highest resident memory in kB of a process that loads a net of this size from its text and does nothing else.
+fn peak(dir: &Path, size: usize) -> Result<f64, String> {
+    let path = dir.join("net.rpinet");
+    let text = rpinet::write(&generate::mixed(size, 1));
+    std::fs::write(&path, text).map_err(|e| e.to_string())?;
+    let program = std::env::current_exe().map_err(|e| e.to_string())?;
+    let output = Command::new(program).arg(CHILD).arg(path).output();
+    let output = output.map_err(|e| e.to_string())?.stdout;
+    let text = String::from_utf8_lossy(&output);
+    text.trim().parse().map_err(|_| text.into_owned())
+}
+
+/// Loads a text and prints the highest resident memory in kB.
+pub(crate) fn load_and_tell(path: &Path) {
+    let text = std::fs::read_to_string(path).unwrap_or_default();
+    crate::loading::load(&text);
+    println!("{}", resident("VmHWM:"));
+}
+
+fn resident(what: &str) -> u64 {
+    let status = std::fs::read_to_string("/proc/self/status").unwrap_or_default();
+    let line = status.lines().find(|l| l.starts_with(what));
+    let number = line.and_then(|l| l.split_whitespace().nth(1));
+    number.and_then(|n| n.parse().ok()).unwrap_or(0)
+}
