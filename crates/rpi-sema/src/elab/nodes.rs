@@ -103,7 +103,7 @@ impl Elab<'_> {
             return Signal::Port(port);
         };
         let inputs = vec![
-            Input::Const(Value::bool(true)),
+            Input::constant(Value::bool(true)),
             Input::Port(port),
             Input::Port(port),
         ];

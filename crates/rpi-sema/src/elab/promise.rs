@@ -48,7 +48,7 @@ impl Elab<'_> {
             if let Some(alias) = alias_of(promise.alias) {
                 self.aliases[alias] = match input {
                     Input::Port(port) => Some(Signal::Port(port)),
-                    Input::Const(value) => Some(Signal::Const(value)),
+                    Input::Const(value) => Some(Signal::Const(*value)),
                     Input::Open => None,
                 };
             }
