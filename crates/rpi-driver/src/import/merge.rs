@@ -231,7 +231,7 @@ impl Merger {
             fragment: at,
             inputs,
             params: defaults.collect::<Vec<Value>>(),
-            outputs: vec![Type::One(ty)],
+            outputs: [Type::One(ty)].into_iter().collect(),
             origin: Origin {
                 span: Span::NONE,
                 flow: None,
