@@ -74,7 +74,7 @@ impl Yardstick {
 fn measure(table: &mut Table, row: &str, bar: f64, net: &Net, gcc: Option<&mut Yardstick>) {
     let size = net.nodes.len();
     let Some(gcc) = gcc else {
-        eprintln!("{row}: left out, there is no C compiler");
+        eprintln!("{row}: left out, there is no yardstick");
         return;
     };
     let mut ours = Ours::new(net).expect("generated nets run");

@@ -10,7 +10,7 @@ mod names;
 mod types;
 mod writer;
 
-use crate::options::LowerOptions;
+use crate::options::{LowerOptions, Observe};
 use crate::plan::Plan;
 use crate::{build, passes};
 use rpi_diag::{Code, Finding};
@@ -25,7 +25,12 @@ pub fn emit_c(
     plan: &Plan<'_>,
     options: &LowerOptions<'_>,
 ) -> Result<String, Vec<Finding>> {
-    let mut flat = build::build(net, plan, options);
+    // Names come from the ports, so these must be told.
+    let named = LowerOptions {
+        observe: Observe::All,
+        ..*options
+    };
+    let mut flat = build::build(net, plan, &named);
     passes::tidy(&mut flat, options.dt());
     let missing = writer::unsupported(net, &flat);
     if missing.is_empty() {
