@@ -16,55 +16,62 @@ use rpi_device::{DeviceBank, PortId, PortName, Refusal, ResolveError};
 ///
 /// One [`step`](Self::step) for each tick; between two of them the core reads, checks and writes. Apart from
 /// [`inject`](Self::inject) nothing allocates.
+///
+/// The numbers of ports and actuators follow from the place of a device and its type alone: two banks with the same
+/// devices in the same places give the same numbers, so one can resolve names beside the cycle that owns the other.
 pub struct SimBank {
-    devices: Vec<Named>,
+    /// By place; places may be empty.
+    devices: Vec<Option<Part>>,
     tick: f64,
     ticks: u64,
 }
 
-struct Named {
+/// A device, made beside the cycle and put into a bank between two ticks.
+pub struct Part {
     name: String,
-    /// The first number of its actuators.
-    resources: u32,
     device: Box<dyn Device>,
 }
 
-/// A resolved port.
-#[derive(Clone, Copy, PartialEq, Eq)]
-struct Port {
-    device: usize,
-    slot: Slot,
-}
-
-/// Bits of a port's number for its index and for its line in the device's table; the rest is the device, from 1. So numbers
-/// follow from the cell alone, and two banks of one cell give the same.
-const INDEX_BITS: u32 = 12;
-const LINE_BITS: u32 = 8;
-
-impl Port {
-    fn number(self) -> Result<PortId, ResolveError> {
-        let (line, index) = (u32::from(self.slot.line), u32::from(self.slot.index));
-        let device = u32::try_from(self.device + 1).map_err(|_| ResolveError::NoIndex)?;
-        let fits = index >> INDEX_BITS == 0
-            && line >> LINE_BITS == 0
-            && device.leading_zeros() >= INDEX_BITS + LINE_BITS;
-        let number = (device << LINE_BITS | line) << INDEX_BITS | index;
-        fits.then_some(PortId(number)).ok_or(ResolveError::NoIndex)
-    }
-
-    fn of(number: PortId) -> Port {
-        let (index, rest) = (number.0 & ((1 << INDEX_BITS) - 1), number.0 >> INDEX_BITS);
-        let line = rest & ((1 << LINE_BITS) - 1);
-        // Both are masked to less than 16 bits.
-        let slot = Slot {
-            line: line as u16,
-            index: index as u16,
-        };
-        Port {
-            device: ((rest >> LINE_BITS) as usize).wrapping_sub(1),
-            slot,
+impl Part {
+    /// The device that `spec` describes, at rest. `tick` is the length of a tick in s; `seed` and `place` are where its
+    /// noise starts.
+    #[must_use]
+    pub fn new(spec: &DeviceSpec, tick: f64, seed: u64, place: usize) -> Part {
+        Part {
+            name: spec.name.clone(),
+            device: build(spec, tick, seed, place),
         }
     }
+
+    /// Its name.
+    #[must_use]
+    pub fn name(&self) -> &str {
+        &self.name
+    }
+}
+
+/// How many devices a bank can have: their place takes 8 bits of a port's number.
+pub const MAX_DEVICES: usize = 256;
+
+/// A port's number: 8 bits for the device's place, 8 for the line of its table, 16 for the index.
+fn number(place: usize, slot: Slot) -> Option<PortId> {
+    let (place, line) = (u8::try_from(place).ok()?, u8::try_from(slot.line).ok()?);
+    let number = u32::from(place) << 24 | u32::from(line) << 16 | u32::from(slot.index);
+    Some(PortId(number))
+}
+
+/// The place of a device and its port behind a number.
+fn port(number: PortId) -> (usize, Slot) {
+    let slot = Slot {
+        line: (number.0 >> 16) as u16 & 0xff,
+        index: number.0 as u16,
+    };
+    ((number.0 >> 24) as usize, slot)
+}
+
+/// The first number of the actuators of the device in a place: 2^16 for each.
+fn first_resource(place: usize) -> u32 {
+    (place as u32) << 16
 }
 
 /// How a device does.
@@ -82,18 +89,20 @@ impl SimBank {
     /// The devices of `cell`, all at rest. `tick` is the length of a tick in s.
     #[must_use]
     pub fn new(cell: &Cell, tick: f64) -> Self {
-        let mut devices = Vec::with_capacity(cell.devices.len());
-        let mut resources = 0;
-        for (number, spec) in cell.devices.iter().enumerate() {
-            let device = build(spec, tick, cell.seed, number);
-            let first = resources;
-            resources += device.resources();
-            devices.push(Named {
-                name: spec.name.clone(),
-                resources: first,
-                device,
-            });
+        let parts = cell.devices.iter().enumerate();
+        let parts = parts.map(|(place, spec)| Some(Part::new(spec, tick, cell.seed, place)));
+        Self {
+            devices: parts.take(MAX_DEVICES).collect(),
+            tick,
+            ticks: 0,
         }
+    }
+
+    /// A bank with so many empty places, at most [`MAX_DEVICES`].
+    #[must_use]
+    pub fn empty(places: usize, tick: f64) -> Self {
+        let mut devices = Vec::new();
+        devices.resize_with(places.min(MAX_DEVICES), || None);
         Self {
             devices,
             tick,
@@ -101,13 +110,20 @@ impl SimBank {
         }
     }
 
+    /// Puts a device into a place, or none, and gives what was there. A place that there is not gives it back.
+    pub fn swap(&mut self, place: usize, part: Option<Part>) -> Option<Part> {
+        match self.devices.get_mut(place) {
+            Some(there) => core::mem::replace(there, part),
+            None => part,
+        }
+    }
+
     /// Lets one tick pass: devices take what was handed over since the last, move, and have new samples.
     pub fn step(&mut self) {
         self.ticks += 1;
         let time = self.time();
-        self.devices
-            .iter_mut()
-            .for_each(|named| named.device.step(time));
+        let parts = self.devices.iter_mut().flatten();
+        parts.for_each(|part| part.device.step(time));
     }
 
     /// The cell's time, in s.
@@ -119,16 +135,17 @@ impl SimBank {
     /// Adds a fault to those that are planned for a device; false if there is no such device or it knows no such
     /// trouble. Not for the cycle: it may allocate.
     pub fn inject(&mut self, device: &str, fault: Fault) -> bool {
-        let named = self.devices.iter_mut().find(|named| named.name == device);
-        named.is_some_and(|named| named.device.inject(fault))
+        let mut parts = self.devices.iter_mut().flatten();
+        let part = parts.find(|part| part.name == device);
+        part.is_some_and(|part| part.device.inject(fault))
     }
 
     /// How the devices do, in the order of the cell.
     pub fn status(&self) -> impl Iterator<Item = DeviceStatus<'_>> {
-        self.devices.iter().map(|named| DeviceStatus {
-            name: &named.name,
-            code: named.device.code(),
-            moving: named.device.moving(0),
+        self.devices.iter().flatten().map(|part| DeviceStatus {
+            name: &part.name,
+            code: part.device.code(),
+            moving: part.device.moving(0),
         })
     }
 
@@ -136,30 +153,34 @@ impl SimBank {
     /// many more there were than could be kept. Allocates nothing itself.
     pub fn reports(&mut self, mut each: impl FnMut(&str, Report)) -> u64 {
         let mut lost = 0;
-        for Named { name, device, .. } in &mut self.devices {
+        for Part { name, device } in self.devices.iter_mut().flatten() {
             lost += device.reports(&mut |report| each(name, report));
         }
         lost
     }
 
-    /// The device and its port behind a number that `resolve` gave.
-    fn at(&self, port: PortId) -> Option<(&Named, Slot)> {
-        let port = Port::of(port);
-        Some((self.devices.get(port.device)?, port.slot))
+    /// The device and its port behind a number.
+    fn at(&self, number: PortId) -> Option<(&dyn Device, Slot)> {
+        let (place, slot) = port(number);
+        let part = self.devices.get(place)?.as_ref()?;
+        part.device.has(slot).then_some((&*part.device, slot))
     }
 
-    fn at_mut(&mut self, port: PortId) -> Option<(&mut Named, Slot)> {
-        let port = Port::of(port);
-        Some((self.devices.get_mut(port.device)?, port.slot))
+    fn at_mut(&mut self, number: PortId) -> Option<(&mut dyn Device, Slot)> {
+        let (place, slot) = port(number);
+        let part = self.devices.get_mut(place)?.as_mut()?;
+        part.device.has(slot).then_some((&mut *part.device, slot))
     }
 
     /// The device that an actuator belongs to, and the actuator's number within it.
-    fn owner(&self, resource: u32) -> Option<(usize, u32)> {
-        let device = self
-            .devices
-            .iter()
-            .rposition(|named| named.resources <= resource)?;
-        Some((device, resource - self.devices[device].resources))
+    fn owner(&self, resource: u32) -> Option<(&dyn Device, u32)> {
+        let part = self.devices.get((resource >> 16) as usize)?.as_ref()?;
+        Some((&*part.device, resource & 0xffff))
+    }
+
+    fn owner_mut(&mut self, resource: u32) -> Option<(&mut dyn Device, u32)> {
+        let part = self.devices.get_mut((resource >> 16) as usize)?.as_mut()?;
+        Some((&mut *part.device, resource & 0xffff))
     }
 }
 
@@ -175,71 +196,67 @@ fn build(spec: &DeviceSpec, tick: f64, seed: u64, number: usize) -> Box<dyn Devi
 
 impl DeviceBank for SimBank {
     fn resolve(&mut self, name: &PortName<'_>) -> Result<PortId, ResolveError> {
-        let device = self
-            .devices
-            .iter()
-            .position(|named| named.name == name.device);
-        let device = device.ok_or(ResolveError::NoDevice)?;
-        let port = Port {
-            device,
-            slot: self.devices[device].device.resolve(name)?,
-        };
-        port.number()
+        let parts = self.devices.iter().enumerate();
+        let mut parts = parts.filter_map(|(place, part)| Some((place, part.as_ref()?)));
+        let part = parts.find(|(_, part)| part.name == name.device);
+        let (place, part) = part.ok_or(ResolveError::NoDevice)?;
+        let slot = part.device.resolve(name)?;
+        number(place, slot).ok_or(ResolveError::NoIndex)
     }
 
     fn resource(&self, port: PortId) -> u32 {
         self.resources(port).start
     }
 
-    fn resources(&self, port: PortId) -> Range<u32> {
-        self.at(port).map_or(0..0, |(named, slot)| {
-            let own = named.device.resources_of(slot);
-            named.resources + own.start..named.resources + own.end
+    fn resources(&self, number: PortId) -> Range<u32> {
+        let first = first_resource(port(number).0);
+        self.at(number).map_or(0..0, |(device, slot)| {
+            let own = device.resources_of(slot);
+            first + own.start..first + own.end
         })
     }
 
     fn pace(&mut self, resource: u32, ticks: u32) {
-        if let Some((device, own)) = self.owner(resource) {
-            self.devices[device].device.pace(own, ticks);
+        if let Some((device, own)) = self.owner_mut(resource) {
+            device.pace(own, ticks);
         }
     }
 
     fn read(&mut self, port: PortId, value: &mut [u64]) -> bool {
         self.at(port)
-            .is_some_and(|(named, slot)| named.device.read(slot, value))
+            .is_some_and(|(device, slot)| device.read(slot, value))
     }
 
     fn check(&mut self, port: PortId, value: &[u64]) -> Refusal {
         self.at_mut(port)
-            .map_or(Refusal::DEVICE_FAILED, |(named, slot)| {
-                named.device.check(slot, value)
+            .map_or(Refusal::DEVICE_FAILED, |(device, slot)| {
+                device.check(slot, value)
             })
     }
 
     fn error(&self, port: PortId) -> i64 {
-        self.at(port)
-            .map_or(0, |(named, slot)| named.device.error(slot))
+        self.at(port).map_or(0, |(device, slot)| device.error(slot))
     }
 
     fn write(&mut self, port: PortId, value: &[u64]) {
-        if let Some((named, slot)) = self.at_mut(port) {
-            named.device.write(slot, value);
+        if let Some((device, slot)) = self.at_mut(port) {
+            device.write(slot, value);
         }
     }
 
     fn call(&mut self, port: PortId, arguments: &[u64], result: &mut [u64]) -> bool {
         self.at(port)
-            .is_some_and(|(named, slot)| named.device.call(slot, arguments, result))
+            .is_some_and(|(device, slot)| device.call(slot, arguments, result))
     }
 
     fn moving(&self, resource: u32) -> bool {
         self.owner(resource)
-            .is_some_and(|(device, own)| self.devices[device].device.moving(own))
+            .is_some_and(|(device, own)| device.moving(own))
     }
 
     fn stop(&mut self, resource: u32) {
-        if let Some((device, own)) = self.owner(resource) {
-            self.devices[device].device.stop(own);
+        if let Some((device, own)) = self.owner_mut(resource) {
+            device.stop(own);
         }
     }
 }

@@ -5,7 +5,7 @@
 
 use crate::cell::BaseSpec;
 use crate::code::Code;
-use crate::device::{Device, Line, Put, Report, Slot, find, is_actuator, tell};
+use crate::device::{Device, Line, Put, Report, Slot, find, is_actuator, tell, within};
 use core::ops::Range;
 use rpi_device::{PortName, Refusal, ResolveError};
 use rpi_image::Scalar;
@@ -204,6 +204,11 @@ impl Base {
 impl Device for Base {
     fn resolve(&self, name: &PortName<'_>) -> Result<Slot, ResolveError> {
         find(PORTS.iter().map(|line| &line.head), name, |_| 2)
+    }
+
+    fn has(&self, slot: Slot) -> bool {
+        let line = PORTS.get(usize::from(slot.line));
+        within(line.map(|line| &line.head), slot, |_| 2)
     }
 
     fn resources(&self) -> u32 {

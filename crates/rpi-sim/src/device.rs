@@ -17,6 +17,8 @@ pub(crate) struct Slot {
 pub(crate) trait Device: Send {
     /// Finds a port.
     fn resolve(&self, name: &PortName<'_>) -> Result<Slot, ResolveError>;
+    /// Whether there is such a port; the methods below are asked only about ports that there are.
+    fn has(&self, slot: Slot) -> bool;
     /// How many actuators (resources) it has.
     fn resources(&self) -> u32;
     /// The actuators that a port belongs to; empty for a port that is none.
@@ -181,6 +183,14 @@ pub(crate) fn find<'a>(
         }
     }
     Err(error)
+}
+
+/// Whether a slot lies within its line of a table; `size` tells how many axes or terminals there are behind it.
+pub(crate) fn within(head: Option<&Head>, slot: Slot, size: impl Fn(usize) -> usize) -> bool {
+    head.is_some_and(|head| match head.indexed {
+        true => usize::from(slot.index) < size(usize::from(slot.line)),
+        false => slot.index == 0,
+    })
 }
 
 /// Puts values into cells, one after the other; what does not fit is dropped.

@@ -1,7 +1,7 @@
 //! A force and torque sensor that feels what a script says.
 
 use crate::cell::ForceSpec;
-use crate::device::{Device, Line, Slot, find, tell};
+use crate::device::{Device, Line, Slot, find, tell, within};
 use crate::noise::Noise;
 use core::ops::Range;
 use nalgebra::Vector6;
@@ -60,6 +60,11 @@ impl ForceSensor {
 impl Device for ForceSensor {
     fn resolve(&self, name: &PortName<'_>) -> Result<Slot, ResolveError> {
         find(PORTS.iter().map(|line| &line.head), name, |_| 1)
+    }
+
+    fn has(&self, slot: Slot) -> bool {
+        let line = PORTS.get(usize::from(slot.line));
+        within(line.map(|line| &line.head), slot, |_| 1)
     }
 
     fn resources(&self) -> u32 {

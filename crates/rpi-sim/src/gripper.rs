@@ -5,7 +5,7 @@
 
 use crate::cell::GripperSpec;
 use crate::code::Code;
-use crate::device::{Device, Line, Slot, find, is_actuator, tell};
+use crate::device::{Device, Line, Slot, find, is_actuator, tell, within};
 use core::ops::Range;
 use rpi_device::{PortName, Refusal, ResolveError};
 use rpi_image::Scalar;
@@ -93,6 +93,11 @@ impl Gripper {
 impl Device for Gripper {
     fn resolve(&self, name: &PortName<'_>) -> Result<Slot, ResolveError> {
         find(PORTS.iter().map(|line| &line.head), name, |_| 1)
+    }
+
+    fn has(&self, slot: Slot) -> bool {
+        let line = PORTS.get(usize::from(slot.line));
+        within(line.map(|line| &line.head), slot, |_| 1)
     }
 
     fn resources(&self) -> u32 {

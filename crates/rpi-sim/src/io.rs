@@ -1,7 +1,7 @@
 //! Terminals of digital and analogue inputs and outputs.
 
 use crate::cell::{Change, IoSpec, Signal};
-use crate::device::{Carries, Device, Head, Slot, find};
+use crate::device::{Carries, Device, Head, Slot, find, within};
 use core::ops::Range;
 use rpi_device::{PortKind, PortName, Refusal, ResolveError};
 use rpi_image::Scalar;
@@ -143,6 +143,12 @@ impl Bank {
 }
 
 impl Io {
+    /// How many terminals there are behind a line.
+    fn size(&self, line: usize) -> usize {
+        let line = &PORTS[line];
+        self.banks[line.bank].ports(line.output).len()
+    }
+
     /// The terminals of a port: those of its bank from its index on, only one if it is indexed.
     fn terminals(&self, slot: Slot) -> Option<(&'static Line, Range<usize>)> {
         let line = PORTS.get(usize::from(slot.line))?;
@@ -155,8 +161,14 @@ impl Io {
 
 impl Device for Io {
     fn resolve(&self, name: &PortName<'_>) -> Result<Slot, ResolveError> {
-        let size = |line: usize| self.banks[PORTS[line].bank].ports(PORTS[line].output).len();
-        find(PORTS.iter().map(|line| &line.head), name, size)
+        find(PORTS.iter().map(|line| &line.head), name, |line| {
+            self.size(line)
+        })
+    }
+
+    fn has(&self, slot: Slot) -> bool {
+        let line = PORTS.get(usize::from(slot.line));
+        within(line.map(|line| &line.head), slot, |line| self.size(line))
     }
 
     fn resources(&self) -> u32 {

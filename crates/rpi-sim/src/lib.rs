@@ -19,7 +19,7 @@ mod gripper;
 mod io;
 mod noise;
 
-pub use bank::{DeviceStatus, SimBank};
+pub use bank::{DeviceStatus, MAX_DEVICES, Part, SimBank};
 pub use cell::{Cell, CellError, CellErrors};
 pub use device::{PortInfo, Report};
 pub use fault::{Fault, Trouble};

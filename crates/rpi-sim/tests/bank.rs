@@ -492,7 +492,17 @@ fn the_same_cell_gives_the_same_bits_and_allocates_nothing() {
 #[test]
 fn every_port_number_is_answered_without_a_panic() {
     let mut bank = bank();
-    for port in [PortId(0), PortId(u32::MAX)] {
+    // Every line of every device and a few indices of each: some are ports, none is trouble.
+    for number in (0..=u32::MAX).step_by(0x3ff3) {
+        let port = PortId(number & !0x3f_0000);
+        let mut value = [0; 16];
+        bank.read(port, &mut value);
+        bank.check(port, &value);
+        bank.write(port, &value);
+        bank.call(port, &value, &mut [0; 16]);
+        bank.error(port);
+    }
+    for port in [PortId(0x7fff), PortId(u32::MAX)] {
         assert!(!bank.read(port, &mut [0]));
         assert_eq!(bank.check(port, &[0]), Refusal::DEVICE_FAILED);
         bank.write(port, &[0]);
@@ -505,6 +515,29 @@ fn every_port_number_is_answered_without_a_panic() {
     assert_eq!(bank.check(tcp, &[]), Refusal::ILLEGAL_VALUE);
     bank.stop(u32::MAX);
     assert!(!bank.moving(u32::MAX));
+}
+
+#[test]
+fn banks_with_the_same_devices_in_the_same_places_give_the_same_numbers() {
+    let (mut one, mut other) = (bank(), bank());
+    sensor(&mut one, "left", "pose", 0, POSE);
+    for (device, port) in [("right", "tcp"), ("left", "tcp")] {
+        let number = actuator(&mut one, device, port, 0, POSE);
+        assert_eq!(number, actuator(&mut other, device, port, 0, POSE));
+        assert_eq!(one.resources(number), other.resources(number));
+    }
+}
+
+#[test]
+fn devices_come_and_go_between_two_ticks() {
+    let mut bank = bank();
+    let tcp = actuator(&mut bank, "left", "tcp", 0, POSE);
+    let left = bank.swap(0, None);
+    assert_eq!(left.as_ref().map(rpi_sim::Part::name), Some("left"));
+    assert_eq!(bank.check(tcp, &[0; 7]), Refusal::DEVICE_FAILED);
+    bank.step();
+    assert!(bank.swap(0, left).is_none());
+    assert_eq!(actuator(&mut bank, "left", "tcp", 0, POSE), tcp);
 }
 
 #[test]

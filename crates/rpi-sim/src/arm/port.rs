@@ -4,7 +4,7 @@ use super::guard::{State, Violation};
 use super::table::{Act, Line, PORTS, Parameter, Target};
 use super::{Arm, PARAMETERS};
 use crate::code::Code;
-use crate::device::{Device, Put, Report, Slot, find, pose_from, spelled_out};
+use crate::device::{Device, Put, Report, Slot, find, pose_from, spelled_out, within};
 use crate::fault::Fault;
 use core::ops::Range;
 use rpi_device::{PortName, Refusal, ResolveError};
@@ -183,6 +183,12 @@ impl Device for Arm {
             ..*name
         });
         find(heads, &plain, |_| self.axes())
+    }
+
+    fn has(&self, slot: Slot) -> bool {
+        within(Self::line(slot).map(|line| &line.head), slot, |_| {
+            self.axes()
+        })
     }
 
     fn resources(&self) -> u32 {
