@@ -211,10 +211,6 @@ impl Device for Base {
         within(line.map(|line| &line.head), slot, |_| 2)
     }
 
-    fn resources(&self) -> u32 {
-        1
-    }
-
     fn resources_of(&self, slot: Slot) -> Range<u32> {
         0..u32::from(is_actuator(PORTS, slot))
     }

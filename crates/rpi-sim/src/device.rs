@@ -19,8 +19,6 @@ pub(crate) trait Device: Send {
     fn resolve(&self, name: &PortName<'_>) -> Result<Slot, ResolveError>;
     /// Whether there is such a port; the methods below are asked only about ports that there are.
     fn has(&self, slot: Slot) -> bool;
-    /// How many actuators (resources) it has.
-    fn resources(&self) -> u32;
     /// The actuators that a port belongs to; empty for a port that is none.
     fn resources_of(&self, slot: Slot) -> Range<u32>;
     /// See [`rpi_device::DeviceBank::read`].

@@ -67,10 +67,6 @@ impl Device for ForceSensor {
         within(line.map(|line| &line.head), slot, |_| 1)
     }
 
-    fn resources(&self) -> u32 {
-        0
-    }
-
     fn resources_of(&self, _slot: Slot) -> Range<u32> {
         0..0
     }

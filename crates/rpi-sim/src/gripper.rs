@@ -100,10 +100,6 @@ impl Device for Gripper {
         within(line.map(|line| &line.head), slot, |_| 1)
     }
 
-    fn resources(&self) -> u32 {
-        1
-    }
-
     fn resources_of(&self, slot: Slot) -> Range<u32> {
         0..u32::from(is_actuator(PORTS, slot))
     }

@@ -171,13 +171,6 @@ impl Device for Io {
         within(line.map(|line| &line.head), slot, |line| self.size(line))
     }
 
-    fn resources(&self) -> u32 {
-        self.banks
-            .iter()
-            .map(|bank| bank.outputs.len() as u32)
-            .sum()
-    }
-
     fn resources_of(&self, slot: Slot) -> Range<u32> {
         let terminals = self.terminals(slot);
         let Some((line, own)) = terminals.filter(|(line, _)| line.head.kind == PortKind::Actuator)

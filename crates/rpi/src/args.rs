@@ -1,10 +1,12 @@
 //! What can be asked for on the command line.
 
+use std::net::SocketAddr;
 use std::path::PathBuf;
 
 use clap::{Args, Parser, Subcommand};
 use clap_complete::Shell;
 use rpi_host::run::Setting;
+use rpi_serve::OnLoss;
 
 /// Version of the tool and of the image format that it reads and writes.
 const VERSION: &str = concat!(env!("CARGO_PKG_VERSION"), " (image format 1)");
@@ -26,6 +28,11 @@ pub(crate) enum Task {
     /// Shows what happened at the end. Exit status: 0 if all ended without error, 1 for a command's error, 2 for bad
     /// input, 3 for a fault while running.
     Run(RunArgs),
+    /// Run as a server: commands are loaded, started, scheduled and watched from outside while others run.
+    ///
+    /// Speaks the DirectIO protocol 2.0 (websocket `/DirectIO/` and pages) and JSON-RPC 2.0 (websocket `/rpc`). Listens on
+    /// this machine only, unless told otherwise; beyond it a token is needed. Runs until it is interrupted.
+    Serve(ServeArgs),
     /// Record all ports of a run as a trace, or pick rows out of a recording.
     ///
     /// Of a program, net or image: runs it on simulated time and writes what every port carried in every cycle, in the
@@ -98,6 +105,36 @@ pub(crate) struct RunArgs {
     /// Print what happened as JSON.
     #[arg(long)]
     pub(crate) json: bool,
+}
+
+/// Options of `rpi serve`.
+#[derive(Args, Debug)]
+pub(crate) struct ServeArgs {
+    /// Description of the devices; without it there are only those that clients make.
+    #[arg(long, value_name = "FILE")]
+    pub(crate) cell: Option<PathBuf>,
+    /// Where to listen.
+    #[arg(long, value_name = "ADDRESS:PORT", default_value = "127.0.0.1:8080")]
+    pub(crate) listen: SocketAddr,
+    /// Listen at this Unix socket too: JSON-RPC, a message in a line.
+    #[arg(long, value_name = "FILE")]
+    pub(crate) socket: Option<PathBuf>,
+    /// File with the token that clients must show; needed beyond this machine.
+    #[arg(long, value_name = "FILE")]
+    pub(crate) token_file: Option<PathBuf>,
+    /// Length of a tick; periods of commands are whole multiples of it.
+    #[arg(long, value_parser = rpi_driver::parse_period, value_name = "TIME", default_value = "1ms")]
+    pub(crate) period: u64,
+    /// What becomes of a client's commands when it is gone and has not said so itself.
+    #[arg(long, value_name = "POLICY", value_parser = on_loss, default_value = "cancel")]
+    pub(crate) on_loss: OnLoss,
+}
+
+fn on_loss(name: &str) -> Result<OnLoss, String> {
+    OnLoss::by_name(name).ok_or_else(|| {
+        let known = OnLoss::ALL.map(|(name, _)| name);
+        format!("one of {} is needed", known.join(", "))
+    })
 }
 
 /// Options of `rpi trace`.

@@ -1,4 +1,4 @@
-//! The control core on the command line: `rpi run`, `rpi replay`, `rpi trace`.
+//! The control core on the command line: `rpi run`, `rpi serve`, `rpi replay`, `rpi trace`.
 //!
 //! Exit status: 0 for a good end, 1 for a command's error or a differing trace, 2 for bad input, 3 for a fault while
 //! running.
@@ -8,6 +8,7 @@ mod exit;
 mod program;
 mod replay;
 mod run;
+mod serve;
 mod shell;
 mod target;
 mod trace;
@@ -22,6 +23,7 @@ fn main() -> ExitCode {
     let cli = Cli::parse();
     let done = match cli.task {
         Task::Run(args) => run::run(&args),
+        Task::Serve(args) => serve::serve(&args),
         Task::Trace(args) => trace::trace(&args),
         Task::Replay(args) => replay::replay(&args),
         Task::Completions { shell } => shell::completions(shell),

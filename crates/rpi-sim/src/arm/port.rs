@@ -191,10 +191,6 @@ impl Device for Arm {
         })
     }
 
-    fn resources(&self) -> u32 {
-        (MAX_AXES + PARAMETERS + 1) as u32
-    }
-
     fn resources_of(&self, slot: Slot) -> Range<u32> {
         let index = usize::from(slot.index);
         let range = match Self::line(slot).map(|line| &line.act) {

@@ -1,0 +1,237 @@
+//! Conditions of rules as clients write them.
+//!
+//! ```text
+//! condition = term { "|" term }
+//! term      = factor { "&" factor }
+//! factor    = "!" factor | "(" condition ")" | "t" | "f" | command "." export | command "@" fact
+//! fact      = "ended" | "regular" | "failed" | "result" "(" name ")" | "error" "(" number ")"
+//! ```
+//! The DirectIO protocol knows all of it but the facts.
+
+/// A condition.
+#[derive(Clone, PartialEq, Eq, Debug)]
+pub(crate) enum Expr {
+    /// Always.
+    True,
+    /// Never.
+    False,
+    /// Not this.
+    Not(Box<Expr>),
+    /// Both.
+    And(Box<Expr>, Box<Expr>),
+    /// One of them.
+    Or(Box<Expr>, Box<Expr>),
+    /// Something about a command, by its name.
+    Said(String, Saying),
+}
+
+/// What can be said about a command.
+#[derive(Clone, PartialEq, Eq, Debug)]
+pub(crate) enum Saying {
+    /// This exported Boolean is true.
+    Export(String),
+    /// It has ended.
+    Ended,
+    /// It has ended by itself, without error, and was not cancelled.
+    Regular,
+    /// It has ended with an error, a fault or an abort.
+    Failed,
+    /// It has ended by this result.
+    Result(String),
+    /// It has ended with this error number.
+    Error(i64),
+}
+
+/// Nested deeper than this a condition is refused.
+const DEPTH: usize = 32;
+/// A condition that says more is refused.
+const MOST: usize = 256;
+
+/// Reads a condition.
+///
+/// # Errors
+/// If the text is none, with the place.
+pub(crate) fn parse(text: &str) -> Result<Expr, String> {
+    let mut reader = Reader {
+        text,
+        at: 0,
+        left: MOST,
+    };
+    let found = reader.either(DEPTH)?;
+    reader.blanks();
+    match reader.rest() {
+        "" => Ok(found),
+        _ => Err(reader.expected("the end of the condition")),
+    }
+}
+
+struct Reader<'a> {
+    text: &'a str,
+    at: usize,
+    /// How much more it may say.
+    left: usize,
+}
+
+impl<'a> Reader<'a> {
+    fn rest(&self) -> &'a str {
+        &self.text[self.at..]
+    }
+
+    fn blanks(&mut self) {
+        let rest = self.rest();
+        self.at += rest.len() - rest.trim_start().len();
+    }
+
+    fn expected(&self, what: &str) -> String {
+        format!("{what} was expected at sign {} of the condition", self.at)
+    }
+
+    fn next_is(&mut self, sign: char) -> bool {
+        self.blanks();
+        let found = self.rest().starts_with(sign);
+        self.at += if found { sign.len_utf8() } else { 0 };
+        found
+    }
+
+    fn name(&mut self) -> Result<&'a str, String> {
+        self.blanks();
+        let rest = self.rest();
+        let ends = |c: char| !c.is_ascii_alphanumeric() && c != '_' && c != '-';
+        let name = &rest[..rest.find(ends).unwrap_or(rest.len())];
+        self.at += name.len();
+        match name {
+            "" => Err(self.expected("a name")),
+            _ => Ok(name),
+        }
+    }
+
+    fn either(&mut self, depth: usize) -> Result<Expr, String> {
+        let mut found = self.both(depth)?;
+        while self.next_is('|') {
+            found = Expr::Or(found.into(), self.both(depth)?.into());
+        }
+        Ok(found)
+    }
+
+    fn both(&mut self, depth: usize) -> Result<Expr, String> {
+        let mut found = self.factor(depth)?;
+        while self.next_is('&') {
+            found = Expr::And(found.into(), self.factor(depth)?.into());
+        }
+        Ok(found)
+    }
+
+    fn factor(&mut self, depth: usize) -> Result<Expr, String> {
+        let deeper = depth
+            .checked_sub(1)
+            .ok_or("the condition is nested too deeply")?;
+        if self.next_is('!') {
+            return Ok(Expr::Not(self.factor(deeper)?.into()));
+        }
+        if self.next_is('(') {
+            let inner = self.either(deeper)?;
+            return match self.next_is(')') {
+                true => Ok(inner),
+                false => Err(self.expected("`)`")),
+            };
+        }
+        self.left = self
+            .left
+            .checked_sub(1)
+            .ok_or("the condition is too long")?;
+        let name = self.name()?;
+        if self.next_is('.') {
+            let key = self.name()?.to_owned();
+            return Ok(Expr::Said(name.to_owned(), Saying::Export(key)));
+        }
+        if self.next_is('@') {
+            return Ok(Expr::Said(name.to_owned(), self.fact()?));
+        }
+        match name {
+            "t" => Ok(Expr::True),
+            "f" => Ok(Expr::False),
+            _ => Err(self.expected("`.` or `@`")),
+        }
+    }
+
+    fn fact(&mut self) -> Result<Saying, String> {
+        let fact = self.name()?;
+        let mut argument = || match self.next_is('(') {
+            true => self.name().and_then(|name| match self.next_is(')') {
+                true => Ok(name),
+                false => Err(self.expected("`)`")),
+            }),
+            false => Err(self.expected("`(`")),
+        };
+        match fact {
+            "ended" => Ok(Saying::Ended),
+            "regular" => Ok(Saying::Regular),
+            "failed" => Ok(Saying::Failed),
+            "result" => argument().map(|name| Saying::Result(name.to_owned())),
+            "error" => {
+                let number = argument()?.parse();
+                number
+                    .map(Saying::Error)
+                    .map_err(|_| self.expected("a number"))
+            }
+            _ => Err(self.expected("ended, regular, failed, result or error")),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn shape(expr: &Expr) -> String {
+        match expr {
+            Expr::True => "t".into(),
+            Expr::False => "f".into(),
+            Expr::Not(a) => format!("!{}", shape(a)),
+            Expr::And(a, b) => format!("({}&{})", shape(a), shape(b)),
+            Expr::Or(a, b) => format!("({}|{})", shape(a), shape(b)),
+            Expr::Said(command, Saying::Export(key)) => format!("{command}.{key}"),
+            Expr::Said(command, saying) => format!("{command}@{saying:?}"),
+        }
+    }
+
+    #[test]
+    fn and_binds_closer_than_or() {
+        for (text, expected) in [
+            ("t", "t"),
+            ("n1.out_1 & n2.out_1", "(n1.out_1&n2.out_1)"),
+            ("n1.a | n2.b & !n3.c", "(n1.a|(n2.b&!n3.c))"),
+            ("!(n1.a | f) & t", "(!(n1.a|f)&t)"),
+            (
+                "n1@result(done) & n2 @ error(-3)",
+                "(n1@Result(\"done\")&n2@Error(-3))",
+            ),
+            ("n1@regular", "n1@Regular"),
+        ] {
+            assert_eq!(parse(text).map(|e| shape(&e)).as_deref(), Ok(expected));
+        }
+    }
+
+    #[test]
+    fn what_is_no_condition_is_refused_with_its_place() {
+        for text in [
+            "",
+            "n1",
+            "n1.",
+            "n1@",
+            "n1@gone",
+            "(t",
+            "t t",
+            "t &",
+            "n1@error(x)",
+            "§",
+        ] {
+            assert!(parse(text).is_err(), "{text}");
+        }
+        let deep = "(".repeat(100_000);
+        assert!(parse(&deep).unwrap_err().contains("deeply"));
+        let wide = |n| vec!["n1.a"; n].join(" & ");
+        assert!(parse(&wide(MOST)).is_ok());
+        assert!(parse(&wide(1_000_000)).unwrap_err().contains("long"));
+    }
+}

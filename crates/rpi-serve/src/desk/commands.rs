@@ -1,0 +1,297 @@
+//! Commands: loaded, started, asked to end, set, unloaded.
+
+use std::sync::Arc;
+
+use rpi_core::{CommandId, State, Why};
+use rpi_image::Image;
+use rpi_image::image::{End, InputPort};
+use rpi_net::literal;
+
+use super::eval::Eval;
+use super::loader::{Job, Language, Loaded};
+use super::watch::Subscription;
+use super::{Desk, Failure, Phase, Reply, Status, Then, answer, number_of};
+use crate::plant::{Board, Order, Setting};
+
+/// What the desk knows about a command.
+pub(crate) struct Record {
+    /// Its name in the core, once it is on its way there.
+    pub(crate) id: Option<CommandId>,
+    pub(crate) session: u64,
+    /// What its owner calls it.
+    pub(crate) title: String,
+    pub(crate) language: Language,
+    /// What it was loaded from.
+    pub(crate) text: Arc<str>,
+    pub(crate) status: Status,
+    pub(crate) image: Option<Arc<Image>>,
+    pub(super) board: Option<Arc<Board>>,
+    pub(super) subscriptions: Vec<Subscription>,
+    /// Whoever waits for it to be loaded.
+    pub(super) loading: Option<Reply>,
+    /// It only lives for one cycle.
+    pub(super) eval: Option<Eval>,
+    /// Nobody will look at it once it has ended.
+    pub(super) unload_at_end: bool,
+    /// Bytes that it takes.
+    pub(super) bytes: usize,
+}
+
+/// What is to be loaded.
+pub(crate) struct Load<'a> {
+    pub(crate) session: &'a str,
+    pub(crate) title: &'a str,
+    pub(crate) language: Language,
+    pub(crate) text: &'a str,
+    /// Which command of the text, if there are several.
+    pub(crate) command: Option<&'a str>,
+    /// Nanoseconds; 0 for that of the tick.
+    pub(crate) period_ns: u64,
+}
+
+impl Desk {
+    /// Loads a command beside the cycle; the reply has its name.
+    pub(crate) fn load(&mut self, load: &Load<'_>, reply: Reply) {
+        match self.session(load.session) {
+            Ok(session) => self.load_for(session, load, None, reply),
+            Err(why) => reply(Err(why)),
+        }
+    }
+
+    pub(super) fn load_for(
+        &mut self,
+        session: u64,
+        load: &Load<'_>,
+        eval: Option<Eval>,
+        reply: Reply,
+    ) {
+        if let Err(why) = self.has_room(session, load.text.len()) {
+            return reply(Err(why));
+        }
+        let number = self.number();
+        let job = Job {
+            number,
+            language: load.language,
+            text: load.text.into(),
+            command: load.command.map(str::to_owned),
+            period_ns: self.period(load.period_ns),
+        };
+        let record = Record {
+            id: None,
+            session,
+            title: load.title.to_owned(),
+            language: load.language,
+            text: Arc::clone(&job.text),
+            status: Status {
+                phase: Phase::Is(State::Loading),
+                ending: None,
+                result: None,
+            },
+            image: None,
+            board: None,
+            subscriptions: Vec::new(),
+            loading: Some(reply),
+            eval,
+            unload_at_end: false,
+            bytes: load.text.len(),
+        };
+        self.commands.insert(number, record);
+        self.send(job);
+    }
+
+    /// The period in which a command runs: whole ticks, at least one.
+    fn period(&self, wanted_ns: u64) -> u64 {
+        let ticks = wanted_ns.div_ceil(self.tick_ns).max(1);
+        ticks.saturating_mul(self.tick_ns)
+    }
+
+    fn send(&mut self, job: Job) {
+        let number = job.number;
+        let taken = self
+            .jobs
+            .as_ref()
+            .is_some_and(|jobs| jobs.try_send(job).is_ok());
+        if !taken {
+            self.reject(number, Failure::Busy);
+        }
+    }
+
+    /// Makes room for a command by unloading those of its session that ended longest ago, if there is none.
+    fn has_room(&mut self, session: u64, text: usize) -> Result<(), Failure> {
+        let own = self.commands.values().filter(|r| r.session == session);
+        let (count, bytes) = own.fold((0, text), |(n, b), r| (n + 1, b + r.bytes));
+        let all = self.commands.len();
+        let full = count >= self.limits.session_commands || all >= self.limits.commands;
+        if !full && bytes <= self.limits.session_memory {
+            return Ok(());
+        }
+        match self.oldest_ended(session) {
+            Some(number) => {
+                self.order_for(number, Order::Unload);
+                if let Some(record) = self.commands.get_mut(&number) {
+                    // Its room counts as free from now on: its place does once it has come back.
+                    (record.session, record.bytes) = (0, 0);
+                }
+                Ok(())
+            }
+            None if full => Err(Failure::Limit("commands")),
+            None => Err(Failure::Limit("memory of the session")),
+        }
+    }
+
+    fn oldest_ended(&self, session: u64) -> Option<u64> {
+        let ended = |r: &Record| r.status.phase == Phase::Is(State::Terminated);
+        let mut own = self.commands.iter();
+        let found = own.find(|(_, r)| r.session == session && ended(r));
+        found.map(|(number, _)| *number)
+    }
+
+    /// Loading is done: the command goes to the cycle, or its owner hears why not.
+    pub(super) fn loaded(&mut self, job: Job, loaded: Result<Loaded, Vec<String>>) {
+        let generation = self.generation();
+        match loaded {
+            Err(reasons) => self.reject(job.number, Failure::Rejected(reasons)),
+            // Devices have come or gone meanwhile: its names are looked up again.
+            Ok(loaded) if loaded.generation != generation => self.send(job),
+            Ok(loaded) => self.insert(job.number, loaded),
+        }
+    }
+
+    fn insert(&mut self, number: u64, loaded: Loaded) {
+        let Some(id) = self.places.take() else {
+            return self.reject(number, Failure::Limit("commands"));
+        };
+        let Some(record) = self.commands.get_mut(&number) else {
+            return self.places.give_back(id);
+        };
+        let board = Arc::new(Board::new(&loaded.image.exports));
+        record.id = Some(id);
+        record.bytes += loaded.command.machine().footprint();
+        record.image = Some(loaded.image);
+        record.board = Some(Arc::clone(&board));
+        let reply = record.loading.take();
+        self.by_id.insert(id, number);
+        let order = Order::Insert(id, loaded.command, board);
+        self.order(order, Then::Inserted(number), reply);
+    }
+
+    /// Loading has failed: the command is no more.
+    fn reject(&mut self, number: u64, why: Failure) {
+        if let Some(record) = self.commands.remove(&number) {
+            let reply = record.eval.map(|e| e.reply).or(record.loading);
+            answer(reply, Err(why));
+            self.close_if_empty(record.session);
+        }
+    }
+
+    /// A command by its name.
+    pub(crate) fn find(&self, name: &str) -> Result<(u64, &Record), Failure> {
+        let number = number_of(name, 'n');
+        let found = number.and_then(|n| Some((n, self.commands.get(&n)?)));
+        found.ok_or_else(|| Failure::Unknown(format!("command {name}")))
+    }
+
+    /// All commands by their names.
+    pub(crate) fn commands(&self) -> impl Iterator<Item = (String, &Record)> {
+        let commands = self.commands.iter().filter(|(_, r)| r.eval.is_none());
+        commands.map(|(number, record)| (format!("n{number}"), record))
+    }
+
+    fn id_of(&self, name: &str) -> Result<(u64, CommandId), Failure> {
+        let (number, record) = self.find(name)?;
+        let id = record
+            .id
+            .ok_or_else(|| Failure::Bad(format!("{name} is still being loaded")))?;
+        Ok((number, id))
+    }
+
+    /// The name that a command has in the core.
+    pub(super) fn core_id(&self, name: &str) -> Result<CommandId, Failure> {
+        self.id_of(name).map(|(_, id)| id)
+    }
+
+    /// Starts a command.
+    pub(crate) fn start(&mut self, name: &str, reply: Reply) {
+        match self.core_id(name) {
+            Ok(id) => self.order(Order::Start(id), Then::Nothing, Some(reply)),
+            Err(why) => reply(Err(why)),
+        }
+    }
+
+    /// Asks a command to end.
+    pub(crate) fn cancel(&mut self, name: &str, reply: Reply) {
+        match self.id_of(name) {
+            Ok((number, id)) => {
+                self.order(Order::Cancel(id), Then::Cancelled(number), Some(reply));
+            }
+            Err(why) => reply(Err(why)),
+        }
+    }
+
+    /// Ends a command by force.
+    pub(crate) fn abort(&mut self, name: &str, reply: Reply) {
+        match self.core_id(name) {
+            Ok(id) => {
+                let order = Order::Abort(id, Why::Request);
+                self.order(order, Then::Nothing, Some(reply));
+            }
+            Err(why) => reply(Err(why)),
+        }
+    }
+
+    /// Unloads a command; one that runs is unloaded as soon as it has ended.
+    pub(crate) fn unload(&mut self, name: &str, reply: Reply) {
+        let found = self.id_of(name).and_then(|(number, id)| {
+            let (_, record) = self.find(name)?;
+            Ok((number, id, record.status.phase))
+        });
+        match found {
+            Ok((number, _, Phase::Is(State::Running | State::Cancelling))) => {
+                self.unload_at_end(number);
+                reply(Ok(String::new()));
+            }
+            Ok((_, id, _)) => self.order(Order::Unload(id), Then::Nothing, Some(reply)),
+            Err(why) => reply(Err(why)),
+        }
+    }
+
+    /// Sets inputs of commands, all between the same two cycles, or none.
+    pub(crate) fn set(&mut self, values: &[(&str, &str, &str)], reply: Reply) {
+        let settings = values.iter().map(|value| self.setting(value));
+        match settings.collect::<Result<Vec<_>, _>>() {
+            Ok(settings) => {
+                let order = Order::Set(settings.into());
+                self.order(order, Then::Nothing, Some(reply));
+            }
+            Err(why) => reply(Err(why)),
+        }
+    }
+
+    fn setting(&self, (name, key, value): &(&str, &str, &str)) -> Result<Setting, Failure> {
+        let (_, record) = self.find(name)?;
+        let inputs = record.image.as_ref().map_or(&[][..], |i| &i.inputs);
+        let found = inputs.iter().position(|i| i.key == *key);
+        let input = found.ok_or_else(|| Failure::Unknown(format!("input {key} of {name}")))?;
+        Ok(Setting {
+            command: self.core_id(name)?,
+            input,
+            value: cells(&inputs[input], value)?,
+        })
+    }
+}
+
+fn cells(input: &InputPort, text: &str) -> Result<Box<[u64]>, Failure> {
+    let ty = input.value.ty;
+    let bad = |why: String| Failure::Bad(format!("`{text}` is no {ty}: {why}"));
+    let value = literal::read(text, ty).map_err(|e| bad(e.to_string()))?;
+    let value = value.ok_or_else(|| bad("an input needs a value".to_owned()))?;
+    Ok(value.cells().into())
+}
+
+/// The names of the results by which a command can end.
+pub(crate) fn results(image: &Image) -> Vec<&str> {
+    match &image.end {
+        End::Results(results) => results.iter().map(|r| r.name.as_str()).collect(),
+        End::Ports { .. } => Vec::new(),
+    }
+}

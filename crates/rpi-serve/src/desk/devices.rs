@@ -1,0 +1,275 @@
+//! Devices: those of the cell, and simulated ones that clients make and remove while commands run.
+
+use std::collections::BTreeMap;
+use std::sync::PoisonError;
+
+use rpi_core::Why;
+use rpi_image::Scalar;
+use rpi_kin::AxisLimits;
+use rpi_net::literal;
+use rpi_sim::cell::{ArmSpec, DeviceSpec, Enforced, Kind};
+use rpi_sim::{Cell, Part};
+
+use super::{Desk, DeviceInfo, Failure, Reply, Sink, Then, Update};
+use crate::plant::Order;
+
+/// The devices by place, and who is told about them.
+pub(super) struct Devices {
+    places: Vec<Option<DeviceInfo>>,
+    watchers: Vec<Box<dyn Sink>>,
+    seed: u64,
+}
+
+impl Devices {
+    pub(super) fn of(cell: &Cell, most: usize) -> Devices {
+        let infos = cell
+            .devices
+            .iter()
+            .map(|spec| Some(info(spec, kind_name(&spec.kind))));
+        let mut places: Vec<Option<DeviceInfo>> = infos.collect();
+        places.resize(most.max(places.len()), None);
+        Devices {
+            places,
+            watchers: Vec::new(),
+            seed: cell.seed,
+        }
+    }
+
+    fn find(&self, name: &str) -> Option<usize> {
+        let is = |info: &Option<DeviceInfo>| info.as_ref().is_some_and(|i| i.name == name);
+        self.places.iter().position(is)
+    }
+}
+
+/// A device that a client wants to have.
+#[derive(Debug)]
+pub(crate) struct NewDevice<'a> {
+    pub(crate) name: &'a str,
+    pub(crate) kind: &'a str,
+    pub(crate) parameters: &'a BTreeMap<String, String>,
+}
+
+impl Desk {
+    /// All devices.
+    pub(crate) fn devices(&self) -> impl Iterator<Item = &DeviceInfo> {
+        self.devices.places.iter().flatten()
+    }
+
+    /// Tells somebody about all devices, and about those that come and go.
+    pub(crate) fn watch_devices(&mut self, mut sink: Box<dyn Sink>) {
+        let there = self.devices.places.iter().flatten();
+        let listens = there.fold(true, |listens, info| {
+            listens && sink.tell(&Update::DeviceAdded(info))
+        });
+        if listens {
+            self.devices.watchers.push(sink);
+        }
+    }
+
+    pub(super) fn generation(&self) -> u64 {
+        let twin = self.twin.lock().unwrap_or_else(PoisonError::into_inner);
+        twin.generation
+    }
+
+    /// Makes a simulated device. One of the same name and type is left as it is.
+    pub(crate) fn add_device(&mut self, new: &NewDevice<'_>, reply: Reply) {
+        if let Some(place) = self.devices.find(new.name) {
+            let same = self.devices.places[place]
+                .as_ref()
+                .is_some_and(|i| i.kind == new.kind);
+            return reply(match same {
+                true => Ok(new.name.to_owned()),
+                false => Err(Failure::Bad(format!(
+                    "there is another device {}",
+                    new.name
+                ))),
+            });
+        }
+        let Some(place) = self.devices.places.iter().position(Option::is_none) else {
+            return reply(Err(Failure::Limit("devices")));
+        };
+        match spec(new) {
+            Ok(spec) => self.put(place, &spec, new.kind, reply),
+            Err(why) => reply(Err(why)),
+        }
+    }
+
+    fn put(&mut self, place: usize, spec: &DeviceSpec, kind: &str, reply: Reply) {
+        let tick = self.tick_ns as f64 * 1e-9;
+        let part = || Part::new(spec, tick, self.devices.seed, place);
+        let (own, twins) = (part(), part());
+        self.change_twin(place, Some(twins));
+        let info = info(spec, kind);
+        self.devices.places[place] = Some(info.clone());
+        let order = Order::Device(place, Some(own));
+        self.order(order, Then::Device(info), Some(reply));
+    }
+
+    fn change_twin(&mut self, place: usize, part: Option<Part>) {
+        let mut twin = self.twin.lock().unwrap_or_else(PoisonError::into_inner);
+        twin.bank.swap(place, part);
+        twin.generation += 1;
+    }
+
+    /// Removes a device; commands that use it are ended by force and unloaded first.
+    pub(crate) fn remove_device(&mut self, name: &str, reply: Reply) {
+        let Some(place) = self.devices.find(name) else {
+            return reply(Err(Failure::Unknown(format!("device {name}"))));
+        };
+        self.change_twin(place, None);
+        self.devices.places[place] = None;
+        let users = self.commands.iter().filter(|(_, r)| r.uses(name));
+        let users: Vec<u64> = users.map(|(number, _)| *number).collect();
+        for number in users {
+            self.order_for(number, |id| Order::Abort(id, Why::Request));
+            self.order_for(number, Order::Unload);
+        }
+        let then = Then::NoDevice(name.to_owned());
+        self.order(Order::Device(place, None), then, Some(reply));
+    }
+
+    pub(super) fn device_there(&mut self, info: DeviceInfo) -> String {
+        let update = Update::DeviceAdded(&info);
+        self.devices.watchers.retain_mut(|sink| sink.tell(&update));
+        info.name
+    }
+
+    pub(super) fn device_gone(&mut self, name: &str) {
+        let update = Update::DeviceRemoved(name);
+        self.devices.watchers.retain_mut(|sink| sink.tell(&update));
+    }
+}
+
+impl super::Record {
+    /// True if it reads, sets or asks a device.
+    fn uses(&self, device: &str) -> bool {
+        self.image.as_ref().is_some_and(|image| {
+            let sensors = image.sensors.iter().map(|s| &s.port);
+            let actuators = image.actuators.iter().map(|a| &a.port);
+            let functions = image.functions.iter().map(|f| &f.port);
+            let mut ports = sensors.chain(actuators).chain(functions);
+            ports.any(|port| port.device == device)
+        })
+    }
+}
+
+fn kind_name(kind: &Kind) -> &'static str {
+    match kind {
+        Kind::Arm(_) => "arm",
+        Kind::Io(_) => "io",
+        Kind::Base(_) => "base",
+        Kind::Gripper(_) => "gripper",
+        Kind::Force(_) => "force-torque",
+    }
+}
+
+/// What a device offers, in the words of the DirectIO protocol.
+fn info(spec: &DeviceSpec, kind: &str) -> DeviceInfo {
+    let plain = |name| (name, Vec::new());
+    let interfaces = match &spec.kind {
+        Kind::Arm(arm) => {
+            let joints = arm.model.axes().to_string();
+            vec![
+                ("robotarm", vec![("jointcount".to_owned(), joints)]),
+                plain("armkinematics"),
+                plain("cartesianposition"),
+            ]
+        }
+        Kind::Io(_) => vec![plain("io")],
+        Kind::Base(_) => vec![plain("robotbase"), plain("cartesianposition")],
+        Kind::Gripper(_) | Kind::Force(_) => Vec::new(),
+    };
+    DeviceInfo {
+        name: spec.name.clone(),
+        kind: kind.to_owned(),
+        interfaces,
+    }
+}
+
+/// Types of simulated devices that clients may make: the models that they may stand for.
+pub(crate) const KINDS: &[(&str, &[&str])] = &[
+    ("kuka_lwr_sim", &["kuka-lwr4+"]),
+    ("kuka_iiwa_sim", &["kuka-iiwa-7", "kuka-iiwa-14"]),
+];
+
+fn spec(new: &NewDevice<'_>) -> Result<DeviceSpec, Failure> {
+    let known = KINDS.iter().find(|(kind, _)| *kind == new.kind);
+    let (_, models) = known.ok_or_else(|| Failure::Unknown(format!("device type {}", new.kind)))?;
+    let models = models.iter().filter_map(|id| rpi_kin::models::by_id(id));
+    let lengths = reals(new, "link_lengths")?.unwrap_or_default();
+    let reach: f64 = lengths.iter().sum();
+    let farness = |model: &&rpi_kin::ArmModel| (stretched(model) - reach).abs();
+    let model = models.min_by(|a, b| farness(a).total_cmp(&farness(b)));
+    let model = model.ok_or_else(|| Failure::Unknown(format!("device type {}", new.kind)))?;
+    let limits = limits(new, model.limits)?;
+    Ok(DeviceSpec {
+        name: new.name.to_owned(),
+        kind: Kind::Arm(ArmSpec {
+            model,
+            joints: limits
+                .iter()
+                .map(|l| 0.0_f64.clamp(l.position.lower, l.position.upper))
+                .collect(),
+            base: Default::default(),
+            tool: Default::default(),
+            limits,
+            enforced: Enforced {
+                position: true,
+                velocity: true,
+                // What a client plans knows of no jerk, and of acceleration only along the joints.
+                acceleration: false,
+                jerk: false,
+            },
+            lag: 0.0,
+            latency: 0.0,
+            noise: 0.0,
+            faults: Vec::new(),
+        }),
+    })
+}
+
+/// How far the flange of the stretched arm is from its base, in m.
+fn stretched(model: &rpi_kin::ArmModel) -> f64 {
+    let zero = vec![0.0; model.axes()];
+    model.forward(&zero).translation.vector.norm()
+}
+
+/// The model's limits with what the client says of them.
+fn limits(new: &NewDevice<'_>, own: &[AxisLimits]) -> Result<Vec<AxisLimits>, Failure> {
+    let mut limits = own.to_vec();
+    let mut set = |key: &str, place: fn(&mut AxisLimits) -> &mut f64| {
+        let given = reals(new, key)?.unwrap_or_default();
+        let axes = limits.iter_mut().zip(given);
+        axes.filter(|(_, value)| value.is_finite())
+            .for_each(|(axis, value)| *place(axis) = value);
+        Ok::<(), Failure>(())
+    };
+    set("min_joint", |axis| &mut axis.position.lower)?;
+    set("max_joint", |axis| &mut axis.position.upper)?;
+    set("max_vel", |axis| &mut axis.velocity)?;
+    set("max_acc", |axis| &mut axis.acceleration)?;
+    let sound = |l: &AxisLimits| {
+        l.position.lower < l.position.upper && l.velocity > 0.0 && l.acceleration > 0.0
+    };
+    match limits.iter().all(sound) {
+        true => Ok(limits),
+        false => Err(Failure::Bad(
+            "limits that are empty or not positive".to_owned(),
+        )),
+    }
+}
+
+fn reals(new: &NewDevice<'_>, key: &str) -> Result<Option<Vec<f64>>, Failure> {
+    let Some(text) = new.parameters.get(key) else {
+        return Ok(None);
+    };
+    let bad = || Failure::Bad(format!("{key} is no list of reals"));
+    let values = literal::read_array(text, Scalar::Real).map_err(|_| bad())?;
+    let values: Option<Vec<_>> = values.ok_or_else(bad)?.into_iter().collect();
+    let reals = values
+        .ok_or_else(bad)?
+        .iter()
+        .map(rpi_image::Value::as_real)
+        .collect();
+    Ok(reals)
+}

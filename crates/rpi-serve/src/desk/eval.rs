@@ -1,0 +1,77 @@
+//! A net that runs for one cycle, and what it exports then: how clients read sensors and ask for kinematics.
+
+use rpi_core::State;
+use rpi_core::Why;
+
+use super::watch::texts;
+use super::{Desk, Failure, Language, Load, Phase, Reply};
+use crate::plant::Order;
+
+/// Takes the exports after one cycle: key and value.
+pub(crate) type Take = Box<dyn FnOnce(Vec<(String, String)>) + Send>;
+
+/// Who waits for the one cycle.
+pub(crate) struct Eval {
+    /// Told if there is no such cycle.
+    pub(super) reply: Reply,
+    take: Take,
+    done: bool,
+}
+
+/// Commands for one cycle belong to no session.
+const NOBODY: u64 = 0;
+
+impl Desk {
+    /// Runs a net for one cycle. It must not need an actuator that somebody holds.
+    pub(crate) fn eval(&mut self, text: &str, take: Take, reply: Reply) {
+        let load = Load {
+            session: "",
+            title: "eval",
+            language: Language::Rpinet,
+            text,
+            command: None,
+            period_ns: 0,
+        };
+        let eval = Eval {
+            reply,
+            take,
+            done: false,
+        };
+        let nobody: Reply = Box::new(|_| ());
+        self.load_for(NOBODY, &load, Some(eval), nobody);
+    }
+
+    /// Hands over what the commands for one cycle have exported, and unloads them.
+    pub(super) fn finish_evals(&mut self) {
+        let evals = self.commands.iter().filter(|(_, r)| r.eval.is_some());
+        let over: Vec<u64> = evals
+            .filter(|(_, r)| {
+                let ran = r.board.as_ref().is_some_and(|b| b.cycles() > 0);
+                ran || matches!(r.status.phase, Phase::Is(State::Terminated))
+            })
+            .map(|(number, _)| *number)
+            .collect();
+        over.into_iter().for_each(|number| self.finish_eval(number));
+    }
+
+    fn finish_eval(&mut self, number: u64) {
+        let Some(record) = self.commands.get_mut(&number) else {
+            return;
+        };
+        let cells = record.board.as_ref().and_then(|b| b.read());
+        let exports = record.image.as_ref().map_or(&[][..], |i| &i.exports);
+        let values = cells.map(|cells| texts(exports, &cells));
+        if record.eval.as_ref().is_none_or(|e| e.done) {
+            return;
+        }
+        record.unload_at_end = true;
+        if let Some(eval) = record.eval.take() {
+            match values {
+                Some(values) => (eval.take)(values),
+                None => (eval.reply)(Err(Failure::Bad("it has not run".to_owned()))),
+            }
+        }
+        self.order_for(number, |id| Order::Abort(id, Why::Request));
+        self.order_for(number, Order::Unload);
+    }
+}

@@ -1,0 +1,176 @@
+//! Where everything that clients ask for arrives: sessions, commands, rules, devices, and who is told what.
+//!
+//! The desk keeps the books beside the cycle. It is one struct behind one lock; connections, the loader and the keeper
+//! take it for short. The cycle never does: orders go to it and reports come from it through bounded queues.
+
+mod commands;
+mod devices;
+mod eval;
+mod loader;
+mod reports;
+mod rules;
+mod sessions;
+mod types;
+mod watch;
+
+use std::collections::BTreeMap;
+use std::sync::mpsc::SyncSender;
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+
+use rpi_core::{CommandId, Places, RuleId};
+use rpi_sim::{Cell, SimBank};
+
+use crate::limits::{Limits, OnLoss};
+use crate::plant::{DeskEnds, Order};
+
+pub(crate) use commands::{Load, Record, results};
+pub(crate) use devices::NewDevice;
+pub(crate) use loader::Language;
+pub(crate) use rules::Make;
+pub(crate) use types::{DeviceInfo, Failure, Phase, Reply, RuleState, Sink, Status, Update, cause};
+pub(crate) use watch::Watching;
+
+use devices::Devices;
+use loader::{Job, Twin};
+use rules::RuleRecord;
+use sessions::Session;
+
+/// The books.
+pub(crate) struct Desk {
+    pub(crate) limits: Limits,
+    pub(crate) tick_ns: u64,
+    /// What becomes of a session's commands when its client is gone, where the client does not say.
+    on_loss: OnLoss,
+    ends: DeskEnds,
+    places: Places,
+    tickets: BTreeMap<u64, Ticket>,
+    sessions: BTreeMap<u64, Session>,
+    commands: BTreeMap<u64, Record>,
+    by_id: BTreeMap<CommandId, u64>,
+    rules: BTreeMap<RuleId, RuleRecord>,
+    devices: Devices,
+    twin: Arc<Mutex<Twin>>,
+    jobs: Option<SyncSender<Job>>,
+    /// The last number that was given to anything.
+    last: u64,
+}
+
+/// What is to be done when the cycle answers an order.
+struct Ticket {
+    then: Then,
+    reply: Option<Reply>,
+}
+
+/// What follows from an order that was obeyed.
+enum Then {
+    Nothing,
+    Inserted(u64),
+    Cancelled(u64),
+    Made(RuleId),
+    Device(DeviceInfo),
+    NoDevice(String),
+}
+
+/// The desk, shared by everybody beside the cycle.
+#[derive(Clone)]
+pub(crate) struct Office(Arc<Mutex<Desk>>);
+
+impl Office {
+    /// A desk for the devices of a cell, with its loader running.
+    ///
+    /// # Errors
+    /// If the system gives no thread.
+    pub(crate) fn open(
+        cell: &Cell,
+        ends: DeskEnds,
+        limits: Limits,
+        on_loss: OnLoss,
+        tick_ns: u64,
+    ) -> std::io::Result<Office> {
+        let twin = Arc::new(Mutex::new(Twin {
+            bank: bank(cell, limits.devices, tick_ns),
+            generation: 0,
+        }));
+        let office = Office(Arc::new(Mutex::new(Desk {
+            limits,
+            tick_ns,
+            on_loss,
+            ends,
+            places: Places::new(limits.commands),
+            tickets: BTreeMap::new(),
+            sessions: BTreeMap::new(),
+            commands: BTreeMap::new(),
+            by_id: BTreeMap::new(),
+            rules: BTreeMap::new(),
+            devices: Devices::of(cell, limits.devices),
+            twin: Arc::clone(&twin),
+            jobs: None,
+            last: 0,
+        })));
+        let weak = Arc::downgrade(&office.0);
+        let done: loader::Done = Box::new(move |job, loaded| {
+            if let Some(desk) = weak.upgrade() {
+                Office(desk).desk().loaded(job, loaded);
+            }
+        });
+        let jobs = loader::start(limits.loads, twin, done)?;
+        office.desk().jobs = Some(jobs);
+        Ok(office)
+    }
+
+    /// The desk, once nobody else has it.
+    pub(crate) fn desk(&self) -> MutexGuard<'_, Desk> {
+        self.0.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+}
+
+/// A bank with the devices of a cell and empty places for more.
+pub(crate) fn bank(cell: &Cell, places: usize, tick_ns: u64) -> SimBank {
+    let tick = tick_ns as f64 * 1e-9;
+    let mut bank = SimBank::empty(places.max(cell.devices.len()), tick);
+    for (place, spec) in cell.devices.iter().enumerate() {
+        let part = rpi_sim::Part::new(spec, tick, cell.seed, place);
+        bank.swap(place, Some(part));
+    }
+    bank
+}
+
+impl Desk {
+    /// A number that nothing else has.
+    fn number(&mut self) -> u64 {
+        self.last += 1;
+        self.last
+    }
+
+    /// Sends an order to the cycle; if there is no room, whoever asked is told that there is too much to do.
+    fn order(&mut self, order: Order, then: Then, reply: Option<Reply>) {
+        let number = self.number();
+        match self.ends.orders.push((number, order)) {
+            Ok(()) => {
+                self.tickets.insert(number, Ticket { then, reply });
+            }
+            Err(rtrb::PushError::Full((_, order))) => {
+                self.undone(order);
+                answer(reply, Err(Failure::Busy));
+            }
+        }
+    }
+
+    /// An order that there was no room for: what it would have taken in is free again.
+    fn undone(&mut self, order: Order) {
+        if let Order::Insert(id, ..) = order {
+            self.forget(id);
+        }
+    }
+}
+
+fn answer(reply: Option<Reply>, result: Result<String, Failure>) {
+    if let Some(reply) = reply {
+        reply(result);
+    }
+}
+
+/// The number in a name such as `n12`.
+fn number_of(name: &str, letter: char) -> Option<u64> {
+    name.strip_prefix(letter)?.parse().ok()
+}

@@ -1,0 +1,153 @@
+//! What the cycle tells, and what follows from it.
+
+use rpi_core::{CommandId, Ending, Notice, Outcome, State};
+
+use super::commands::results;
+use super::{Desk, Failure, Phase, Record, RuleState, Then, Ticket, answer};
+use crate::plant::{Order, Report};
+
+impl Desk {
+    /// Does all that there is to do now; called again and again beside the cycle.
+    pub(crate) fn keep(&mut self) {
+        while let Ok(report) = self.ends.reports.pop() {
+            match report {
+                Report::Answer(number, result) => self.answered(number, result),
+                Report::Notice(notice) => self.note(notice),
+                Report::Gone(id, ..) => self.forget(id),
+                Report::Spent(_) => {}
+            }
+        }
+        self.finish_evals();
+        self.publish();
+    }
+
+    fn answered(&mut self, number: u64, result: Result<(), rpi_core::Refused>) {
+        let Some(Ticket { then, reply }) = self.tickets.remove(&number) else {
+            return;
+        };
+        match result {
+            Ok(()) => {
+                let name = self.done(then);
+                answer(reply, Ok(name));
+            }
+            Err(why) => {
+                if let Then::Made(rule) = then {
+                    self.forget_rule(rule);
+                }
+                answer(reply, Err(Failure::Refused(why)));
+            }
+        }
+    }
+
+    /// An order was obeyed: gives the name of what it made.
+    fn done(&mut self, then: Then) -> String {
+        match then {
+            Then::Nothing => String::new(),
+            Then::Inserted(number) => self.inserted(number),
+            Then::Cancelled(number) => {
+                if let Some(id) = self.commands.get(&number).and_then(|r| r.id) {
+                    self.cancelling(id);
+                }
+                String::new()
+            }
+            Then::Made(rule) => {
+                self.made(rule);
+                format!("r{}", rule.0)
+            }
+            Then::Device(info) => self.device_there(info),
+            Then::NoDevice(name) => {
+                self.device_gone(&name);
+                String::new()
+            }
+        }
+    }
+
+    fn inserted(&mut self, number: u64) -> String {
+        if let Some(record) = self.commands.get_mut(&number) {
+            record.set_phase(Phase::Is(State::Ready));
+            if record.eval.is_some() {
+                self.order_for(number, Order::Start);
+            }
+        }
+        format!("n{number}")
+    }
+
+    pub(super) fn record_of(&mut self, id: CommandId) -> Option<&mut Record> {
+        let number = self.by_id.get(&id)?;
+        self.commands.get_mut(number)
+    }
+
+    pub(super) fn cancelling(&mut self, id: CommandId) {
+        if let Some(record) = self.record_of(id)
+            && record.status.phase == Phase::Is(State::Running)
+        {
+            record.set_phase(Phase::Is(State::Cancelling));
+        }
+    }
+
+    fn note(&mut self, notice: Notice) {
+        match notice {
+            Notice::Started { command, .. } => self.phase(command, State::Running),
+            Notice::Ended {
+                command, ending, ..
+            } => self.ended(command, ending),
+            Notice::Orphaned { command, kept } => {
+                if kept {
+                    self.phase(command, State::Ready);
+                }
+                self.unload_if_abandoned(command);
+            }
+            Notice::Braked { .. } => {}
+            Notice::Rule { rule, outcome } => self.rule_over(
+                rule,
+                match outcome {
+                    Outcome::Fired => RuleState::Fired,
+                    Outcome::Failed(_) => RuleState::Failed,
+                    Outcome::Dropped => RuleState::Dropped,
+                },
+            ),
+        }
+    }
+
+    fn phase(&mut self, id: CommandId, state: State) {
+        if let Some(record) = self.record_of(id) {
+            record.set_phase(Phase::Is(state));
+        }
+    }
+
+    fn ended(&mut self, id: CommandId, ending: Ending) {
+        let Some(record) = self.record_of(id) else {
+            return;
+        };
+        if let (rpi_core::Cause::Result(k), Some(image)) = (ending.cause, &record.image) {
+            record.status.result = results(image).get(k).map(|name| (*name).to_owned());
+        }
+        record.status.ending = Some(ending);
+        record.set_phase(Phase::Is(State::Terminated));
+        self.unload_if_abandoned(id);
+    }
+
+    fn unload_if_abandoned(&mut self, id: CommandId) {
+        let record = self.record_of(id);
+        if record.is_some_and(|r| r.unload_at_end && r.eval.is_none()) {
+            self.order(Order::Unload(id), Then::Nothing, None);
+        }
+    }
+
+    /// A command is no more.
+    pub(super) fn forget(&mut self, id: CommandId) {
+        self.places.give_back(id);
+        let Some(mut record) = self
+            .by_id
+            .remove(&id)
+            .and_then(|n| self.commands.remove(&n))
+        else {
+            return;
+        };
+        record.set_phase(Phase::Unloaded);
+        if let Some(eval) = record.eval.take() {
+            (eval.reply)(Err(Failure::Busy));
+        }
+        self.close_if_empty(record.session);
+    }
+}

@@ -1,0 +1,180 @@
+//! Rules: when this holds, stop these, cancel those, start others.
+
+use rpi_core::{CommandId, Condition, Fact, Rule, RuleId};
+
+use super::commands::results;
+use super::{Desk, Failure, Phase, Reply, RuleState, Sink, Then, Update, number_of};
+use crate::condition::{Expr, Saying};
+use crate::plant::Order;
+
+/// A rule as the desk knows it.
+pub(super) struct RuleRecord {
+    pub(super) state: RuleState,
+    pub(super) cancel: Vec<CommandId>,
+    pub(super) start: Vec<CommandId>,
+    watchers: Vec<Box<dyn Sink>>,
+}
+
+/// A rule to be made.
+pub(crate) struct Make<'a> {
+    pub(crate) when: &'a Expr,
+    pub(crate) stop: &'a [&'a str],
+    pub(crate) cancel: &'a [&'a str],
+    pub(crate) start: &'a [&'a str],
+}
+
+/// Rules that are over and still remembered, for those who ask late.
+const REMEMBERED: usize = 4096;
+
+impl Desk {
+    /// Makes a rule; the reply has its name.
+    pub(crate) fn make_rule(&mut self, make: &Make<'_>, reply: Reply) {
+        let active = self.rules.values().filter(|r| r.state == RuleState::Active);
+        if active.count() >= self.limits.rules {
+            return reply(Err(Failure::Limit("rules")));
+        }
+        match self.rule(make) {
+            Ok((rule, record)) => {
+                let id = self.places.rule();
+                self.rules.insert(id, record);
+                self.order(Order::Rule(id, Box::new(rule)), Then::Made(id), Some(reply));
+            }
+            Err(why) => reply(Err(why)),
+        }
+    }
+
+    fn rule(&self, make: &Make<'_>) -> Result<(Rule, RuleRecord), Failure> {
+        let ids = |names: &[&str]| -> Result<Vec<CommandId>, Failure> {
+            names.iter().map(|name| self.core_id(name)).collect()
+        };
+        let (stop, cancel, start) = (ids(make.stop)?, ids(make.cancel)?, ids(make.start)?);
+        // Whoever loaded a command also unloads it: what nothing can start any more stays, ready.
+        let mut rule = Rule::when(self.condition(make.when)?).keep();
+        rule = stop.into_iter().fold(rule, Rule::stop);
+        rule = cancel.iter().copied().fold(rule, Rule::cancel);
+        rule = start.iter().copied().fold(rule, Rule::start);
+        let record = RuleRecord {
+            state: RuleState::Active,
+            cancel,
+            start,
+            watchers: Vec::new(),
+        };
+        Ok((rule, record))
+    }
+
+    fn condition(&self, expr: &Expr) -> Result<Condition, Failure> {
+        Ok(match expr {
+            Expr::True => Condition::always(),
+            Expr::False => !Condition::always(),
+            Expr::Not(inner) => !self.condition(inner)?,
+            Expr::And(a, b) => self.condition(a)? & self.condition(b)?,
+            Expr::Or(a, b) => self.condition(a)? | self.condition(b)?,
+            Expr::Said(command, saying) => {
+                Condition::of(self.core_id(command)?, self.fact(command, saying)?)
+            }
+        })
+    }
+
+    fn fact(&self, command: &str, saying: &Saying) -> Result<Fact, Failure> {
+        let (_, record) = self.find(command)?;
+        let image = record.image.as_deref();
+        let place = |what: &str, key: &str, found: Option<usize>| {
+            let index = found.and_then(|k| u32::try_from(k).ok());
+            index.ok_or_else(|| Failure::Unknown(format!("{what} {key} of {command}")))
+        };
+        Ok(match saying {
+            Saying::Export(key) => {
+                let found = image.and_then(|i| i.exports.iter().position(|e| e.key == *key));
+                Fact::Export(place("export", key, found)?)
+            }
+            Saying::Result(name) => {
+                let found = image.and_then(|i| results(i).iter().position(|r| r == name));
+                Fact::Result(place("result", name, found)?)
+            }
+            Saying::Error(number) => Fact::Error(*number),
+            Saying::Ended => Fact::Ended,
+            Saying::Regular => Fact::Regular,
+            Saying::Failed => Fact::Failed,
+        })
+    }
+
+    /// Drops a rule.
+    pub(crate) fn withdraw(&mut self, name: &str, reply: Reply) {
+        match number_of(name, 'r').map(RuleId) {
+            Some(id) if self.rules.contains_key(&id) => {
+                self.order(Order::Withdraw(id), Then::Nothing, Some(reply));
+            }
+            _ => reply(Err(Failure::Unknown(format!("rule {name}")))),
+        }
+    }
+
+    /// Fails if there is no such rule.
+    pub(crate) fn find_rule(&self, name: &str) -> Result<(), Failure> {
+        let known = number_of(name, 'r').is_some_and(|n| self.rules.contains_key(&RuleId(n)));
+        known
+            .then_some(())
+            .ok_or_else(|| Failure::Unknown(format!("rule {name}")))
+    }
+
+    /// Tells somebody what has become of a rule, now and when it changes.
+    pub(crate) fn watch_rule(
+        &mut self,
+        name: &str,
+        mut sink: Box<dyn Sink>,
+    ) -> Result<(), Failure> {
+        let id = number_of(name, 'r').map(RuleId);
+        let rule = id.and_then(|id| self.rules.get_mut(&id));
+        let rule = rule.ok_or_else(|| Failure::Unknown(format!("rule {name}")))?;
+        let listens = sink.tell(&Update::Rule(rule.state));
+        if listens && rule.state == RuleState::Active {
+            rule.watchers.push(sink);
+        }
+        Ok(())
+    }
+
+    /// A rule was made: what it starts is scheduled.
+    pub(super) fn made(&mut self, id: RuleId) {
+        let start = self.rules.get(&id).map(|r| r.start.clone());
+        for command in start.into_iter().flatten() {
+            if let Some(record) = self.record_of(command)
+                && record.status.phase == Phase::Is(rpi_core::State::Ready)
+            {
+                record.set_phase(Phase::Is(rpi_core::State::Scheduled));
+            }
+        }
+    }
+
+    /// A rule is over.
+    pub(super) fn rule_over(&mut self, id: RuleId, state: RuleState) {
+        let Some(rule) = self.rules.get_mut(&id) else {
+            return;
+        };
+        rule.state = state;
+        for mut sink in std::mem::take(&mut rule.watchers) {
+            sink.tell(&Update::Rule(state));
+        }
+        let cancel = std::mem::take(&mut rule.cancel);
+        if state == RuleState::Fired {
+            cancel.into_iter().for_each(|id| self.cancelling(id));
+        }
+        self.forget_rules();
+    }
+
+    fn forget_rules(&mut self) {
+        while self.rules.len() > REMEMBERED + self.limits.rules {
+            let over = self
+                .rules
+                .iter()
+                .find(|(_, r)| r.state != RuleState::Active);
+            let Some(id) = over.map(|(id, _)| *id) else {
+                return;
+            };
+            self.rules.remove(&id);
+        }
+    }
+
+    /// A rule that was refused is not remembered.
+    pub(super) fn forget_rule(&mut self, id: RuleId) {
+        self.rules.remove(&id);
+    }
+}

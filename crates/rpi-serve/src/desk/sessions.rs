@@ -1,0 +1,156 @@
+//! Sessions: who owns which commands, and what becomes of them when the owner is gone.
+
+use rpi_core::{State, Why};
+
+use super::{Desk, Failure, Phase, Sink, Then, Update, number_of};
+use crate::limits::OnLoss;
+use crate::plant::Order;
+
+/// A session.
+pub(super) struct Session {
+    /// What its client calls itself.
+    pub(super) name: String,
+    pub(super) on_loss: OnLoss,
+    /// Its client is gone, or has closed it.
+    pub(super) closed: bool,
+    pub(super) watchers: Vec<Box<dyn Sink>>,
+}
+
+impl Desk {
+    /// Opens a session and gives its name.
+    pub(crate) fn open_session(
+        &mut self,
+        name: &str,
+        on_loss: Option<OnLoss>,
+    ) -> Result<String, Failure> {
+        if self.sessions.len() >= self.limits.sessions {
+            return Err(Failure::Limit("sessions"));
+        }
+        let number = self.number();
+        let session = Session {
+            name: name.to_owned(),
+            on_loss: on_loss.unwrap_or(self.on_loss),
+            closed: false,
+            watchers: Vec::new(),
+        };
+        self.sessions.insert(number, session);
+        Ok(format!("s{number}"))
+    }
+
+    /// The number of an open session. A session whose client was lost is taken up again by whoever knows its name.
+    pub(super) fn session(&mut self, name: &str) -> Result<u64, Failure> {
+        let found = number_of(name, 's').and_then(|n| Some((n, self.sessions.get_mut(&n)?)));
+        let (number, session) = found.ok_or_else(|| Failure::Unknown(format!("session {name}")))?;
+        session.closed = false;
+        Ok(number)
+    }
+
+    /// Names of the sessions and of those who opened them.
+    pub(crate) fn sessions(&self) -> impl Iterator<Item = (String, &str)> {
+        let sessions = self.sessions.iter();
+        sessions.map(|(number, session)| (format!("s{number}"), session.name.as_str()))
+    }
+
+    /// The client of a session is gone: what it has asked for in that case is done.
+    pub(crate) fn lose_session(&mut self, name: &str) {
+        let Some(number) = number_of(name, 's') else {
+            return;
+        };
+        if let Some(session) = self.sessions.get_mut(&number) {
+            session.closed = true;
+            let on_loss = session.on_loss;
+            self.let_go_of(number, on_loss);
+            self.close_if_empty(number);
+        }
+    }
+
+    /// Ends all commands of a session by force, and the session with them.
+    pub(crate) fn abort_session(&mut self, name: &str) -> Result<(), Failure> {
+        let number = self.session(name)?;
+        if let Some(session) = self.sessions.get_mut(&number) {
+            session.closed = true;
+        }
+        self.let_go_of(number, OnLoss::Abort);
+        self.close_if_empty(number);
+        Ok(())
+    }
+
+    /// Tells somebody whether a session is open, now and whenever that changes.
+    pub(crate) fn watch_session(
+        &mut self,
+        name: &str,
+        mut sink: Box<dyn Sink>,
+    ) -> Result<(), Failure> {
+        let number = self.session(name)?;
+        if let Some(session) = self.sessions.get_mut(&number)
+            && sink.tell(&Update::Session(true))
+        {
+            session.watchers.push(sink);
+        }
+        Ok(())
+    }
+
+    fn let_go_of(&mut self, session: u64, on_loss: OnLoss) {
+        let own = self.commands.iter().filter(|(_, r)| r.session == session);
+        let own: Vec<u64> = own.map(|(number, _)| *number).collect();
+        for number in own {
+            match on_loss {
+                OnLoss::RunOn => self.unload_at_end(number),
+                OnLoss::Cancel => self.retire(number),
+                OnLoss::Abort => {
+                    self.order_for(number, |id| Order::Abort(id, Why::ClientLost));
+                    self.retire(number);
+                }
+            }
+        }
+    }
+
+    /// Lets a command end: what runs is asked to, what waits is unloaded, and so is the rest once it has ended.
+    fn retire(&mut self, number: u64) {
+        let phase = self.commands.get(&number).map(|r| r.status.phase);
+        self.unload_at_end(number);
+        match phase {
+            Some(Phase::Is(State::Running)) => self.order_for(number, Order::Cancel),
+            Some(Phase::Is(_)) => self.order_for(number, Order::Unload),
+            _ => {}
+        }
+    }
+
+    pub(super) fn unload_at_end(&mut self, number: u64) {
+        if let Some(record) = self.commands.get_mut(&number) {
+            record.unload_at_end = true;
+        }
+        let ended = self
+            .commands
+            .get(&number)
+            .is_some_and(|r| r.status.phase == Phase::Is(State::Terminated));
+        if ended {
+            self.order_for(number, Order::Unload);
+        }
+    }
+
+    /// Sends an order for a command that is in the table, without anybody waiting for the answer.
+    pub(super) fn order_for(
+        &mut self,
+        number: u64,
+        order: impl FnOnce(rpi_core::CommandId) -> Order,
+    ) {
+        if let Some(id) = self.commands.get(&number).and_then(|r| r.id) {
+            self.order(order(id), Then::Nothing, None);
+        }
+    }
+
+    /// A session that is closed and owns nothing any more is forgotten.
+    pub(super) fn close_if_empty(&mut self, number: u64) {
+        let owns = self.commands.values().any(|r| r.session == number);
+        let closed = self.sessions.get(&number).is_some_and(|s| s.closed);
+        if closed
+            && !owns
+            && let Some(session) = self.sessions.remove(&number)
+        {
+            for mut sink in session.watchers {
+                sink.tell(&Update::Session(false));
+            }
+        }
+    }
+}

@@ -1,0 +1,280 @@
+//! One client of the DirectIO protocol: its requests, and the sessions that it has opened.
+
+use std::time::Duration;
+
+use super::message::{Arg, Message};
+use super::parse;
+use super::sink::DioSink;
+use crate::condition::{self, Expr, Saying};
+use crate::desk::{Failure, Language, Load, Make, Office, Reply, Watching};
+use crate::limits::OnLoss;
+use crate::wire::{Front, Outbox};
+
+/// The versions of the protocol that are spoken: all of this generation.
+const VERSION: &str = "2.0";
+
+/// A client.
+pub(crate) struct DioFront {
+    office: Office,
+    out: Outbox,
+    /// Those that it has opened.
+    sessions: Vec<String>,
+}
+
+/// What a request does.
+type Handler = fn(&mut DioFront, &Message) -> Result<(), Failure>;
+
+/// All requests by name.
+const REQUESTS: &[(&str, Handler)] = &[
+    ("ver", DioFront::version),
+    ("nse", DioFront::new_session),
+    ("ase", DioFront::abort_session),
+    ("nene", DioFront::new_net),
+    ("nest", |front, m| {
+        front.one_net(m, |desk, net, reply| desk.start(net, reply))
+    }),
+    ("neca", |front, m| {
+        front.one_net(m, |desk, net, reply| desk.cancel(net, reply))
+    }),
+    ("neab", |front, m| {
+        front.one_net(m, |desk, net, reply| desk.abort(net, reply))
+    }),
+    ("neun", |front, m| {
+        front.one_net(m, |desk, net, reply| desk.unload(net, reply))
+    }),
+    ("nesc", DioFront::schedule),
+    ("snc", DioFront::set_values),
+    ("gne", DioFront::watch_net),
+    ("gse", DioFront::watch_session),
+    ("gsy", DioFront::watch_rule),
+    ("gde", DioFront::watch_devices),
+];
+
+impl Front for DioFront {
+    fn hear(&mut self, text: &str) -> bool {
+        let message = match parse::parse(text) {
+            Ok(message) => message,
+            Err(why) => {
+                // Without a tag there is nobody to answer: the text up to `=` is the best guess.
+                let tag = text.split('=').next().unwrap_or_default().trim();
+                let fits = tag.len() < 32 && tag.chars().all(|c| c.is_ascii_alphanumeric());
+                let tag = if fits { tag } else { "error" };
+                let what = format!("{} was expected at sign {}", why.expected, why.at);
+                return self.err(tag, &what);
+            }
+        };
+        if message.name == "quit" {
+            self.ok(&message.tag, "");
+            return false;
+        }
+        let known = REQUESTS.iter().find(|(name, _)| *name == message.name);
+        let done = match known {
+            Some((_, handle)) => handle(self, &message),
+            None => Err(Failure::Unknown(format!("request {}", message.name))),
+        };
+        match done {
+            Ok(()) => true,
+            Err(why) => self.err(&message.tag, &why.to_string()),
+        }
+    }
+}
+
+impl Drop for DioFront {
+    fn drop(&mut self) {
+        let mut desk = self.office.desk();
+        self.sessions
+            .iter()
+            .for_each(|name| desk.lose_session(name));
+    }
+}
+
+impl DioFront {
+    pub(crate) fn new(office: Office, out: Outbox) -> DioFront {
+        DioFront {
+            office,
+            out,
+            sessions: Vec::new(),
+        }
+    }
+
+    fn ok(&self, tag: &str, result: &str) -> bool {
+        self.out.put(done(tag, Ok(result.to_owned())))
+    }
+
+    fn err(&self, tag: &str, why: &str) -> bool {
+        self.out.put(done(tag, Err(why.to_owned())))
+    }
+
+    /// Answers under a tag, whenever that is.
+    fn reply(&self, tag: &str) -> Reply {
+        let (out, tag) = (self.out.clone(), tag.to_owned());
+        Box::new(move |result| {
+            out.put(done(&tag, result.map_err(|why| why.to_string())));
+        })
+    }
+
+    fn sink(&self, tag: &str) -> Box<DioSink> {
+        Box::new(DioSink {
+            tag: tag.to_owned(),
+            out: self.out.clone(),
+        })
+    }
+
+    fn version(&mut self, message: &Message) -> Result<(), Failure> {
+        let asked = text(message, 0)?;
+        if asked.split('.').next() != VERSION.split('.').next() {
+            return Err(Failure::Bad(format!(
+                "this server speaks version {VERSION}"
+            )));
+        }
+        self.ok(&message.tag, VERSION);
+        Ok(())
+    }
+
+    fn new_session(&mut self, message: &Message) -> Result<(), Failure> {
+        let on_loss = message.args.get(1).and_then(Arg::as_text);
+        let on_loss = on_loss.and_then(OnLoss::by_name);
+        let name = self
+            .office
+            .desk()
+            .open_session(text(message, 0)?, on_loss)?;
+        self.ok(&message.tag, &name);
+        self.sessions.push(name);
+        Ok(())
+    }
+
+    fn abort_session(&mut self, message: &Message) -> Result<(), Failure> {
+        self.office.desk().abort_session(text(message, 0)?)?;
+        self.ok(&message.tag, "");
+        Ok(())
+    }
+
+    fn new_net(&mut self, message: &Message) -> Result<(), Failure> {
+        let seconds = message.args.get(3).and_then(Arg::as_number).unwrap_or(0.0);
+        let load = Load {
+            session: text(message, 1)?,
+            title: text(message, 2).unwrap_or_default(),
+            language: Language::Rpinet,
+            text: text(message, 0)?,
+            command: None,
+            // A negative or huge period saturates, and is then refused or rounded up.
+            period_ns: (seconds.min(3600.0) * 1e9) as u64,
+        };
+        self.office.desk().load(&load, self.reply(&message.tag));
+        Ok(())
+    }
+
+    fn one_net(
+        &mut self,
+        message: &Message,
+        what: impl FnOnce(&mut crate::desk::Desk, &str, Reply),
+    ) -> Result<(), Failure> {
+        let net = text(message, 0)?;
+        what(&mut self.office.desk(), net, self.reply(&message.tag));
+        Ok(())
+    }
+
+    fn schedule(&mut self, message: &Message) -> Result<(), Failure> {
+        let when = condition::parse(text(message, 0)?).map_err(Failure::Bad)?;
+        let make = Make {
+            when: &without_prefix(when),
+            stop: &texts(message, 1)?,
+            cancel: &texts(message, 2)?,
+            start: &texts(message, 3)?,
+        };
+        self.office
+            .desk()
+            .make_rule(&make, self.reply(&message.tag));
+        Ok(())
+    }
+
+    fn set_values(&mut self, message: &Message) -> Result<(), Failure> {
+        let nets = message.args.first().and_then(Arg::as_map);
+        let nets = nets.ok_or_else(|| Failure::Bad("a map of nets is needed".to_owned()))?;
+        let mut values = Vec::new();
+        for (net, keys) in nets {
+            for (key, value) in keys.as_map().unwrap_or_default() {
+                let key = key.strip_prefix("in").unwrap_or(key);
+                let value = value.as_text();
+                let bad = || Failure::Bad(format!("the value of {key} is no text"));
+                values.push((net.as_str(), key, value.ok_or_else(bad)?));
+            }
+        }
+        self.office.desk().set(&values, self.reply(&message.tag));
+        Ok(())
+    }
+
+    fn watch_net(&mut self, message: &Message) -> Result<(), Failure> {
+        let net = text(message, 0)?;
+        let seconds = message.args.get(1).and_then(Arg::as_number).unwrap_or(0.02);
+        let watching = Watching {
+            period: Duration::try_from_secs_f64(seconds).unwrap_or(Duration::from_secs(1)),
+            sink: self.sink(&message.tag),
+        };
+        let mut desk = self.office.desk();
+        desk.find(net)?;
+        // First the answer, then what it was about.
+        self.ok(&message.tag, "");
+        desk.watch(net, watching)
+    }
+
+    fn watch_session(&mut self, message: &Message) -> Result<(), Failure> {
+        let sink = self.sink(&message.tag);
+        self.office.desk().watch_session(text(message, 0)?, sink)?;
+        self.ok(&message.tag, "");
+        Ok(())
+    }
+
+    fn watch_rule(&mut self, message: &Message) -> Result<(), Failure> {
+        let rule = text(message, 0)?;
+        let mut desk = self.office.desk();
+        desk.find_rule(rule)?;
+        self.ok(&message.tag, "");
+        desk.watch_rule(rule, self.sink(&message.tag))
+    }
+
+    fn watch_devices(&mut self, message: &Message) -> Result<(), Failure> {
+        self.ok(&message.tag, "");
+        let sink = self.sink(&message.tag);
+        self.office.desk().watch_devices(sink);
+        Ok(())
+    }
+}
+
+fn done(tag: &str, result: Result<String, String>) -> String {
+    let (name, text) = match result {
+        Ok(text) => ("ok", text),
+        Err(text) => ("err", text),
+    };
+    let args = if text.is_empty() {
+        Vec::new()
+    } else {
+        vec![Arg::Text(text)]
+    };
+    Message::new(tag, name, args).to_string()
+}
+
+fn text(message: &Message, at: usize) -> Result<&str, Failure> {
+    let found = message.args.get(at).and_then(Arg::as_text);
+    found.ok_or_else(|| Failure::Bad(format!("argument {at} of {} is no text", message.name)))
+}
+
+fn texts(message: &Message, at: usize) -> Result<Vec<&str>, Failure> {
+    let found = message.args.get(at).map_or(Some(Vec::new()), Arg::as_texts);
+    found.ok_or_else(|| Failure::Bad(format!("argument {at} of {} is no list", message.name)))
+}
+
+/// Exports by their own keys.
+fn without_prefix(expr: Expr) -> Expr {
+    let inner = |expr: Box<Expr>| Box::new(without_prefix(*expr));
+    match expr {
+        Expr::Not(a) => Expr::Not(inner(a)),
+        Expr::And(a, b) => Expr::And(inner(a), inner(b)),
+        Expr::Or(a, b) => Expr::Or(inner(a), inner(b)),
+        Expr::Said(command, Saying::Export(key)) => {
+            let key = key.strip_prefix("out").unwrap_or(&key).to_owned();
+            Expr::Said(command, Saying::Export(key))
+        }
+        other => other,
+    }
+}

@@ -1,0 +1,141 @@
+//! Messages of the DirectIO protocol 2.0 as data, and their text.
+//!
+//! ```text
+//! message = tag "=" name "(" [ arg { "," arg } ] ")"
+//! arg     = string | number | "[" [ arg { "," arg } ] "]" | "{" [ key ":" arg { "," key ":" arg } ] "}"
+//! key     = identifier | string
+//! ```
+
+use std::fmt::{self, Write};
+
+/// One message: a request, its answer, or what a subscription pushes.
+#[derive(Clone, PartialEq, Debug)]
+pub struct Message {
+    /// Chosen by the client; answers and pushes carry the tag of their request.
+    pub tag: String,
+    /// What is asked or told.
+    pub name: String,
+    /// With what.
+    pub args: Vec<Arg>,
+}
+
+/// An argument.
+#[derive(Clone, PartialEq, Debug)]
+pub enum Arg {
+    /// A text.
+    Text(String),
+    /// A number.
+    Number(f64),
+    /// A list.
+    List(Vec<Arg>),
+    /// A map, in the order of the text.
+    Map(Vec<(String, Arg)>),
+}
+
+impl Message {
+    /// A message with these arguments.
+    pub fn new(tag: &str, name: &str, args: Vec<Arg>) -> Message {
+        Message {
+            tag: tag.to_owned(),
+            name: name.to_owned(),
+            args,
+        }
+    }
+}
+
+impl Arg {
+    /// A text.
+    pub fn text(text: impl Into<String>) -> Arg {
+        Arg::Text(text.into())
+    }
+
+    /// The text, if it is one.
+    pub fn as_text(&self) -> Option<&str> {
+        match self {
+            Arg::Text(text) => Some(text),
+            _ => None,
+        }
+    }
+
+    /// The number, if it is one.
+    pub fn as_number(&self) -> Option<f64> {
+        match self {
+            Arg::Number(number) => Some(*number),
+            _ => None,
+        }
+    }
+
+    /// The texts of a list of texts.
+    pub fn as_texts(&self) -> Option<Vec<&str>> {
+        match self {
+            Arg::List(list) => list.iter().map(Arg::as_text).collect(),
+            _ => None,
+        }
+    }
+
+    /// The entries, if it is a map.
+    pub fn as_map(&self) -> Option<&[(String, Arg)]> {
+        match self {
+            Arg::Map(entries) => Some(entries),
+            _ => None,
+        }
+    }
+}
+
+impl fmt::Display for Message {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{}={}(", self.tag, self.name)?;
+        separated(f, &self.args, |f, arg| arg.fmt(f))?;
+        f.write_char(')')
+    }
+}
+
+impl fmt::Display for Arg {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Arg::Text(text) => quoted(f, text),
+            Arg::Number(number) => write!(f, "{number:?}"),
+            Arg::List(list) => {
+                f.write_char('[')?;
+                separated(f, list, |f, arg| arg.fmt(f))?;
+                f.write_char(']')
+            }
+            Arg::Map(entries) => {
+                f.write_char('{')?;
+                separated(f, entries, |f, (key, arg)| {
+                    quoted(f, key)?;
+                    write!(f, ":{arg}")
+                })?;
+                f.write_char('}')
+            }
+        }
+    }
+}
+
+fn separated<T>(
+    f: &mut fmt::Formatter<'_>,
+    items: &[T],
+    mut each: impl FnMut(&mut fmt::Formatter<'_>, &T) -> fmt::Result,
+) -> fmt::Result {
+    for (number, item) in items.iter().enumerate() {
+        if number > 0 {
+            f.write_char(',')?;
+        }
+        each(f, item)?;
+    }
+    Ok(())
+}
+
+/// A text in quotes; quotes and backslashes in it are escaped, and a line break becomes a blank: the protocol has no
+/// escape for it.
+fn quoted(f: &mut fmt::Formatter<'_>, text: &str) -> fmt::Result {
+    f.write_char('"')?;
+    for sign in text.chars() {
+        match sign {
+            '"' | '\\' => write!(f, "\\{sign}")?,
+            '\n' | '\r' => f.write_char(' ')?,
+            _ => f.write_char(sign)?,
+        }
+    }
+    f.write_char('"')
+}

@@ -1,0 +1,214 @@
+//! From text to messages.
+
+use super::message::{Arg, Message};
+
+/// Lists and maps deeper than this are refused: the protocol needs three levels.
+const DEPTH: usize = 16;
+
+/// Why a text is no message.
+#[derive(Clone, PartialEq, Eq, Debug)]
+pub struct Malformed {
+    /// The byte at which it stops being one.
+    pub at: usize,
+    /// What was expected there.
+    pub expected: &'static str,
+}
+
+/// Reads a message.
+///
+/// # Errors
+/// If the text is none.
+pub fn parse(text: &str) -> Result<Message, Malformed> {
+    let mut reader = Reader { text, at: 0 };
+    let tag = reader.identifier()?;
+    reader.sign('=', "'='")?;
+    let name = reader.identifier()?;
+    reader.sign('(', "'('")?;
+    let args = reader.several(')', |reader| reader.arg(DEPTH))?;
+    reader.blanks();
+    match reader.rest().is_empty() {
+        true => Ok(Message { tag, name, args }),
+        false => Err(reader.expected("the end")),
+    }
+}
+
+struct Reader<'a> {
+    text: &'a str,
+    at: usize,
+}
+
+impl<'a> Reader<'a> {
+    fn rest(&self) -> &'a str {
+        &self.text[self.at..]
+    }
+
+    fn expected(&self, expected: &'static str) -> Malformed {
+        let at = self.at;
+        Malformed { at, expected }
+    }
+
+    fn blanks(&mut self) {
+        let rest = self.rest();
+        self.at += rest.len() - rest.trim_start().len();
+    }
+
+    fn next_is(&mut self, sign: char) -> bool {
+        self.blanks();
+        let found = self.rest().starts_with(sign);
+        self.at += if found { sign.len_utf8() } else { 0 };
+        found
+    }
+
+    fn sign(&mut self, sign: char, expected: &'static str) -> Result<(), Malformed> {
+        match self.next_is(sign) {
+            true => Ok(()),
+            false => Err(self.expected(expected)),
+        }
+    }
+
+    /// The signs up to the first that does not fit.
+    fn word(&mut self, fits: fn(char) -> bool) -> &'a str {
+        self.blanks();
+        let rest = self.rest();
+        let word = &rest[..rest.find(|c| !fits(c)).unwrap_or(rest.len())];
+        self.at += word.len();
+        word
+    }
+
+    fn identifier(&mut self) -> Result<String, Malformed> {
+        let word = self.word(|c| c.is_ascii_alphanumeric() || c == '_');
+        match word.starts_with(|c: char| !c.is_ascii_digit()) {
+            true => Ok(word.to_owned()),
+            false => Err(self.expected("a name")),
+        }
+    }
+
+    /// What stands between commas up to `end`.
+    fn several<T>(
+        &mut self,
+        end: char,
+        mut each: impl FnMut(&mut Self) -> Result<T, Malformed>,
+    ) -> Result<Vec<T>, Malformed> {
+        let mut items = Vec::new();
+        if self.next_is(end) {
+            return Ok(items);
+        }
+        loop {
+            items.push(each(self)?);
+            if self.next_is(end) {
+                return Ok(items);
+            }
+            self.sign(',', "',' or the closing bracket")?;
+        }
+    }
+
+    fn arg(&mut self, depth: usize) -> Result<Arg, Malformed> {
+        if depth == 0 {
+            return Err(self.expected("less nesting"));
+        }
+        self.blanks();
+        match self.rest().chars().next() {
+            Some('"') => self.string().map(Arg::Text),
+            Some('[') => {
+                self.at += 1;
+                self.several(']', |reader| reader.arg(depth - 1))
+                    .map(Arg::List)
+            }
+            Some('{') => {
+                self.at += 1;
+                self.several('}', |reader| reader.entry(depth - 1))
+                    .map(Arg::Map)
+            }
+            _ => self.number(),
+        }
+    }
+
+    fn entry(&mut self, depth: usize) -> Result<(String, Arg), Malformed> {
+        self.blanks();
+        let key = match self.rest().starts_with('"') {
+            true => self.string()?,
+            false => self.identifier()?,
+        };
+        self.sign(':', "':'")?;
+        Ok((key, self.arg(depth)?))
+    }
+
+    fn number(&mut self) -> Result<Arg, Malformed> {
+        let start = self.at;
+        let word = self.word(|c| c.is_ascii_alphanumeric() || "+-.".contains(c));
+        let number = word.starts_with(|c: char| "+-.".contains(c) || c.is_ascii_digit());
+        let read = word.parse().ok().filter(|_| number);
+        read.map(Arg::Number).ok_or(Malformed {
+            at: start,
+            expected: "a value",
+        })
+    }
+
+    fn string(&mut self) -> Result<String, Malformed> {
+        let start = self.at;
+        self.at += 1;
+        let mut plain = String::new();
+        loop {
+            let rest = self.rest();
+            let Some(stop) = rest.find(['"', '\\']) else {
+                self.at = start;
+                return Err(self.expected("a text that ends"));
+            };
+            plain.push_str(&rest[..stop]);
+            self.at += stop + 1;
+            if rest.as_bytes()[stop] == b'"' {
+                return Ok(plain);
+            }
+            let escaped = self.rest().chars().next();
+            plain.extend(escaped);
+            self.at += escaped.map_or(0, char::len_utf8);
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn back(text: &str) -> String {
+        parse(text).map_or_else(|e| format!("{} at {}", e.expected, e.at), |m| m.to_string())
+    }
+
+    #[test]
+    fn what_is_read_is_written_the_same() {
+        for text in [
+            r#"c0=ver("2.0")"#,
+            "c1=quit()",
+            r#"c2=nesc("t",[],["n1","n2"],["n3"])"#,
+            r#"c3=snc({"n1":{"inspeed":"0.5"}})"#,
+            r#"c4=nene("{a=Core::BooleanValue(Value='true')}","s1","say \"a\\b\"",0.05,0.0)"#,
+        ] {
+            assert_eq!(back(text), text);
+        }
+    }
+
+    #[test]
+    fn blanks_bare_keys_and_integers_are_understood() {
+        assert_eq!(back(r#" c5 = gne ( "n1" , 1 ) "#), r#"c5=gne("n1",1.0)"#);
+        assert_eq!(back(r#"c6=snc({n1:{}})"#), r#"c6=snc({"n1":{}})"#);
+    }
+
+    #[test]
+    fn what_is_no_message_is_told_with_its_place() {
+        assert_eq!(back(""), "a name at 0");
+        assert_eq!(back("c1=ver(\"2.0"), "a text that ends at 7");
+        assert_eq!(back("c1=ver(x)"), "a value at 7");
+        assert_eq!(back("c1=ver()x"), "the end at 8");
+        assert_eq!(back("c1=ver(1 2)"), "',' or the closing bracket at 9");
+        let deep = format!("c1=a({})", "[".repeat(100_000));
+        assert!(back(&deep).starts_with("less nesting"));
+    }
+
+    #[test]
+    fn every_prefix_of_a_message_is_refused() {
+        let text = r#"c4=snc({"n1":{"in":"0.5"}},[1.5,"a\"b"])"#;
+        for end in 0..text.len() {
+            assert!(parse(&text[..end]).is_err(), "{}", &text[..end]);
+        }
+    }
+}

@@ -1,0 +1,83 @@
+//! What subscriptions push.
+
+use rpi_core::State;
+
+use super::message::{Arg, Message};
+use crate::desk::{DeviceInfo, Phase, RuleState, Sink, Update};
+use crate::wire::Outbox;
+
+/// Pushes under the tag of a subscription.
+pub(super) struct DioSink {
+    pub(super) tag: String,
+    pub(super) out: Outbox,
+}
+
+impl Sink for DioSink {
+    fn tell(&mut self, update: &Update<'_>) -> bool {
+        match update {
+            Update::Command(status) => self.push("ns", Arg::text(phase(status.phase))),
+            Update::Values(values) => {
+                let entry =
+                    |(key, value): &(String, String)| (format!("out{key}"), Arg::text(value));
+                self.push("nc", Arg::Map(values.iter().map(entry).collect()))
+            }
+            Update::Rule(state) => self.push("rs", Arg::text(rule(*state))),
+            Update::Session(open) => {
+                let state = if *open { "ACTIVE" } else { "TERMINATED" };
+                self.push("st", Arg::text(state))
+            }
+            Update::DeviceAdded(info) => {
+                let status = Arg::Map(vec![(info.name.clone(), Arg::text("op"))]);
+                self.push("da", device(info)) && self.push("ds", status)
+            }
+            Update::DeviceRemoved(name) => {
+                let status = Arg::Map(vec![((*name).to_owned(), Arg::text("off"))]);
+                self.push("ds", status) && self.push("dr", Arg::List(vec![Arg::text(*name)]))
+            }
+        }
+    }
+}
+
+impl DioSink {
+    fn push(&self, name: &str, arg: Arg) -> bool {
+        self.out
+            .put(Message::new(&self.tag, name, vec![arg]).to_string())
+    }
+}
+
+/// The protocol's words for where a command is in its life.
+fn phase(phase: Phase) -> &'static str {
+    match phase {
+        Phase::Is(State::Loading) => "LOADING",
+        Phase::Is(State::Rejected) => "REJECTED",
+        Phase::Is(State::Ready) => "READY",
+        Phase::Is(State::Scheduled) => "SCHEDULED",
+        Phase::Is(State::Running) => "RUNNING",
+        Phase::Is(State::Cancelling) => "CANCELLING",
+        Phase::Is(State::Terminated) => "TERMINATED",
+        Phase::Unloaded => "UNLOADED",
+    }
+}
+
+fn rule(state: RuleState) -> &'static str {
+    match state {
+        RuleState::Active => "ACTIVE",
+        RuleState::Fired => "FIRED",
+        RuleState::Failed => "FIREFAILED",
+        RuleState::Dropped => "INACTIVE",
+    }
+}
+
+fn device(info: &DeviceInfo) -> Arg {
+    let parameters = |parameters: &[(String, String)]| {
+        let entry = |(key, value): &(String, String)| (key.clone(), Arg::text(value));
+        Arg::Map(parameters.iter().map(entry).collect())
+    };
+    let interfaces = info.interfaces.iter();
+    let interfaces = interfaces.map(|(name, own)| ((*name).to_owned(), parameters(own)));
+    let about = vec![
+        ("type".to_owned(), Arg::text(&info.kind)),
+        ("interfaces".to_owned(), Arg::Map(interfaces.collect())),
+    ];
+    Arg::Map(vec![(info.name.clone(), Arg::Map(about))])
+}

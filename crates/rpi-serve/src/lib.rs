@@ -1,0 +1,25 @@
+//! The control core as a server: commands are loaded, started, scheduled and watched from outside while others run.
+//!
+//! ```text
+//! clients --- wire (HTTP, websocket, lines) --- dio | rpc | web --- desk ==bounded queues== plant (cycle, devices)
+//! ```
+//! - `plant` is the real-time side: the core and the devices on one thread that nobody else ever holds up.
+//! - `desk` keeps the books beside it: sessions, commands, rules, devices, who is told what. Loading has a thread of its own.
+//! - `dio` speaks the DirectIO protocol of the reference system, `rpc` JSON-RPC 2.0, `web` the pages of both.
+//! - `wire` moves bytes and decides who may come in.
+//!
+//! This crate must not know what a primitive computes or how a net is compiled; it asks `rpi-driver` and `rpi-core`.
+
+mod condition;
+mod desk;
+mod dio;
+mod limits;
+mod plant;
+mod rpc;
+mod server;
+mod web;
+mod wire;
+
+pub use limits::{Limits, OnLoss};
+pub use plant::Pace;
+pub use server::{CannotOpen, Server, Settings};

@@ -1,0 +1,75 @@
+//! How much a client may ask for, and what becomes of its commands once it is gone.
+
+use std::time::Duration;
+
+/// What the server grants; beyond it requests are refused and connections closed, never the cycle slowed down.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub struct Limits {
+    /// Connections at a time.
+    pub connections: usize,
+    /// Sessions at a time.
+    pub sessions: usize,
+    /// Commands in the table, of all sessions.
+    pub commands: usize,
+    /// Commands of one session.
+    pub session_commands: usize,
+    /// Rules at a time, of all sessions.
+    pub rules: usize,
+    /// Devices at a time, those of the cell included.
+    pub devices: usize,
+    /// Bytes of one message.
+    pub message: usize,
+    /// Bytes of memory that the loaded commands of one session may take.
+    pub session_memory: usize,
+    /// Messages that may wait for a client that does not read them.
+    pub outbox: usize,
+    /// Loads that may wait for their turn.
+    pub loads: usize,
+    /// How long a client may take from the first byte of a request head to its last.
+    pub patience: Duration,
+}
+
+impl Default for Limits {
+    fn default() -> Limits {
+        Limits {
+            connections: 64,
+            sessions: 32,
+            commands: 256,
+            session_commands: 128,
+            rules: 1024,
+            devices: 64,
+            message: 16 << 20,
+            session_memory: 256 << 20,
+            outbox: 4096,
+            loads: 64,
+            patience: Duration::from_secs(5),
+        }
+    }
+}
+
+/// What becomes of the commands of a session whose client is gone.
+#[derive(Clone, Copy, PartialEq, Eq, Default, Debug)]
+pub enum OnLoss {
+    /// They run on; another client may look after them.
+    RunOn,
+    /// They are asked to end, on path; what waits is unloaded.
+    #[default]
+    Cancel,
+    /// They end at once, and their devices stop on their own limits.
+    Abort,
+}
+
+impl OnLoss {
+    /// All policies by name.
+    pub const ALL: [(&'static str, OnLoss); 3] = [
+        ("run-on", OnLoss::RunOn),
+        ("cancel", OnLoss::Cancel),
+        ("abort", OnLoss::Abort),
+    ];
+
+    /// The policy of this name.
+    pub fn by_name(name: &str) -> Option<OnLoss> {
+        let found = Self::ALL.iter().find(|(known, _)| *known == name);
+        found.map(|(_, policy)| *policy)
+    }
+}

@@ -1,0 +1,293 @@
+//! The methods of the native interface.
+
+use std::collections::BTreeMap;
+use std::time::Duration;
+
+use serde_json::{Value, json};
+
+use super::front::{Answer, Call, RpcFront};
+use super::sink::{self, RpcSink};
+use crate::condition::{self, Expr, Saying};
+use crate::desk::{Desk, Failure, Language, Load, Make, NewDevice, Record, Reply, Watching};
+use crate::limits::OnLoss;
+
+type Method = fn(&mut RpcFront, &Call<'_>) -> Answer;
+
+/// All methods by name.
+pub(super) const METHODS: &[(&str, Method)] = &[
+    ("session.open", open_session),
+    ("session.close", close_session),
+    ("command.load", load),
+    ("command.start", |front, call| one(front, call, Desk::start)),
+    ("command.cancel", |front, call| {
+        one(front, call, Desk::cancel)
+    }),
+    ("command.abort", |front, call| one(front, call, Desk::abort)),
+    ("command.unload", |front, call| {
+        one(front, call, Desk::unload)
+    }),
+    ("command.set", set),
+    ("command.describe", describe),
+    ("command.schedule", schedule),
+    ("rule.make", make_rule),
+    ("rule.withdraw", withdraw),
+    ("watch.command", watch_command),
+    ("watch.rule", watch_rule),
+    ("watch.session", watch_session),
+    ("watch.devices", watch_devices),
+    ("device.list", list_devices),
+    ("device.add", add_device),
+    ("device.remove", remove_device),
+    ("commands", list_commands),
+];
+
+fn open_session(front: &mut RpcFront, call: &Call<'_>) -> Answer {
+    let on_loss = match call.params.get("on_loss").and_then(Value::as_str) {
+        None => None,
+        Some(name) => Some(OnLoss::by_name(name).ok_or_else(|| bad("on_loss"))?),
+    };
+    let name = call.params.get("name").and_then(Value::as_str);
+    let session = front
+        .office
+        .desk()
+        .open_session(name.unwrap_or_default(), on_loss)?;
+    front.sessions.push(session.clone());
+    Ok(Some(json!({"session": session})))
+}
+
+fn close_session(front: &mut RpcFront, call: &Call<'_>) -> Answer {
+    front.office.desk().abort_session(call.text("session")?)?;
+    Ok(Some(json!({})))
+}
+
+fn load(front: &mut RpcFront, call: &Call<'_>) -> Answer {
+    let language = match call.params.get("language").and_then(Value::as_str) {
+        None | Some("rpi") => Language::Rpi,
+        Some("rpinet") => Language::Rpinet,
+        Some(_) => return Err(bad("language")),
+    };
+    let period = call.params.get("period").and_then(Value::as_f64);
+    let load = Load {
+        session: call.text("session")?,
+        title: call.text("title").unwrap_or_default(),
+        language,
+        text: call.text("text")?,
+        command: call.params.get("command").and_then(Value::as_str),
+        period_ns: (period.unwrap_or(0.0).min(3600.0) * 1e9) as u64,
+    };
+    let reply = call.later(|name| json!({"command": name}));
+    front.office.desk().load(&load, reply);
+    Ok(None)
+}
+
+fn one(front: &mut RpcFront, call: &Call<'_>, what: fn(&mut Desk, &str, Reply)) -> Answer {
+    let reply = call.later(|_| json!({}));
+    what(&mut front.office.desk(), call.text("command")?, reply);
+    Ok(None)
+}
+
+fn set(front: &mut RpcFront, call: &Call<'_>) -> Answer {
+    let command = call.text("command")?;
+    let values = call.params.get("values").and_then(Value::as_object);
+    let values = values.ok_or_else(|| bad("values"))?;
+    let texts = values
+        .iter()
+        .map(|(key, value)| (key.as_str(), literal(value)));
+    let texts: Vec<(&str, String)> = texts.collect();
+    let values = texts
+        .iter()
+        .map(|(key, text)| (command, *key, text.as_str()));
+    let values: Vec<_> = values.collect();
+    front.office.desk().set(&values, call.later(|_| json!({})));
+    Ok(None)
+}
+
+/// The text of a value: texts are taken as they are, numbers and Booleans as JSON writes them.
+fn literal(value: &Value) -> String {
+    value
+        .as_str()
+        .map_or_else(|| value.to_string(), str::to_owned)
+}
+
+fn describe(front: &mut RpcFront, call: &Call<'_>) -> Answer {
+    let desk = front.office.desk();
+    let (_, record) = desk.find(call.text("command")?)?;
+    Ok(Some(description(record)))
+}
+
+fn description(record: &Record) -> Value {
+    let mut told = sink::status(&record.status);
+    told["title"] = json!(record.title);
+    told["cycles"] = json!(record.cycles());
+    told["period"] = json!(record.period_ns() as f64 * 1e-9);
+    told["values"] = sink::values(&record.values());
+    if let Some(image) = &record.image {
+        let port = |key: &str, ty: rpi_image::Type| json!({"key": key, "type": ty.to_string()});
+        let inputs = image.inputs.iter().map(|i| port(&i.key, i.value.ty));
+        told["inputs"] = inputs.collect();
+        let exports = image.exports.iter().map(|e| port(&e.key, e.value.ty));
+        told["exports"] = exports.collect();
+        told["results"] = json!(crate::desk::results(image));
+    }
+    told
+}
+
+/// `command` follows `after`, for all of its regular results or for some.
+fn schedule(front: &mut RpcFront, call: &Call<'_>) -> Answer {
+    let after = call.text("after")?;
+    let said = |saying| Expr::Said(after.to_owned(), saying);
+    let results = call.texts("results")?;
+    let regular = said(Saying::Regular);
+    let results = results
+        .iter()
+        .map(|r| said(Saying::Result((*r).to_owned())));
+    let when = match results.reduce(|a, b| Expr::Or(a.into(), b.into())) {
+        Some(any) => Expr::And(regular.into(), any.into()),
+        None => regular,
+    };
+    let make = Make {
+        when: &when,
+        stop: &[],
+        cancel: &[],
+        start: &[call.text("command")?],
+    };
+    front
+        .office
+        .desk()
+        .make_rule(&make, call.later(|name| json!({"rule": name})));
+    Ok(None)
+}
+
+fn make_rule(front: &mut RpcFront, call: &Call<'_>) -> Answer {
+    let when = condition::parse(call.text("when")?).map_err(Failure::Bad)?;
+    let make = Make {
+        when: &when,
+        stop: &call.texts("stop")?,
+        cancel: &call.texts("cancel")?,
+        start: &call.texts("start")?,
+    };
+    front
+        .office
+        .desk()
+        .make_rule(&make, call.later(|name| json!({"rule": name})));
+    Ok(None)
+}
+
+fn withdraw(front: &mut RpcFront, call: &Call<'_>) -> Answer {
+    let reply = call.later(|_| json!({}));
+    front.office.desk().withdraw(call.text("rule")?, reply);
+    Ok(None)
+}
+
+fn watch_command(front: &mut RpcFront, call: &Call<'_>) -> Answer {
+    let name = call.text("command")?;
+    let seconds = call
+        .params
+        .get("period")
+        .and_then(Value::as_f64)
+        .unwrap_or(0.02);
+    let watching = Watching {
+        period: Duration::try_from_secs_f64(seconds).map_err(|_| bad("period"))?,
+        sink: front.sink("command", name),
+    };
+    let mut desk = front.office.desk();
+    desk.find(name)?;
+    call.answer(json!({}));
+    desk.watch(name, watching)?;
+    Ok(None)
+}
+
+fn watch_rule(front: &mut RpcFront, call: &Call<'_>) -> Answer {
+    let name = call.text("rule")?;
+    let mut desk = front.office.desk();
+    desk.find_rule(name)?;
+    call.answer(json!({}));
+    desk.watch_rule(name, front.sink("rule", name))?;
+    Ok(None)
+}
+
+fn watch_session(front: &mut RpcFront, call: &Call<'_>) -> Answer {
+    let name = call.text("session")?;
+    let sink = front.sink("session", name);
+    front.office.desk().watch_session(name, sink)?;
+    Ok(Some(json!({})))
+}
+
+fn watch_devices(front: &mut RpcFront, call: &Call<'_>) -> Answer {
+    call.answer(json!({}));
+    let (about, out) = (None, front.out.clone());
+    front
+        .office
+        .desk()
+        .watch_devices(Box::new(RpcSink { about, out }));
+    Ok(None)
+}
+
+fn list_devices(front: &mut RpcFront, _: &Call<'_>) -> Answer {
+    let desk = front.office.desk();
+    let devices: Value = desk.devices().map(sink::device).collect();
+    Ok(Some(json!({"devices": devices})))
+}
+
+fn add_device(front: &mut RpcFront, call: &Call<'_>) -> Answer {
+    let parameters = call.params.get("parameters").and_then(Value::as_object);
+    let parameters = parameters.into_iter().flatten();
+    let parameters: BTreeMap<String, String> = parameters
+        .map(|(key, value)| (key.clone(), literal(value)))
+        .collect();
+    let new = NewDevice {
+        name: call.text("name")?,
+        kind: call.text("type")?,
+        parameters: &parameters,
+    };
+    let reply = call.later(|name| json!({"device": name}));
+    front.office.desk().add_device(&new, reply);
+    Ok(None)
+}
+
+fn remove_device(front: &mut RpcFront, call: &Call<'_>) -> Answer {
+    let reply = call.later(|_| json!({}));
+    front.office.desk().remove_device(call.text("name")?, reply);
+    Ok(None)
+}
+
+fn list_commands(front: &mut RpcFront, _: &Call<'_>) -> Answer {
+    let desk = front.office.desk();
+    let told = desk.commands().map(|(name, record)| {
+        let mut told = sink::status(&record.status);
+        told["command"] = json!(name);
+        told["title"] = json!(record.title);
+        told
+    });
+    Ok(Some(json!({"commands": told.collect::<Value>()})))
+}
+
+impl RpcFront {
+    fn sink(&self, kind: &'static str, name: &str) -> Box<RpcSink> {
+        Box::new(RpcSink {
+            about: Some((kind, name.to_owned())),
+            out: self.out.clone(),
+        })
+    }
+}
+
+impl<'a> Call<'a> {
+    fn text(&self, key: &str) -> Result<&'a str, Failure> {
+        let found = self.params.get(key).and_then(Value::as_str);
+        found.ok_or_else(|| bad(key))
+    }
+
+    /// A list of texts; without one, none.
+    fn texts(&self, key: &str) -> Result<Vec<&'a str>, Failure> {
+        let Some(list) = self.params.get(key) else {
+            return Ok(Vec::new());
+        };
+        let list = list.as_array().ok_or_else(|| bad(key))?;
+        let texts: Option<Vec<&str>> = list.iter().map(Value::as_str).collect();
+        texts.ok_or_else(|| bad(key))
+    }
+}
+
+fn bad(key: &str) -> Failure {
+    Failure::Bad(format!("parameter {key} is missing or of the wrong kind"))
+}

@@ -1,0 +1,7 @@
+//! The native interface: JSON-RPC 2.0 over the websocket `/rpc` or, in lines, over a Unix socket.
+
+mod front;
+mod methods;
+mod sink;
+
+pub(crate) use front::RpcFront;

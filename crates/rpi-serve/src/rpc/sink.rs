@@ -1,0 +1,91 @@
+//! What subscriptions push: the notification `update` with what it is about and what has changed.
+
+use rpi_core::State;
+use serde_json::{Map, Value, json};
+
+use crate::desk::{DeviceInfo, Phase, RuleState, Sink, Status, Update, cause};
+use crate::wire::Outbox;
+
+/// Pushes updates about one thing.
+pub(super) struct RpcSink {
+    /// `command`, `rule` or `session`, and its name; nothing for devices.
+    pub(super) about: Option<(&'static str, String)>,
+    pub(super) out: Outbox,
+}
+
+impl Sink for RpcSink {
+    fn tell(&mut self, update: &Update<'_>) -> bool {
+        let mut params = match update {
+            Update::Command(status) => self::status(status),
+            Update::Values(values) => json!({"values": self::values(values)}),
+            Update::Rule(state) => json!({"state": rule(*state)}),
+            Update::Session(open) => json!({"open": open}),
+            Update::DeviceAdded(info) => json!({"device": info.name, "added": device(info)}),
+            Update::DeviceRemoved(name) => json!({"device": name, "removed": true}),
+        };
+        if let Some((kind, name)) = &self.about {
+            params[*kind] = json!(name);
+        }
+        let update = json!({"jsonrpc": "2.0", "method": "update", "params": params});
+        self.out.put(update.to_string())
+    }
+}
+
+/// Exported values, as texts that keep every bit.
+pub(super) fn values(values: &[(String, String)]) -> Value {
+    let entries = values
+        .iter()
+        .map(|(key, value)| (key.clone(), json!(value)));
+    Value::Object(entries.collect::<Map<_, _>>())
+}
+
+/// Where a command is in its life and how it has ended.
+pub(super) fn status(status: &Status) -> Value {
+    let mut told = json!({"state": phase(status.phase)});
+    if let Some(ending) = &status.ending {
+        told["ending"] = json!({
+            "cause": cause(ending),
+            "result": status.result,
+            "error": ending.error,
+            "cycles": ending.cycles,
+            "cancelled": ending.cancelled,
+            "left_moving": ending.left_moving,
+        });
+    }
+    told
+}
+
+fn phase(phase: Phase) -> &'static str {
+    match phase {
+        Phase::Is(State::Loading) => "loading",
+        Phase::Is(State::Rejected) => "rejected",
+        Phase::Is(State::Ready) => "ready",
+        Phase::Is(State::Scheduled) => "scheduled",
+        Phase::Is(State::Running) => "running",
+        Phase::Is(State::Cancelling) => "cancelling",
+        Phase::Is(State::Terminated) => "terminated",
+        Phase::Unloaded => "unloaded",
+    }
+}
+
+fn rule(state: RuleState) -> &'static str {
+    match state {
+        RuleState::Active => "active",
+        RuleState::Fired => "fired",
+        RuleState::Failed => "failed",
+        RuleState::Dropped => "dropped",
+    }
+}
+
+/// A device.
+pub(super) fn device(info: &DeviceInfo) -> Value {
+    let interfaces = info.interfaces.iter().map(|(name, own)| {
+        let parameters = own.iter().map(|(key, value)| (key.clone(), json!(value)));
+        ((*name).to_owned(), Value::Object(parameters.collect()))
+    });
+    json!({
+        "name": info.name,
+        "type": info.kind,
+        "interfaces": Value::Object(interfaces.collect()),
+    })
+}

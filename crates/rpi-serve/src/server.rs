@@ -1,0 +1,203 @@
+//! The server as a whole: opened, running, closed.
+
+use std::fmt;
+use std::io;
+use std::net::{IpAddr, SocketAddr, TcpListener};
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
+use std::thread::{self, JoinHandle};
+use std::time::Duration;
+
+use rpi_core::Watch;
+use rpi_sim::Cell;
+
+use crate::desk::{Office, bank};
+use crate::limits::{Limits, OnLoss};
+use crate::plant::{Clock, Cycle, Pace, links};
+use crate::wire::{Guard, Reception};
+
+/// How often the desk looks what the cycle tells.
+const KEEP: Duration = Duration::from_millis(1);
+
+/// What a server is to be like.
+#[derive(Clone, Debug)]
+pub struct Settings {
+    /// Where it listens. Beyond loopback it wants a token.
+    pub listen: SocketAddr,
+    /// A Unix socket at which it listens too: JSON-RPC in lines.
+    pub socket: Option<PathBuf>,
+    /// What clients must show.
+    pub token: Option<String>,
+    /// Length of a tick, nanoseconds; periods are whole multiples of it.
+    pub tick_ns: u64,
+    /// What the ticks follow.
+    pub pace: Pace,
+    /// What becomes of a session's commands when its client is gone, where the client does not say.
+    pub on_loss: OnLoss,
+    /// How much clients may ask for.
+    pub limits: Limits,
+}
+
+impl Default for Settings {
+    fn default() -> Settings {
+        Settings {
+            listen: SocketAddr::new(IpAddr::from([127, 0, 0, 1]), 8080),
+            socket: None,
+            token: None,
+            tick_ns: 1_000_000,
+            pace: Pace::Real,
+            on_loss: OnLoss::default(),
+            limits: Limits::default(),
+        }
+    }
+}
+
+/// Why a server does not open.
+#[derive(Debug)]
+pub enum CannotOpen {
+    /// It would be open to everybody beyond this machine.
+    Unguarded(SocketAddr),
+    /// The system does not give what it needs.
+    System(io::Error),
+}
+
+impl fmt::Display for CannotOpen {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            CannotOpen::Unguarded(at) => write!(
+                f,
+                "{at} can be reached from other machines: a token is needed"
+            ),
+            CannotOpen::System(why) => why.fmt(f),
+        }
+    }
+}
+
+impl std::error::Error for CannotOpen {}
+
+impl From<io::Error> for CannotOpen {
+    fn from(why: io::Error) -> CannotOpen {
+        CannotOpen::System(why)
+    }
+}
+
+/// A running server. Dropping it closes it: commands are no longer run, and devices stand still.
+#[derive(Debug)]
+pub struct Server {
+    address: SocketAddr,
+    socket: Option<PathBuf>,
+    closing: Arc<AtomicBool>,
+    threads: Vec<JoinHandle<()>>,
+}
+
+impl Server {
+    /// Opens a server for the devices of a cell. `watch` looks at every command after each of its cycles, on the cycle's
+    /// thread: `()` for nobody.
+    ///
+    /// # Errors
+    /// If it may not listen where it should, or the system does not let it.
+    pub fn open(
+        cell: &Cell,
+        settings: &Settings,
+        watch: impl Watch + Send + 'static,
+    ) -> Result<Server, CannotOpen> {
+        if settings.token.is_none() && !settings.listen.ip().is_loopback() {
+            return Err(CannotOpen::Unguarded(settings.listen));
+        }
+        let listener = TcpListener::bind(settings.listen)?;
+        listener.set_nonblocking(true)?;
+        let address = listener.local_addr()?;
+        let mut server = Server {
+            address,
+            socket: settings.socket.clone(),
+            closing: Arc::default(),
+            threads: Vec::new(),
+        };
+        let office = server.start_cycle(cell, settings, Box::new(watch))?;
+        let reception = Reception {
+            office,
+            limits: settings.limits,
+            guard: Guard {
+                token: settings.token.clone(),
+            },
+            closing: Arc::clone(&server.closing),
+            connections: Arc::new(AtomicUsize::new(0)),
+        };
+        if let Some(path) = &settings.socket {
+            server.listen_at(path, reception.clone())?;
+        }
+        server.spawn("rpi-listen", move || reception.take_all(&listener))?;
+        Ok(server)
+    }
+
+    fn start_cycle(
+        &mut self,
+        cell: &Cell,
+        settings: &Settings,
+        watch: Box<dyn Watch + Send>,
+    ) -> io::Result<Office> {
+        let (cycle_ends, desk_ends) = links();
+        let (limits, tick_ns) = (settings.limits, settings.tick_ns.max(1));
+        let office = Office::open(cell, desk_ends, limits, settings.on_loss, tick_ns)?;
+        let clock = Clock::start(settings.pace, tick_ns);
+        let devices = bank(cell, limits.devices, tick_ns);
+        let mut cycle = Cycle::new(limits.commands, devices, clock, cycle_ends, watch);
+        let closing = Arc::clone(&self.closing);
+        self.spawn("rpi-cycle", move || {
+            while !closing.load(Ordering::Relaxed) {
+                cycle.tick();
+            }
+        })?;
+        let (closing, keeper) = (Arc::clone(&self.closing), office.clone());
+        self.spawn("rpi-desk", move || {
+            while !closing.load(Ordering::Relaxed) {
+                keeper.desk().keep();
+                thread::sleep(KEEP);
+            }
+        })?;
+        Ok(office)
+    }
+
+    #[cfg(unix)]
+    fn listen_at(&mut self, path: &Path, reception: Reception) -> io::Result<()> {
+        use std::os::unix::net::UnixListener;
+        let listener = UnixListener::bind(path)?;
+        listener.set_nonblocking(true)?;
+        self.spawn("rpi-listen", move || reception.take_all_local(&listener))
+    }
+
+    #[cfg(not(unix))]
+    fn listen_at(&mut self, _: &Path, _: Reception) -> io::Result<()> {
+        Err(io::ErrorKind::Unsupported.into())
+    }
+
+    fn spawn(&mut self, name: &str, work: impl FnOnce() + Send + 'static) -> io::Result<()> {
+        let thread = thread::Builder::new().name(name.into()).spawn(work)?;
+        self.threads.push(thread);
+        Ok(())
+    }
+
+    /// Where it listens.
+    #[must_use]
+    pub fn address(&self) -> SocketAddr {
+        self.address
+    }
+
+    /// Waits until it is closed, which only a fault does from inside.
+    pub fn wait(&mut self) {
+        self.threads.drain(..).for_each(|thread| {
+            let _ = thread.join();
+        });
+    }
+}
+
+impl Drop for Server {
+    fn drop(&mut self) {
+        self.closing.store(true, Ordering::Relaxed);
+        self.wait();
+        if let Some(path) = &self.socket {
+            let _ = std::fs::remove_file(path);
+        }
+    }
+}

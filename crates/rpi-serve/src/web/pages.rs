@@ -1,0 +1,151 @@
+//! What the server tells about itself: modules, types, devices, sessions, nets.
+
+use rpi_image::{PortType, PrimDesc, Scalar};
+use rpi_prims::registry;
+
+use super::response::Response;
+use super::xml::Xml;
+use crate::desk::{Failure, Office};
+
+/// The pages, for who asks for none of them.
+const INDEX: &str = "RPI control core\n\n\
+    /modules   the primitives, with ports and parameters\n\
+    /types     the types of values\n\
+    /devices   the devices; POST makes and removes simulated ones\n\
+    /sessions  who is there\n\
+    /nets      the commands; /nets/<name>/dio for the text of one\n\
+    /eval      POST: one cycle of a net\n\
+    /DirectIO  websocket: the DirectIO protocol 2.0\n\
+    /rpc       websocket: JSON-RPC 2.0\n";
+
+/// Answers a request for a page.
+pub(crate) fn page(office: &Office, parts: &[&str]) -> Response {
+    match parts {
+        [] => Response::text(INDEX.to_owned()),
+        ["modules"] => Response::xml(modules()),
+        ["types"] => Response::xml(types()),
+        ["devices"] => Response::xml(devices(office)),
+        ["sessions"] => Response::xml(sessions(office)),
+        ["nets"] => Response::xml(nets(office)),
+        ["nets", name, "dio"] => found(text(office, name), Response::text),
+        ["nets", name, "stats"] => found(stats(office, name), Response::xml),
+        _ => Response::refused(404, "there is no such page"),
+    }
+}
+
+fn found(page: Result<String, Failure>, kind: fn(String) -> Response) -> Response {
+    match page {
+        Ok(body) => kind(body),
+        Err(why) => Response::refused(404, &why.to_string()),
+    }
+}
+
+fn modules() -> String {
+    let mut xml = Xml::new("modules");
+    for prim in registry() {
+        module(&mut xml, &prim.desc);
+    }
+    xml.finish()
+}
+
+fn module(xml: &mut Xml, desc: &PrimDesc) {
+    xml.begin("module", &[("name", desc.name)]);
+    xml.leaf("description", &[], desc.doc.trim());
+    for port in desc.inputs {
+        let ty = type_name(port.ty);
+        xml.leaf("inport", &[("name", port.name), ("type", &ty)], "");
+    }
+    for port in desc.outputs {
+        let ty = type_name(port.ty);
+        xml.leaf("outport", &[("name", port.name), ("type", &ty)], "");
+    }
+    for param in desc.params {
+        xml.leaf("parameter", &[("name", param.name)], "");
+    }
+    xml.end();
+}
+
+/// The protocol's name of a scalar type.
+fn scalar_name(scalar: Scalar) -> &'static str {
+    match scalar {
+        Scalar::Bool => "Core::bool",
+        Scalar::Int => "Core::int",
+        Scalar::Real => "Core::double",
+        Scalar::Time => "Core::nsecs",
+        Scalar::Vector => "World::Vector",
+        Scalar::Rotation => "World::Rotation",
+        Scalar::Pose => "World::Frame",
+        Scalar::Twist => "World::Twist",
+        Scalar::Wrench => "World::Wrench",
+    }
+}
+
+fn type_name(ty: PortType) -> String {
+    match ty {
+        PortType::One(scalar) => scalar_name(scalar).to_owned(),
+        PortType::Array(scalar) => format!("{}Array", scalar_name(scalar)),
+        PortType::Matrix => "Core::matrix".to_owned(),
+    }
+}
+
+fn types() -> String {
+    let mut xml = Xml::new("types");
+    for scalar in Scalar::ALL {
+        xml.leaf("type", &[("name", scalar_name(scalar))], "");
+    }
+    xml.finish()
+}
+
+fn devices(office: &Office) -> String {
+    let mut xml = Xml::new("devices");
+    for info in office.desk().devices() {
+        xml.begin("device", &[("name", &info.name), ("type", &info.kind)]);
+        for (interface, parameters) in &info.interfaces {
+            xml.begin("interface", &[("name", interface)]);
+            for (key, value) in parameters {
+                xml.leaf("parameter", &[("name", key), ("value", value)], "");
+            }
+            xml.end();
+        }
+        xml.end();
+    }
+    xml.finish()
+}
+
+fn sessions(office: &Office) -> String {
+    let mut xml = Xml::new("sessions");
+    for (name, owner) in office.desk().sessions() {
+        xml.leaf("session", &[("name", &name), ("description", owner)], "");
+    }
+    xml.finish()
+}
+
+fn nets(office: &Office) -> String {
+    let mut xml = Xml::new("nets");
+    for (name, record) in office.desk().commands() {
+        let state = format!("{:?}", record.status.phase);
+        let about = [
+            ("name", name.as_str()),
+            ("description", &record.title),
+            ("state", &state),
+        ];
+        xml.leaf("net", &about, "");
+    }
+    xml.finish()
+}
+
+fn text(office: &Office, name: &str) -> Result<String, Failure> {
+    let desk = office.desk();
+    let (_, record) = desk.find(name)?;
+    Ok(record.text.to_string())
+}
+
+fn stats(office: &Office, name: &str) -> Result<String, Failure> {
+    let desk = office.desk();
+    let (_, record) = desk.find(name)?;
+    let mut xml = Xml::new("stats");
+    xml.leaf("cycles", &[], &record.cycles().to_string());
+    xml.leaf("period", &[("unit", "ns")], &record.period_ns().to_string());
+    xml.leaf("memory", &[("unit", "bytes")], &record.bytes().to_string());
+    Ok(xml.finish())
+}

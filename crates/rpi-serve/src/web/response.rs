@@ -1,0 +1,64 @@
+//! Answers to HTTP requests.
+
+use std::io::{self, Write};
+
+/// An answer; the connection ends with it.
+#[derive(Debug)]
+pub(crate) struct Response {
+    status: u16,
+    kind: &'static str,
+    body: String,
+}
+
+/// The reasons that we give (RFC 9110, section 15).
+const REASONS: &[(u16, &str)] = &[
+    (200, "OK"),
+    (400, "Bad Request"),
+    (401, "Unauthorized"),
+    (403, "Forbidden"),
+    (404, "Not Found"),
+    (405, "Method Not Allowed"),
+    (413, "Content Too Large"),
+    (503, "Service Unavailable"),
+];
+
+impl Response {
+    pub(crate) fn xml(body: String) -> Response {
+        Response {
+            status: 200,
+            kind: "application/xml",
+            body,
+        }
+    }
+
+    pub(crate) fn text(body: String) -> Response {
+        Response {
+            status: 200,
+            kind: "text/plain; charset=utf-8",
+            body,
+        }
+    }
+
+    pub(crate) fn refused(status: u16, why: &str) -> Response {
+        Response {
+            status,
+            kind: "text/plain; charset=utf-8",
+            body: format!("{why}\n"),
+        }
+    }
+
+    pub(crate) fn send(&self, stream: &mut dyn Write) -> io::Result<()> {
+        let reason = REASONS.iter().find(|(status, _)| *status == self.status);
+        let reason = reason.map_or("", |(_, reason)| reason);
+        write!(
+            stream,
+            "HTTP/1.1 {} {reason}\r\nContent-Type: {}\r\nContent-Length: {}\r\nConnection: close\r\n\
+             X-Content-Type-Options: nosniff\r\n\r\n{}",
+            self.status,
+            self.kind,
+            self.body.len(),
+            self.body
+        )?;
+        stream.flush()
+    }
+}

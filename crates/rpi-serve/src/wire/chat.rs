@@ -1,0 +1,122 @@
+//! A conversation in messages: over a websocket (RFC 6455), or line by line over a Unix socket.
+
+use std::io::{self, Read, Write};
+use std::time::Duration;
+
+use tungstenite::protocol::{Role, WebSocketConfig};
+use tungstenite::{Error, Message, WebSocket};
+
+use super::head::is_pause;
+use super::outbox::Outgoing;
+
+/// How long a connection listens before it looks whether there is something to send.
+pub(crate) const TURN: Duration = Duration::from_millis(2);
+/// How long a connection waits for the answer to what it has just heard before it listens again.
+const ANSWER: Duration = Duration::from_millis(4);
+
+/// One side of a conversation.
+pub(crate) trait Front {
+    /// Hears a message; false to end the conversation.
+    fn hear(&mut self, text: &str) -> bool;
+}
+
+/// A stream that gives up reading after [`TURN`].
+pub(crate) trait Stream: Read + Write + Send {}
+impl<T: Read + Write + Send> Stream for T {}
+
+/// Talks over a websocket until one side has enough. `rest` was read already.
+pub(crate) fn websocket(
+    stream: Box<dyn Stream>,
+    rest: Vec<u8>,
+    most: usize,
+    front: &mut dyn Front,
+    out: &Outgoing,
+) {
+    let config = WebSocketConfig::default()
+        .max_message_size(Some(most))
+        .max_frame_size(Some(most))
+        .max_write_buffer_size(most.saturating_mul(2).max(1 << 20))
+        // The reference system's clients do not mask what they send, against RFC 6455, section 5.3.
+        .accept_unmasked_frames(true);
+    let mut socket = WebSocket::from_partially_read(stream, rest, Role::Server, Some(config));
+    loop {
+        let heard = match socket.read() {
+            Ok(Message::Text(text)) if front.hear(&text) => true,
+            Ok(Message::Ping(_) | Message::Pong(_)) => false,
+            Err(Error::Io(e)) if is_pause(&e) => false,
+            _ => break,
+        };
+        if out.is_over() || send(&mut socket, out, heard).is_err() {
+            break;
+        }
+    }
+    let _ = socket.close(None);
+    let _ = socket.flush();
+}
+
+fn send(socket: &mut WebSocket<Box<dyn Stream>>, out: &Outgoing, heard: bool) -> Result<(), Error> {
+    let wait = if heard { ANSWER } else { Duration::ZERO };
+    let mut next = out.messages.recv_timeout(wait).ok();
+    while let Some(message) = next {
+        pause_is_fine(socket.write(Message::text(message)))?;
+        next = out.messages.try_recv().ok();
+    }
+    pause_is_fine(socket.flush())
+}
+
+fn pause_is_fine(sent: Result<(), Error>) -> Result<(), Error> {
+    match sent {
+        Err(Error::Io(e)) if is_pause(&e) => Ok(()),
+        sent => sent,
+    }
+}
+
+/// Talks in lines until one side has enough.
+pub(crate) fn lines(
+    mut stream: Box<dyn Stream>,
+    most: usize,
+    front: &mut dyn Front,
+    out: &Outgoing,
+) {
+    let mut waiting = Vec::new();
+    let mut chunk = vec![0; 16 << 10];
+    while !out.is_over() {
+        let heard = match stream.read(&mut chunk) {
+            Ok(0) => return,
+            Ok(read) => {
+                waiting.extend_from_slice(&chunk[..read]);
+                true
+            }
+            Err(e) if is_pause(&e) => false,
+            Err(_) => return,
+        };
+        if !hear_lines(&mut waiting, front) || waiting.len() > most {
+            return;
+        }
+        if send_lines(&mut stream, out, heard).is_err() {
+            return;
+        }
+    }
+}
+
+fn hear_lines(waiting: &mut Vec<u8>, front: &mut dyn Front) -> bool {
+    while let Some(end) = waiting.iter().position(|b| *b == b'\n') {
+        let line: Vec<u8> = waiting.drain(..=end).collect();
+        let text = String::from_utf8_lossy(&line);
+        if !text.trim().is_empty() && !front.hear(text.trim()) {
+            return false;
+        }
+    }
+    true
+}
+
+fn send_lines(stream: &mut dyn Write, out: &Outgoing, heard: bool) -> io::Result<()> {
+    let wait = if heard { ANSWER } else { Duration::ZERO };
+    let mut next = out.messages.recv_timeout(wait).ok();
+    while let Some(message) = next {
+        stream.write_all(message.as_bytes())?;
+        stream.write_all(b"\n")?;
+        next = out.messages.try_recv().ok();
+    }
+    stream.flush()
+}

@@ -1,0 +1,92 @@
+//! Who may come in.
+
+use super::head::Head;
+
+/// What a client must show.
+#[derive(Clone, Default)]
+pub(crate) struct Guard {
+    /// Without one, everybody may come in: only on loopback.
+    pub(crate) token: Option<String>,
+}
+
+impl Guard {
+    /// True if a request shows the token, in the header `Authorization: Bearer ...` (RFC 6750) or as `?token=...`.
+    pub(crate) fn knows(&self, head: &Head) -> bool {
+        let Some(token) = &self.token else {
+            return true;
+        };
+        let shown = head.header("authorization");
+        let shown = shown.and_then(|value| value.strip_prefix("Bearer "));
+        let asked = head
+            .query
+            .split('&')
+            .find_map(|part| part.strip_prefix("token="));
+        shown.or(asked).is_some_and(|shown| same(shown, token))
+    }
+
+    /// True unless a browser asks on behalf of a page from elsewhere: such pages may not drive robots.
+    pub(crate) fn is_no_stranger(head: &Head) -> bool {
+        let Some(origin) = head.header("origin") else {
+            return true;
+        };
+        let host = origin.split_once("://").map(|(_, host)| host);
+        host.is_some() && host == head.header("host")
+    }
+}
+
+/// Compares in a time that tells nothing about where the difference is.
+fn same(a: &str, b: &str) -> bool {
+    let differing = a
+        .bytes()
+        .zip(b.bytes())
+        .fold(0, |all, (x, y)| all | (x ^ y));
+    a.len() == b.len() && differing == 0
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::time::Duration;
+
+    fn head(target: &str, header: &str) -> Head {
+        let text = format!("GET {target} HTTP/1.1\r\nHost: cell:8080\r\n{header}\r\n\r\n");
+        Head::read(&mut text.as_bytes(), Duration::from_secs(1)).unwrap()
+    }
+
+    #[test]
+    fn only_the_token_opens() {
+        let guard = Guard {
+            token: Some("secret".into()),
+        };
+        assert!(guard.knows(&head("/rpc", "Authorization: Bearer secret")));
+        assert!(guard.knows(&head("/rpc?token=secret", "X: y")));
+        for wrong in [
+            "Bearer secrets",
+            "Bearer secre",
+            "Bearer Secret",
+            "Basic secret",
+            "Bearer ",
+        ] {
+            assert!(
+                !guard.knows(&head("/rpc", &format!("Authorization: {wrong}"))),
+                "{wrong}"
+            );
+        }
+        assert!(!guard.knows(&head("/rpc", "X: y")));
+        assert!(Guard::default().knows(&head("/", "X: y")));
+    }
+
+    #[test]
+    fn pages_from_elsewhere_are_turned_away() {
+        assert!(Guard::is_no_stranger(&head("/", "X: y")));
+        assert!(Guard::is_no_stranger(&head(
+            "/",
+            "Origin: http://cell:8080"
+        )));
+        assert!(!Guard::is_no_stranger(&head(
+            "/",
+            "Origin: http://evil.example"
+        )));
+        assert!(!Guard::is_no_stranger(&head("/", "Origin: null")));
+    }
+}

@@ -1,0 +1,173 @@
+//! Taking connections: one thread for each, at most so many at a time.
+
+use std::io::{self, Write};
+use std::net::{TcpListener, TcpStream};
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
+use std::thread;
+use std::time::Duration;
+
+use tungstenite::handshake::derive_accept_key;
+
+use super::chat::{self, Front, Stream, TURN};
+use super::guard::Guard;
+use super::head::Head;
+use super::outbox::{Outbox, outbox};
+use crate::desk::Office;
+use crate::dio::DioFront;
+use crate::limits::Limits;
+use crate::rpc::RpcFront;
+use crate::web;
+
+/// What every connection needs.
+#[derive(Clone)]
+pub(crate) struct Reception {
+    pub(crate) office: Office,
+    pub(crate) limits: Limits,
+    pub(crate) guard: Guard,
+    pub(crate) closing: Arc<AtomicBool>,
+    pub(crate) connections: Arc<AtomicUsize>,
+}
+
+/// How long to wait for the next connection before looking whether the server closes.
+const PAUSE: Duration = Duration::from_millis(20);
+
+impl Reception {
+    /// Takes connections until the server closes.
+    pub(crate) fn take_all(&self, listener: &TcpListener) {
+        while !self.closing.load(Ordering::Relaxed) {
+            match listener.accept() {
+                Ok((stream, _)) => self.take(stream),
+                Err(_) => thread::sleep(PAUSE),
+            }
+        }
+    }
+
+    fn take(&self, stream: TcpStream) {
+        let ready = stream
+            .set_nonblocking(false)
+            .and_then(|()| stream.set_nodelay(true))
+            .and_then(|()| stream.set_read_timeout(Some(TURN)))
+            .and_then(|()| stream.set_write_timeout(Some(self.limits.patience)));
+        if ready.is_ok() {
+            self.admit(move |reception| reception.serve(Box::new(stream)));
+        }
+    }
+
+    /// Serves a client on a thread of its own, unless there are too many.
+    pub(crate) fn admit(&self, serve: impl FnOnce(&Reception) + Send + 'static) {
+        let count = self.connections.fetch_add(1, Ordering::Relaxed);
+        let place = Place(Arc::clone(&self.connections));
+        if count >= self.limits.connections {
+            return;
+        }
+        let reception = self.clone();
+        let _ = thread::Builder::new()
+            .name("rpi-client".into())
+            .spawn(move || {
+                let _place = place;
+                serve(&reception);
+            });
+    }
+
+    fn serve(&self, mut stream: Box<dyn Stream>) {
+        let Ok(head) = Head::read(&mut stream, self.limits.patience) else {
+            return;
+        };
+        let done = match self.refusal(&head) {
+            Some(refusal) => refusal.send(&mut stream),
+            None if asks_for_websocket(&head) => return self.converse(stream, head),
+            None => self.answer(&mut stream, &head),
+        };
+        let _ = done;
+    }
+
+    fn refusal(&self, head: &Head) -> Option<web::Response> {
+        if !Guard::is_no_stranger(head) {
+            return Some(web::Response::refused(
+                403,
+                "pages from elsewhere may not come in",
+            ));
+        }
+        let known = self.guard.knows(head);
+        (!known).then(|| web::Response::refused(401, "a token is needed"))
+    }
+
+    fn answer(&self, stream: &mut dyn Stream, head: &Head) -> io::Result<()> {
+        let body = head.body(stream, self.limits.message, self.limits.patience);
+        let response = match body {
+            Ok(body) => web::respond(&self.office, &self.limits, head, &body),
+            Err(_) => web::Response::refused(413, "the body is too long or too slow"),
+        };
+        response.send(stream)
+    }
+
+    fn converse(&self, mut stream: Box<dyn Stream>, head: Head) {
+        let (out, outgoing) = outbox(self.limits.outbox);
+        let Some(mut front) = self.front(&head.path, out) else {
+            let _ = web::Response::refused(404, "no conversation is held here").send(&mut stream);
+            return;
+        };
+        let key = head.header("sec-websocket-key").unwrap_or_default();
+        let accept = derive_accept_key(key.as_bytes());
+        let agreed = write!(
+            stream,
+            "HTTP/1.1 101 Switching Protocols\r\nUpgrade: websocket\r\nConnection: Upgrade\r\n\
+             Sec-WebSocket-Accept: {accept}\r\n\r\n"
+        );
+        if agreed.and_then(|()| stream.flush()).is_ok() {
+            let most = self.limits.message;
+            chat::websocket(stream, head.rest, most, &mut *front, &outgoing);
+        }
+    }
+
+    fn front(&self, path: &str, out: Outbox) -> Option<Box<dyn Front>> {
+        match path {
+            "/DirectIO" => Some(Box::new(DioFront::new(self.office.clone(), out))),
+            "/rpc" => Some(Box::new(RpcFront::new(self.office.clone(), out))),
+            _ => None,
+        }
+    }
+}
+
+fn asks_for_websocket(head: &Head) -> bool {
+    let upgrade = head.header("upgrade");
+    upgrade.is_some_and(|value| value.eq_ignore_ascii_case("websocket"))
+}
+
+/// One of the places that there are for connections.
+struct Place(Arc<AtomicUsize>);
+
+impl Drop for Place {
+    fn drop(&mut self) {
+        self.0.fetch_sub(1, Ordering::Relaxed);
+    }
+}
+
+#[cfg(unix)]
+impl Reception {
+    /// Takes connections at a Unix socket until the server closes. Who may open the socket's file may come in.
+    pub(crate) fn take_all_local(&self, listener: &std::os::unix::net::UnixListener) {
+        while !self.closing.load(Ordering::Relaxed) {
+            match listener.accept() {
+                Ok((stream, _)) => self.take_local(stream),
+                Err(_) => thread::sleep(PAUSE),
+            }
+        }
+    }
+
+    fn take_local(&self, stream: std::os::unix::net::UnixStream) {
+        let ready = stream
+            .set_nonblocking(false)
+            .and_then(|()| stream.set_read_timeout(Some(TURN)))
+            .and_then(|()| stream.set_write_timeout(Some(self.limits.patience)));
+        if ready.is_ok() {
+            self.admit(move |reception| {
+                let (out, outgoing) = outbox(reception.limits.outbox);
+                let mut front = RpcFront::new(reception.office.clone(), out);
+                let most = reception.limits.message;
+                chat::lines(Box::new(stream), most, &mut front, &outgoing);
+            });
+        }
+    }
+}

@@ -1,0 +1,13 @@
+//! Bytes in and out: connections, HTTP heads, websockets, who may come in.
+
+mod chat;
+mod guard;
+mod head;
+mod listener;
+mod outbox;
+
+pub(crate) use chat::Front;
+pub(crate) use guard::Guard;
+pub(crate) use head::Head;
+pub(crate) use listener::Reception;
+pub(crate) use outbox::Outbox;

@@ -1,0 +1,49 @@
+//! `rpi serve`: the control core as a server.
+
+use std::path::Path;
+
+use rpi_serve::{Server, Settings};
+use rpi_sim::Cell;
+
+use crate::args::ServeArgs;
+use crate::exit::{self, Exit};
+
+/// Serves until it is interrupted.
+pub(crate) fn serve(args: &ServeArgs) -> exit::Outcome {
+    let cell = cell(args.cell.as_deref())?;
+    let token = args.token_file.as_deref().map(token).transpose()?;
+    let settings = Settings {
+        listen: args.listen,
+        socket: args.socket.clone(),
+        token,
+        tick_ns: args.period,
+        on_loss: args.on_loss,
+        ..Settings::default()
+    };
+    let mut server = Server::open(&cell, &settings, ())?;
+    eprintln!("serving at {}", server.address());
+    server.wait();
+    Ok(Exit::Good)
+}
+
+fn cell(path: Option<&Path>) -> Result<Cell, String> {
+    let Some(path) = path else {
+        return Ok(Cell {
+            name: String::new(),
+            seed: 0,
+            devices: Vec::new(),
+        });
+    };
+    let name = path.display().to_string();
+    let text = std::fs::read_to_string(path).map_err(|e| format!("{name}: {e}"))?;
+    Cell::parse(&name, &text).map_err(|errors| format!("the cell is wrong\n{errors}"))
+}
+
+fn token(path: &Path) -> Result<String, String> {
+    let name = path.display();
+    let text = std::fs::read_to_string(path).map_err(|e| format!("{name}: {e}"))?;
+    match text.trim() {
+        "" => Err(format!("{name} holds no token")),
+        token => Ok(token.to_owned()),
+    }
+}
