@@ -20,7 +20,6 @@ pub(crate) struct Record {
     pub(crate) session: u64,
     /// What its owner calls it.
     pub(crate) title: String,
-    pub(crate) language: Language,
     /// What it was loaded from.
     pub(crate) text: Arc<str>,
     pub(crate) status: Status,
@@ -80,7 +79,6 @@ impl Desk {
             id: None,
             session,
             title: load.title.to_owned(),
-            language: load.language,
             text: Arc::clone(&job.text),
             status: Status {
                 phase: Phase::Is(State::Loading),

@@ -88,7 +88,7 @@ impl Desk {
         let Some(place) = self.devices.places.iter().position(Option::is_none) else {
             return reply(Err(Failure::Limit("devices")));
         };
-        match spec(new) {
+        match spec(new, self.tick_ns as f64 * 1e-9) {
             Ok(spec) => self.put(place, &spec, new.kind, reply),
             Err(why) => reply(Err(why)),
         }
@@ -192,7 +192,7 @@ pub(crate) const KINDS: &[(&str, &[&str])] = &[
     ("kuka_iiwa_sim", &["kuka-iiwa-7", "kuka-iiwa-14"]),
 ];
 
-fn spec(new: &NewDevice<'_>) -> Result<DeviceSpec, Failure> {
+fn spec(new: &NewDevice<'_>, tick: f64) -> Result<DeviceSpec, Failure> {
     let known = KINDS.iter().find(|(kind, _)| *kind == new.kind);
     let (_, models) = known.ok_or_else(|| Failure::Unknown(format!("device type {}", new.kind)))?;
     let models = models.iter().filter_map(|id| rpi_kin::models::by_id(id));
@@ -201,7 +201,7 @@ fn spec(new: &NewDevice<'_>) -> Result<DeviceSpec, Failure> {
     let farness = |model: &&rpi_kin::ArmModel| (stretched(model) - reach).abs();
     let model = models.min_by(|a, b| farness(a).total_cmp(&farness(b)));
     let model = model.ok_or_else(|| Failure::Unknown(format!("device type {}", new.kind)))?;
-    let limits = limits(new, model.limits)?;
+    let limits = limits(new, model.limits, tick)?;
     Ok(DeviceSpec {
         name: new.name.to_owned(),
         kind: Kind::Arm(ArmSpec {
@@ -234,8 +234,9 @@ fn stretched(model: &rpi_kin::ArmModel) -> f64 {
     model.forward(&zero).translation.vector.norm()
 }
 
-/// The model's limits with what the client says of them.
-fn limits(new: &NewDevice<'_>, own: &[AxisLimits]) -> Result<Vec<AxisLimits>, Failure> {
+/// The model's limits with what the client says of them. Its plans end with full deceleration: an arm that may change
+/// its acceleration only slowly would swing back after their last set-point, so it may change it within a tick.
+fn limits(new: &NewDevice<'_>, own: &[AxisLimits], tick: f64) -> Result<Vec<AxisLimits>, Failure> {
     let mut limits = own.to_vec();
     let mut set = |key: &str, place: fn(&mut AxisLimits) -> &mut f64| {
         let given = reals(new, key)?.unwrap_or_default();
@@ -248,6 +249,9 @@ fn limits(new: &NewDevice<'_>, own: &[AxisLimits]) -> Result<Vec<AxisLimits>, Fa
     set("max_joint", |axis| &mut axis.position.upper)?;
     set("max_vel", |axis| &mut axis.velocity)?;
     set("max_acc", |axis| &mut axis.acceleration)?;
+    for axis in &mut limits {
+        axis.jerk = axis.jerk.max(axis.acceleration / tick);
+    }
     let sound = |l: &AxisLimits| {
         l.position.lower < l.position.upper && l.velocity > 0.0 && l.acceleration > 0.0
     };

@@ -13,8 +13,11 @@ impl Desk {
             match report {
                 Report::Answer(number, result) => self.answered(number, result),
                 Report::Notice(notice) => self.note(notice),
-                Report::Gone(id, ..) => self.forget(id),
-                Report::Spent(_) => {}
+                Report::Gone(id, spent) => {
+                    drop(spent);
+                    self.forget(id);
+                }
+                Report::Spent(spent) => drop(spent),
             }
         }
         self.finish_evals();

@@ -10,18 +10,18 @@ use std::fmt::{self, Write};
 
 /// One message: a request, its answer, or what a subscription pushes.
 #[derive(Clone, PartialEq, Debug)]
-pub struct Message {
+pub(crate) struct Message {
     /// Chosen by the client; answers and pushes carry the tag of their request.
-    pub tag: String,
+    pub(crate) tag: String,
     /// What is asked or told.
-    pub name: String,
+    pub(crate) name: String,
     /// With what.
-    pub args: Vec<Arg>,
+    pub(crate) args: Vec<Arg>,
 }
 
 /// An argument.
 #[derive(Clone, PartialEq, Debug)]
-pub enum Arg {
+pub(crate) enum Arg {
     /// A text.
     Text(String),
     /// A number.
@@ -34,7 +34,7 @@ pub enum Arg {
 
 impl Message {
     /// A message with these arguments.
-    pub fn new(tag: &str, name: &str, args: Vec<Arg>) -> Message {
+    pub(crate) fn new(tag: &str, name: &str, args: Vec<Arg>) -> Message {
         Message {
             tag: tag.to_owned(),
             name: name.to_owned(),
@@ -45,12 +45,12 @@ impl Message {
 
 impl Arg {
     /// A text.
-    pub fn text(text: impl Into<String>) -> Arg {
+    pub(crate) fn text(text: impl Into<String>) -> Arg {
         Arg::Text(text.into())
     }
 
     /// The text, if it is one.
-    pub fn as_text(&self) -> Option<&str> {
+    pub(crate) fn as_text(&self) -> Option<&str> {
         match self {
             Arg::Text(text) => Some(text),
             _ => None,
@@ -58,7 +58,7 @@ impl Arg {
     }
 
     /// The number, if it is one.
-    pub fn as_number(&self) -> Option<f64> {
+    pub(crate) fn as_number(&self) -> Option<f64> {
         match self {
             Arg::Number(number) => Some(*number),
             _ => None,
@@ -66,7 +66,7 @@ impl Arg {
     }
 
     /// The texts of a list of texts.
-    pub fn as_texts(&self) -> Option<Vec<&str>> {
+    pub(crate) fn as_texts(&self) -> Option<Vec<&str>> {
         match self {
             Arg::List(list) => list.iter().map(Arg::as_text).collect(),
             _ => None,
@@ -74,7 +74,7 @@ impl Arg {
     }
 
     /// The entries, if it is a map.
-    pub fn as_map(&self) -> Option<&[(String, Arg)]> {
+    pub(crate) fn as_map(&self) -> Option<&[(String, Arg)]> {
         match self {
             Arg::Map(entries) => Some(entries),
             _ => None,

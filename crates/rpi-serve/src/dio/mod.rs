@@ -4,8 +4,8 @@
 //! theirs. Keys of exports are told with `out` before them, keys of inputs with `in`.
 
 mod front;
-pub mod message;
-pub mod parse;
+mod message;
+mod parse;
 mod sink;
 
 pub(crate) use front::DioFront;

@@ -7,18 +7,18 @@ const DEPTH: usize = 16;
 
 /// Why a text is no message.
 #[derive(Clone, PartialEq, Eq, Debug)]
-pub struct Malformed {
+pub(crate) struct Malformed {
     /// The byte at which it stops being one.
-    pub at: usize,
+    pub(crate) at: usize,
     /// What was expected there.
-    pub expected: &'static str,
+    pub(crate) expected: &'static str,
 }
 
 /// Reads a message.
 ///
 /// # Errors
 /// If the text is none.
-pub fn parse(text: &str) -> Result<Message, Malformed> {
+pub(crate) fn parse(text: &str) -> Result<Message, Malformed> {
     let mut reader = Reader { text, at: 0 };
     let tag = reader.identifier()?;
     reader.sign('=', "'='")?;

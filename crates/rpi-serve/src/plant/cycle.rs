@@ -140,7 +140,7 @@ impl Cycle {
                 Ok(())
             }
             Err((command, why)) => {
-                self.tell(Report::Gone(id, command, Some(board)));
+                self.tell(Report::Gone(id, Spent::Command(command, Some(board))));
                 Err(why)
             }
         }
@@ -149,7 +149,7 @@ impl Cycle {
     fn bury(&mut self, id: CommandId, command: Box<Command>) {
         let board = self.publisher.boards.get_mut(place(id));
         let board = board.and_then(Option::take);
-        self.tell(Report::Gone(id, command, board));
+        self.tell(Report::Gone(id, Spent::Command(command, board)));
     }
 
     /// Tells what there is room for; the rest waits inside of the core.

@@ -49,20 +49,19 @@ pub(crate) enum Report {
     Answer(u64, Result<(), Refused>),
     /// Something has happened.
     Notice(Notice),
-    /// A command is no more; to be freed here.
-    Gone(CommandId, Box<Command>, Option<Arc<Board>>),
-    /// Something else that is over; to be freed here.
+    /// A command is no more.
+    Gone(CommandId, Spent),
+    /// Something else is over.
     Spent(Spent),
 }
 
-/// What is over, to be freed where freeing disturbs nobody.
+/// What is over, to be freed where freeing disturbs nobody: nobody reads it any more.
+#[expect(dead_code, reason = "it is moved only to be dropped elsewhere")]
 pub(crate) enum Spent {
-    /// A rule.
-    Rule(#[expect(dead_code, reason = "kept only to be dropped elsewhere")] Box<Rule>),
-    /// Settings.
-    Settings(#[expect(dead_code, reason = "kept only to be dropped elsewhere")] Box<[Setting]>),
-    /// A device.
-    Part(#[expect(dead_code, reason = "kept only to be dropped elsewhere")] Part),
+    Command(Box<Command>, Option<Arc<Board>>),
+    Rule(Box<Rule>),
+    Settings(Box<[Setting]>),
+    Part(Part),
 }
 
 /// The cycle's ends.
