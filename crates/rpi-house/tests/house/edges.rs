@@ -56,6 +56,19 @@ const EDGES: &[(&str, &[&str])] = &[
         ],
     ),
     (
+        "rpi-serve",
+        &[
+            "rpi-core",
+            "rpi-diag",
+            "rpi-driver",
+            "rpi-image",
+            "rpi-kin",
+            "rpi-net",
+            "rpi-prims",
+            "rpi-sim",
+        ],
+    ),
+    (
         "rpic",
         &[
             "rpi-diag",
@@ -76,6 +89,7 @@ const EDGES: &[(&str, &[&str])] = &[
             "rpi-host",
             "rpi-image",
             "rpi-net",
+            "rpi-serve",
             "rpi-sim",
         ],
     ),

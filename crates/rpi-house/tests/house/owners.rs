@@ -20,10 +20,14 @@ const OWNERS: &[(&str, &[&str])] = &[
     ("miette", &["rpi-diag"]),
     ("nalgebra", &["rpi-kin", "rpi-prims", "rpi-sim"]),
     ("petgraph", &["rpi-net", "rpi-sema"]),
-    ("rtrb", &["rpi-host"]),
+    ("rtrb", &["rpi-host", "rpi-serve"]),
     ("serde", &["rpi-diag", "rpi-host"]),
-    ("serde_json", &["rpi-diag", "rpi-host", "rpi-house"]),
+    (
+        "serde_json",
+        &["rpi-diag", "rpi-host", "rpi-house", "rpi-serve"],
+    ),
     ("toml", &["rpi-sim"]),
+    ("tungstenite", &["rpi-serve"]),
     ("assert_no_alloc", &["rpi-testkit"]),
 ];
 

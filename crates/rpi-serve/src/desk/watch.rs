@@ -2,26 +2,53 @@
 
 use std::time::{Duration, Instant};
 
+use rpi_core::State;
 use rpi_image::image::Export;
 use rpi_net::literal;
 
-use super::{Desk, Failure, Phase, Record, Sink, Update};
+use super::{Desk, Failure, Phase, Record, Sink, Status, Update};
 use crate::plant::values;
 
 /// What somebody wants to be told about a command.
 pub(crate) struct Watching {
     /// Least time between two updates of values.
     pub(crate) period: Duration,
+    /// How long after its last values a command's end is told, for clients that take both apart again.
+    pub(crate) settle: Duration,
     pub(crate) sink: Box<dyn Sink>,
 }
 
 /// Somebody who is told about a command.
 pub(super) struct Subscription {
     period: Duration,
+    settle: Duration,
     due: Instant,
+    /// An end that is yet to be told, and when.
+    late: Option<(Instant, Status)>,
     /// What it knows already.
     last: Vec<u64>,
     sink: Box<dyn Sink>,
+}
+
+impl Subscription {
+    /// Tells a state, after what is yet to be told; an end only once the values before it have settled.
+    fn tell(&mut self, status: &Status, now: Instant) -> bool {
+        let listens = self.tell_late(None);
+        if status.phase == Phase::Is(State::Terminated) && !self.settle.is_zero() {
+            self.late = Some((now + self.settle, status.clone()));
+            return listens;
+        }
+        listens && self.sink.tell(&Update::Command(status))
+    }
+
+    /// Tells an end for which it is time; without a time, in any case.
+    fn tell_late(&mut self, now: Option<Instant>) -> bool {
+        let due = |(at, _): &mut (Instant, Status)| now.is_none_or(|now| *at <= now);
+        match self.late.take_if(due) {
+            Some((_, status)) => self.sink.tell(&Update::Command(&status)),
+            None => true,
+        }
+    }
 }
 
 /// Values are not looked at more often than this.
@@ -36,13 +63,16 @@ impl Desk {
         };
         record.subscriptions.push(Subscription {
             period: watching.period.max(LEAST),
+            settle: watching.settle,
             due: Instant::now(),
+            late: None,
             last: Vec::new(),
             sink: watching.sink,
         });
-        record.publish(Instant::now());
+        let now = Instant::now();
+        record.publish(now);
         if let Some(last) = record.subscriptions.last_mut() {
-            last.sink.tell(&Update::Command(&record.status));
+            last.tell(&record.status, now);
         }
         Ok(())
     }
@@ -60,9 +90,9 @@ impl Record {
         self.subscriptions
             .iter_mut()
             .for_each(|s| s.due = Instant::now());
-        self.publish(Instant::now());
-        let update = Update::Command(&self.status);
-        self.subscriptions.retain_mut(|s| s.sink.tell(&update));
+        let now = Instant::now();
+        self.publish(now);
+        self.subscriptions.retain_mut(|s| s.tell(&self.status, now));
     }
 
     pub(super) fn set_phase(&mut self, phase: Phase) {
@@ -73,6 +103,7 @@ impl Record {
     }
 
     fn publish(&mut self, now: Instant) {
+        self.subscriptions.retain_mut(|s| s.tell_late(Some(now)));
         if !self.subscriptions.iter().any(|s| s.due <= now) {
             return;
         }

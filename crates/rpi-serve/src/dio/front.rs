@@ -13,6 +13,10 @@ use crate::wire::{Front, Outbox};
 /// The versions of the protocol that are spoken: all of this generation.
 const VERSION: &str = "2.0";
 
+/// The reference system's clients hand values on in a queue but take states at once: an end that follows right upon the
+/// result that brought it about would be seen without it.
+const SETTLE: Duration = Duration::from_millis(20);
+
 /// A client.
 pub(crate) struct DioFront {
     office: Office,
@@ -209,6 +213,7 @@ impl DioFront {
         let seconds = message.args.get(1).and_then(Arg::as_number).unwrap_or(0.02);
         let watching = Watching {
             period: Duration::try_from_secs_f64(seconds).unwrap_or(Duration::from_secs(1)),
+            settle: SETTLE,
             sink: self.sink(&message.tag),
         };
         let mut desk = self.office.desk();

@@ -188,6 +188,7 @@ fn watch_command(front: &mut RpcFront, call: &Call<'_>) -> Answer {
         .unwrap_or(0.02);
     let watching = Watching {
         period: Duration::try_from_secs_f64(seconds).map_err(|_| bad("period"))?,
+        settle: Duration::ZERO,
         sink: front.sink("command", name),
     };
     let mut desk = front.office.desk();
