@@ -218,10 +218,8 @@ impl Desk {
 
     /// Asks a command to end.
     pub(crate) fn cancel(&mut self, name: &str, reply: Reply) {
-        match self.id_of(name) {
-            Ok((number, id)) => {
-                self.order(Order::Cancel(id), Then::Cancelled(number), Some(reply));
-            }
+        match self.core_id(name) {
+            Ok(id) => self.order(Order::Cancel(id), Then::Nothing, Some(reply)),
             Err(why) => reply(Err(why)),
         }
     }

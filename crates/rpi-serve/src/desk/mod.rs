@@ -65,7 +65,6 @@ struct Ticket {
 enum Then {
     Nothing,
     Inserted(u64),
-    Cancelled(u64),
     Made(RuleId),
     Device(DeviceInfo),
     NoDevice(String),

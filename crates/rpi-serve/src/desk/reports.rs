@@ -47,16 +47,7 @@ impl Desk {
         match then {
             Then::Nothing => String::new(),
             Then::Inserted(number) => self.inserted(number),
-            Then::Cancelled(number) => {
-                if let Some(id) = self.commands.get(&number).and_then(|r| r.id) {
-                    self.cancelling(id);
-                }
-                String::new()
-            }
-            Then::Made(rule) => {
-                self.made(rule);
-                format!("r{}", rule.0)
-            }
+            Then::Made(rule) => format!("r{}", rule.0),
             Then::Device(info) => self.device_there(info),
             Then::NoDevice(name) => {
                 self.device_gone(&name);
@@ -80,17 +71,11 @@ impl Desk {
         self.commands.get_mut(number)
     }
 
-    pub(super) fn cancelling(&mut self, id: CommandId) {
-        if let Some(record) = self.record_of(id)
-            && record.status.phase == Phase::Is(State::Running)
-        {
-            record.set_phase(Phase::Is(State::Cancelling));
-        }
-    }
-
     fn note(&mut self, notice: Notice) {
         match notice {
+            Notice::Scheduled { command, .. } => self.phase(command, State::Scheduled),
             Notice::Started { command, .. } => self.phase(command, State::Running),
+            Notice::Cancelling { command, .. } => self.phase(command, State::Cancelling),
             Notice::Ended {
                 command, ending, ..
             } => self.ended(command, ending),

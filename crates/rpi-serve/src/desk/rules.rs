@@ -3,15 +3,13 @@
 use rpi_core::{CommandId, Condition, Fact, Rule, RuleId};
 
 use super::commands::results;
-use super::{Desk, Failure, Phase, Reply, RuleState, Sink, Then, Update, number_of};
+use super::{Desk, Failure, Reply, RuleState, Sink, Then, Update, number_of};
 use crate::condition::{Expr, Saying};
 use crate::plant::Order;
 
 /// A rule as the desk knows it.
 pub(super) struct RuleRecord {
     pub(super) state: RuleState,
-    pub(super) cancel: Vec<CommandId>,
-    pub(super) start: Vec<CommandId>,
     watchers: Vec<Box<dyn Sink>>,
 }
 
@@ -51,12 +49,10 @@ impl Desk {
         // Whoever loaded a command also unloads it: what nothing can start any more stays, ready.
         let mut rule = Rule::when(self.condition(make.when)?).keep();
         rule = stop.into_iter().fold(rule, Rule::stop);
-        rule = cancel.iter().copied().fold(rule, Rule::cancel);
-        rule = start.iter().copied().fold(rule, Rule::start);
+        rule = cancel.into_iter().fold(rule, Rule::cancel);
+        rule = start.into_iter().fold(rule, Rule::start);
         let record = RuleRecord {
             state: RuleState::Active,
-            cancel,
-            start,
             watchers: Vec::new(),
         };
         Ok((rule, record))
@@ -132,18 +128,6 @@ impl Desk {
         Ok(())
     }
 
-    /// A rule was made: what it starts is scheduled.
-    pub(super) fn made(&mut self, id: RuleId) {
-        let start = self.rules.get(&id).map(|r| r.start.clone());
-        for command in start.into_iter().flatten() {
-            if let Some(record) = self.record_of(command)
-                && record.status.phase == Phase::Is(rpi_core::State::Ready)
-            {
-                record.set_phase(Phase::Is(rpi_core::State::Scheduled));
-            }
-        }
-    }
-
     /// A rule is over.
     pub(super) fn rule_over(&mut self, id: RuleId, state: RuleState) {
         let Some(rule) = self.rules.get_mut(&id) else {
@@ -152,10 +136,6 @@ impl Desk {
         rule.state = state;
         for mut sink in std::mem::take(&mut rule.watchers) {
             sink.tell(&Update::Rule(state));
-        }
-        let cancel = std::mem::take(&mut rule.cancel);
-        if state == RuleState::Fired {
-            cancel.into_iter().for_each(|id| self.cancelling(id));
         }
         self.forget_rules();
     }

@@ -85,13 +85,13 @@ impl Desk {
 }
 
 impl Record {
-    /// Tells everybody the state; the values that led to it first.
+    /// Tells everybody the state; before an end the values that led to it.
     pub(super) fn tell_state(&mut self) {
-        self.subscriptions
-            .iter_mut()
-            .for_each(|s| s.due = Instant::now());
         let now = Instant::now();
-        self.publish(now);
+        if self.status.phase == Phase::Is(State::Terminated) {
+            self.subscriptions.iter_mut().for_each(|s| s.due = now);
+            self.publish(now);
+        }
         self.subscriptions.retain_mut(|s| s.tell(&self.status, now));
     }
 
