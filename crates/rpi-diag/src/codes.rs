@@ -129,6 +129,9 @@ codes! {
     RPI6103 Warning "result that can never happen";
     RPI7001 Error "budget exceeded";
     RPI8001 Error "end of a command in the wrong place";
+    RPI9001 Error "claim that does not hold";
+    RPI9002 Error "claim that was never made";
+    RPI9003 Error "fault while running";
     RPI9101 Error "primitive without a form in C";
     RPI9901 Error "fault of the compiler";
 }

@@ -12,6 +12,7 @@ use rpi_syntax::Mode;
 use crate::input::{Input, InputError, Kind};
 use crate::source;
 use crate::task::{self, Task};
+use crate::tests::Test;
 use crate::violation;
 
 /// What became of a file.
@@ -25,6 +26,8 @@ pub struct Compiled {
     pub program: Program,
     /// Which command follows which, as the program's tasks say.
     pub tasks: Vec<Task>,
+    /// What the program claims of itself.
+    pub tests: Vec<Test>,
 }
 
 /// What there is to run.
@@ -62,6 +65,7 @@ fn program(input: &Input, text: &str) -> Compiled {
         sources,
         findings: built.findings,
         program: Program::Nets(built.nets),
+        tests: built.tests,
         tasks: task::tasks(&rpi_syntax::parse(FileId(0), text, mode).file),
     }
 }
@@ -74,6 +78,7 @@ fn image(input: &Input) -> Result<Compiled, InputError> {
         findings: Vec::new(),
         program: Program::Image(Box::new(image)),
         tasks: Vec::new(),
+        tests: Vec::new(),
     })
 }
 
@@ -87,6 +92,7 @@ fn net(input: &Input, text: &str) -> Compiled {
         findings,
         program: Program::Nets(net.into_iter().collect()),
         tasks: Vec::new(),
+        tests: Vec::new(),
     }
 }
 

@@ -15,6 +15,7 @@ mod modules;
 mod period;
 mod source;
 mod task;
+mod tests;
 mod violation;
 
 pub use compile::{Compiled, Program, compile, lower_to_look, lower_to_run};
@@ -24,3 +25,4 @@ pub use inspect::{Inspected, inspect};
 pub use modules::{library_modules, library_text};
 pub use period::{parse_period, period_text};
 pub use task::{Task, TaskStep};
+pub use tests::{Branch, Test};

@@ -3,22 +3,25 @@
 use std::collections::BTreeSet;
 use std::path::Path;
 
-use rpi_diag::{Code, Finding, Severity, SourceMap, Span};
+use rpi_diag::{Finding, Severity, SourceMap, Span};
 use rpi_net::Net;
 use rpi_sema::elab::{Argument, Elaborated, elaborate, elaborate_steps};
 use rpi_sema::facts::{self, Facts};
 use rpi_sema::program::Program;
-use rpi_sema::typed::{Kind, UnitId, UnitKind};
+use rpi_sema::typed::{Kind, Unit, UnitId, UnitKind};
 use rpi_sema::{Checked, check};
 
 use crate::files::Disk;
 use crate::modules::Modules;
+use crate::tests::{Test, branches};
 use crate::violation;
 
 /// What became of a program.
 pub(crate) struct Built {
     /// Its commands, in the order of the text; those that can be run.
     pub(crate) nets: Vec<Net>,
+    /// Its tests, in the order of the text.
+    pub(crate) tests: Vec<Test>,
     /// What was found.
     pub(crate) findings: Vec<Finding>,
 }
@@ -41,9 +44,9 @@ pub(crate) fn build_modules(modules: &Modules) -> (Built, Checked) {
     findings.splice(0..0, modules.findings.iter().cloned());
     let mut checked = check(&program);
     findings.append(&mut checked.findings);
-    let nets = match has_errors(&findings) {
-        true => Vec::new(),
-        false => nets(&program, &checked, &mut findings),
+    let roots = match has_errors(&findings) {
+        true => Roots::default(),
+        false => roots(&program, &checked, &mut findings),
     };
     // What is only worth knowing about a library is not the business of who uses it.
     let own = texts.first().map_or(0, |root| root.files.len());
@@ -51,65 +54,81 @@ pub(crate) fn build_modules(modules: &Modules) -> (Built, Checked) {
         let file = finding.span().file.0 as usize;
         finding.severity() == Severity::Error || finding.span().is_none() || file < own
     });
-    let findings = once(findings);
-    (Built { nets, findings }, checked)
+    let built = Built {
+        nets: roots.nets,
+        tests: roots.tests,
+        findings: once(findings),
+    };
+    (built, checked)
 }
 
-fn nets(program: &Program<'_>, checked: &Checked, findings: &mut Vec<Finding>) -> Vec<Net> {
+/// What can be run.
+#[derive(Default)]
+struct Roots {
+    nets: Vec<Net>,
+    tests: Vec<Test>,
+}
+
+fn roots(program: &Program<'_>, checked: &Checked, findings: &mut Vec<Finding>) -> Roots {
     let (facts, mut found) = facts::find(&checked.units);
     findings.append(&mut found);
     if has_errors(findings) {
-        return Vec::new();
+        return Roots::default();
     }
     let called = called(checked);
-    let mut nets = Vec::new();
+    let mut roots = Roots::default();
     for (_, unit) in &checked.runnable {
-        let is_command = checked.unit(*unit).kind == UnitKind::Command;
-        if !is_command && called.contains(unit) {
+        let kind = checked.unit(*unit).kind;
+        if !kind.is_root() && called.contains(unit) {
             continue;
         }
-        let (net, runnable) = one(program, checked, &facts, *unit, findings);
-        if is_command && runnable {
-            nets.extend(net);
+        let args = arguments(program, checked, *unit);
+        let made = one(checked, &facts, *unit, &args, findings);
+        let made = made.filter(|_| !args.contains(&Argument::Unknown));
+        match (kind, made) {
+            (UnitKind::Command, Some(made)) => roots.nets.push(made.net),
+            (UnitKind::Test, Some(made)) => roots.tests.push(test(checked.unit(*unit), made)),
+            _ => {}
         }
     }
-    nets
+    roots
 }
 
-/// The net of one unit, if the passes find nothing against it, and whether all its parameters have values.
+fn test(unit: &Unit, made: Elaborated) -> Test {
+    Test {
+        title: unit.name.to_string(),
+        span: unit.span,
+        branches: branches(&made.net),
+        net: made.net,
+        expectations: made.expectations,
+    }
+}
+
+/// The net of one unit, if the passes find nothing against it.
 fn one(
-    program: &Program<'_>,
     checked: &Checked,
     facts: &[Facts],
     unit: UnitId,
+    args: &[Argument],
     findings: &mut Vec<Finding>,
-) -> (Option<Net>, bool) {
-    let args = arguments(program, checked, unit);
-    let runnable = !args.contains(&Argument::Unknown);
-    let Elaborated {
-        net,
-        findings: mut found,
-        ..
-    } = elaborate(&checked.units, facts, unit, &args);
+) -> Option<Elaborated> {
+    let mut made = elaborate(&checked.units, facts, unit, args);
+    let mut found = std::mem::take(&mut made.findings);
     if found.is_empty() {
-        match rpi_net::passes::analyse(net.clone(), |_| false) {
-            Ok(analysis) if analysis.findings.iter().any(is_ring) => {
-                found.extend(rings(checked, facts, unit, &args));
+        match rpi_net::passes::analyse(made.net.clone(), |_| false) {
+            Ok(analysis) if analysis.schedule.is_none() => {
+                found.extend(rings(checked, facts, unit, args));
             }
             Ok(analysis) => {
                 found.extend(analysis.findings);
-                found.extend(rpi_sema::init::check(&net));
+                found.extend(rpi_sema::init::check(&made.net));
             }
             Err(violation) => found.push(violation::finding(&violation, checked.unit(unit).span)),
         }
     }
     let faulty = has_errors(&found);
     findings.append(&mut found);
-    ((!faulty).then_some(net), runnable)
-}
-
-fn is_ring(finding: &Finding) -> bool {
-    finding.code == Code::RPI4001
+    (!faulty).then_some(made)
 }
 
 /// The rings of a unit, drawn with every equation on the way: a net for running leaves out those that only pass on.

@@ -8,4 +8,5 @@ pub mod plot;
 pub mod record;
 pub mod replay;
 pub mod run;
+pub mod testing;
 pub mod trace;

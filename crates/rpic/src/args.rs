@@ -29,6 +29,8 @@ pub(crate) enum Task {
     Import(ImportArgs),
     /// Format programs in place.
     Fmt(FmtArgs),
+    /// Run the tests that stand in programs.
+    Test(TestArgs),
     /// Say more about a finding: what it means, a wrong and a right program.
     Explain {
         /// Its code, RPI4001.
@@ -65,6 +67,29 @@ pub(crate) struct CheckArgs {
     /// Tell what each analysis found out.
     #[arg(long)]
     pub(crate) explain_analysis: bool,
+}
+
+/// Options of `rpic test`.
+#[derive(Args, Debug)]
+pub(crate) struct TestArgs {
+    /// Programs (.rpi).
+    #[arg(required = true)]
+    pub(crate) files: Vec<PathBuf>,
+    /// Only tests whose title contains this.
+    #[arg(long, value_name = "TEXT")]
+    pub(crate) filter: Option<String>,
+    /// A test that does not finish by itself ends after so many cycles.
+    #[arg(long, default_value_t = 1000, value_name = "N", value_parser = clap::value_parser!(u64).range(1..))]
+    pub(crate) cycles: u64,
+    /// Period of the cycle.
+    #[arg(long, default_value = "1ms", value_parser = rpi_driver::parse_period, value_name = "TIME")]
+    pub(crate) period: u64,
+    /// Tell which fragments and branches no test has seen.
+    #[arg(long)]
+    pub(crate) coverage: bool,
+    /// Form of the findings: human, short, json, sarif or github.
+    #[arg(long, default_value = "human", value_name = "FORM")]
+    pub(crate) format: Format,
 }
 
 /// Options of `rpic compile`.

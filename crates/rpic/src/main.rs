@@ -1,4 +1,4 @@
-//! The compiler on the command line: `rpic check`, `compile`, `import`, `fmt`, `explain`, `graph`.
+//! The compiler on the command line: `rpic check`, `compile`, `import`, `fmt`, `test`, `explain`, `graph`.
 //!
 //! Exit status: 0 if all is well, 1 if something was found, 2 for bad usage or a file that cannot be read.
 
@@ -10,6 +10,7 @@ mod fix;
 mod fmt;
 mod outcome;
 mod shell;
+mod test;
 
 use std::process::ExitCode;
 
@@ -23,6 +24,7 @@ fn main() -> ExitCode {
         Task::Compile(args) => compile::compile(&args),
         Task::Import(args) => compile::import(&args),
         Task::Fmt(args) => fmt::fmt(&args),
+        Task::Test(args) => test::test(&args),
         Task::Explain { code } => explain::explain(&code),
         Task::Graph(args) => compile::graph(&args),
         Task::Completions { shell } => shell::completions(shell),

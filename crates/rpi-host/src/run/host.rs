@@ -110,7 +110,7 @@ fn end(image: &Image, ending: Ending) -> RunEnd {
     match ending.cause {
         Cause::Aborted(_) | Cause::Stopped(_) => RunEnd::CutOff,
         Cause::Fault(fault) => RunEnd::Fault {
-            what: what(fault.code).to_owned(),
+            what: fault_text(fault.code).to_owned(),
             place: image
                 .place_of(fault.cell)
                 .map_or_else(String::new, |p| p.path.clone()),
@@ -153,7 +153,7 @@ fn refused(why: Refused) -> String {
 }
 
 /// A fault in words.
-fn what(code: FaultCode) -> &'static str {
+pub(crate) fn fault_text(code: FaultCode) -> &'static str {
     match code {
         FaultCode::IntegerOverflow => "the result does not fit a 64-bit integer",
         FaultCode::DivisionByZero => "integer division by zero",

@@ -73,6 +73,7 @@ const EDGES: &[(&str, &[&str])] = &[
         &[
             "rpi-diag",
             "rpi-driver",
+            "rpi-host",
             "rpi-image",
             "rpi-net",
             "rpi-prims",

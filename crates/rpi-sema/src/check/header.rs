@@ -95,6 +95,7 @@ pub(super) fn kind_of(kind: DeclKind<'_>) -> Option<UnitKind> {
         DeclKind::Primitive(primitive) => primitive_kind(&primitive.signature.name.name),
         DeclKind::Fragment(_) => UnitKind::Fragment,
         DeclKind::Command(_) => UnitKind::Command,
+        DeclKind::Test(_) => UnitKind::Test,
         _ => return None,
     })
 }

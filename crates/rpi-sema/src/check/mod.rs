@@ -182,7 +182,8 @@ impl<'a> Checker<'a> {
             DeclKind::Node(_)
             | DeclKind::Fragment(_)
             | DeclKind::Primitive(_)
-            | DeclKind::Command(_) => return self.unit_alone(id),
+            | DeclKind::Command(_)
+            | DeclKind::Test(_) => return self.unit_alone(id),
             DeclKind::EnumValue { .. }
             | DeclKind::Frame(_)
             | DeclKind::Task(_)

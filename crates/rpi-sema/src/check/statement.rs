@@ -247,7 +247,7 @@ impl<'a> Body<'_, 'a> {
     }
 
     fn check_end(&mut self, end: &'a ast::End, span: Span) {
-        if self.unit.kind != typed::UnitKind::Command || self.block != BlockId::ROOT {
+        if !self.unit.kind.is_root() || self.block != BlockId::ROOT {
             let finding = Finding::new(Code::RPI8001, "only the body of a command can end it")
                 .at(span, "this is not at the top of a command")
                 .help(

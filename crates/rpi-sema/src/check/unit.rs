@@ -148,6 +148,7 @@ impl<'a> Body<'_, 'a> {
             DeclKind::Fragment(fragment) => self.check_fragment(fragment),
             DeclKind::Primitive(primitive) => self.check_primitive(primitive),
             DeclKind::Command(command) => self.check_command(command),
+            DeclKind::Test(test) => self.check_body(&test.body),
             _ => {}
         }
     }
@@ -239,5 +240,5 @@ impl<'a> Body<'_, 'a> {
 
 /// Whether a declaration can be called.
 pub(super) fn is_callable(kind: DeclKind<'_>) -> bool {
-    kind_of(kind).is_some_and(|kind| kind != UnitKind::Command)
+    kind_of(kind).is_some_and(|kind| !kind.is_root())
 }

@@ -4,7 +4,7 @@ use super::expr::leaf_scalars;
 use super::scope::Scope;
 use super::signal::{Signal, Wire, alias_of};
 use super::{At, Elab, Mode};
-use crate::typed::{BlockId, Claim, Equation, Expr, Place, Target, Unit};
+use crate::typed::{BlockId, Claim, Equation, Expr, Place, Target, Unit, UnitKind};
 use rpi_net::{self as net, PortRef, Restart};
 
 impl<'u> Elab<'u> {
@@ -72,6 +72,9 @@ impl<'u> Elab<'u> {
             .map_or("assert", |label| label.as_str());
         self.begin(&format!("{}{label}", scope.prefix));
         let condition = self.one(scope, claim.condition, at);
+        if scope.unit.kind == UnitKind::Test {
+            return self.expectation(scope, claim, &condition);
+        }
         self.assert(&condition, at, claim.span);
     }
 

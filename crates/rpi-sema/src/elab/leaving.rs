@@ -1,15 +1,16 @@
-//! Constants that leave their fragment: outside they are there only while the fragment is active (M4, M6).
+//! What leaves a fragment without having been made there: outside it is there only while the fragment is active (M4, M6).
 //!
-//! A flow inside of a fragment that is a constant needs no node there. Who reads it from outside reads an absent flow in
-//! the cycles in which the fragment is inactive; so for such a reader the constant becomes a node of the fragment.
+//! A flow inside of a fragment that is a constant, or another name for a flow from around it, needs no node there. Who
+//! reads it from outside reads an absent flow in the cycles in which the fragment is inactive; so for such a reader it
+//! becomes a node of the fragment.
 
 use super::scope::Scope;
 use super::signal::{Signal, Wire, alias_of};
 use super::{At, Elab, Mode};
 use crate::typed::{BlockId, FlowId};
 use rpi_diag::Span;
-use rpi_image::Type;
-use rpi_net::{Activation, FragmentId};
+use rpi_image::{Scalar, Type};
+use rpi_net::{Activation, FragmentId, PortRef};
 
 /// A leaf that leaves a block of which the fragment has not been made yet.
 pub(super) struct Leaving {
@@ -74,14 +75,17 @@ impl<'u> Elab<'u> {
         }
     }
 
-    /// An alias for a leaf that is a constant, or may turn out to be one.
+    /// An alias for a leaf that may turn out not to be made in its fragment.
     fn gate(&mut self, signal: &Signal) -> Option<(usize, Signal)> {
         let scalar = match signal {
             Signal::Const(value) => match value.ty()? {
                 Type::One(scalar) => scalar,
                 _ => return None,
             },
-            Signal::Port(port) => self.alias_types[alias_of(*port)?],
+            Signal::Port(port) => match alias_of(*port) {
+                Some(alias) => self.alias_types[alias],
+                None => self.scalar_of(*port)?,
+            },
             Signal::Element(..) | Signal::Absent => return None,
         };
         let port = self.new_alias(scalar);
@@ -99,13 +103,37 @@ impl<'u> Elab<'u> {
 
     /// What a settled alias stands for outside of the fragment that it comes from.
     pub(super) fn behind_gate(&mut self, alias: usize, signal: Signal) -> Signal {
-        match (self.gates.get(&alias), &signal) {
-            (Some(from), Signal::Const(_)) => {
-                let (from, scalar) = (At::fragment(*from), self.alias_types[alias]);
-                let port = self.port_of(&signal, scalar, from, Span::NONE);
+        let Some(&from) = self.gates.get(&alias) else {
+            return signal;
+        };
+        let scalar = self.alias_types[alias];
+        match signal {
+            Signal::Const(_) => {
+                let port = self.port_of(&signal, scalar, At::fragment(from), Span::NONE);
                 port.map_or(signal, Signal::Port)
             }
-            _ => signal,
+            Signal::Port(port) if !self.is_made_in(port, from) => {
+                self.passing_on(port, scalar, from, Span::NONE)
+            }
+            other => other,
+        }
+    }
+
+    fn is_made_in(&self, port: PortRef, fragment: FragmentId) -> bool {
+        let maker = self.net.node(port.node).fragment;
+        self.net.enclosing(maker).any(|f| f == fragment)
+    }
+
+    /// The type of a port of one leaf.
+    fn scalar_of(&self, port: PortRef) -> Option<Scalar> {
+        match self
+            .net
+            .node(port.node)
+            .outputs
+            .get(usize::from(port.port))?
+        {
+            Type::One(scalar) => Some(*scalar),
+            _ => None,
         }
     }
 }

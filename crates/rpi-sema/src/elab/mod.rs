@@ -22,6 +22,7 @@ mod call;
 mod clocks;
 mod device;
 mod each;
+mod expect;
 mod expr;
 mod families;
 mod flows;
@@ -35,6 +36,7 @@ mod scope;
 mod settle;
 mod signal;
 
+pub use expect::Expectation;
 pub use root::{Argument, Elaborated, PortShape, elaborate, elaborate_steps, parameters};
 
 use crate::facts::Facts;
@@ -144,6 +146,8 @@ struct Elab<'u> {
     serial: u32,
     /// How deep calls are nested.
     depth: u32,
+    /// What the test that is elaborated expects.
+    expectations: Vec<Expectation>,
     findings: Vec<Finding>,
 }
 
@@ -172,6 +176,7 @@ impl<'u> Elab<'u> {
             name: String::new(),
             serial: 0,
             depth: 0,
+            expectations: Vec::new(),
             findings: Vec::new(),
         }
     }

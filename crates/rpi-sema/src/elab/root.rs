@@ -1,5 +1,6 @@
 //! What is run: a command, or a node by itself.
 
+use super::expect::Expectation;
 use super::scope::{Scope, State};
 use super::signal::{Signal, single};
 use super::{At, Elab, Mode};
@@ -38,6 +39,8 @@ pub struct Elaborated {
     pub inputs: Vec<PortShape>,
     /// Out-ports, leaf by leaf.
     pub outputs: Vec<PortShape>,
+    /// What a test expects.
+    pub expectations: Vec<Expectation>,
     /// What was found on the way.
     pub findings: Vec<Finding>,
 }
@@ -79,6 +82,7 @@ fn elaborate_in(
         net: elab.net,
         inputs,
         outputs,
+        expectations: elab.expectations,
         findings: elab.findings,
     }
 }
@@ -189,7 +193,7 @@ impl<'u> Elab<'u> {
         shapes
     }
 
-    fn export(&mut self, key: &str, signal: &Signal, ty: &Ty, span: rpi_diag::Span) {
+    pub(super) fn export(&mut self, key: &str, signal: &Signal, ty: &Ty, span: rpi_diag::Span) {
         let scalar = ty.scalar().unwrap_or(Scalar::Bool);
         if let Some(source) = self.port_of(signal, scalar, At::ROOT, span) {
             self.net.exports.push(ExportPort {
@@ -224,11 +228,13 @@ impl<'u> Elab<'u> {
 
     fn driver(&mut self, scope: &mut Scope<'u>) {
         let unit = scope.unit;
-        if unit.kind != UnitKind::Command {
+        let ends = &unit.block(BlockId::ROOT).ends;
+        let endless = unit.kind == UnitKind::Test && ends.is_empty();
+        if !unit.kind.is_root() || endless {
             return;
         }
         let mut results = Vec::new();
-        for end in &unit.block(BlockId::ROOT).ends {
+        for end in ends {
             self.begin(&end.result);
             let signal = self.one(scope, end.condition, At::ROOT);
             let condition = match signal {

@@ -35,7 +35,7 @@ impl<'a> Program<'a> {
 
 #[derive(Default)]
 struct Collector<'a> {
-    modules: Vec<Module<'a>>,
+    modules: Vec<Module>,
     decls: Vec<Decl<'a>>,
     findings: Vec<Finding>,
 }
@@ -46,7 +46,6 @@ impl<'a> Collector<'a> {
             name: source.name.clone(),
             mode: source.mode,
             decls: Vec::new(),
-            tests: Vec::new(),
             uses: Vec::new(),
             names: Map::default(),
         });
@@ -74,7 +73,9 @@ impl<'a> Collector<'a> {
             ItemKind::Frame(d) => self.all(&d.names, doc, DeclKind::Frame(d)),
             ItemKind::Command(d) => self.one(&d.name, doc, DeclKind::Command(d)),
             ItemKind::Task(d) => self.one(&d.name, doc, DeclKind::Task(d)),
-            ItemKind::Test(d) => self.current().tests.push(d),
+            ItemKind::Test(d) => {
+                self.nameless(&d.title, doc, DeclKind::Test(d));
+            }
             ItemKind::Broken(names) => {
                 for declared in names {
                     self.one(&declared.name, None, DeclKind::Broken(declared.kind));
@@ -103,6 +104,17 @@ impl<'a> Collector<'a> {
     }
 
     fn one(&mut self, name: &Ident, doc: Option<&'a Doc>, kind: DeclKind<'a>) {
+        let id = self.nameless(name, doc, kind);
+        let current = self.current();
+        if let Some(first) = current.names.insert(name.name.clone(), id) {
+            current.names.insert(name.name.clone(), first);
+            let first = self.decls[first.0 as usize].span;
+            self.findings.push(twice(&name.name, name.span, first));
+        }
+    }
+
+    /// A declaration that no name finds.
+    fn nameless(&mut self, name: &Ident, doc: Option<&'a Doc>, kind: DeclKind<'a>) -> DeclId {
         let module = ModuleId(u32::try_from(self.modules.len() - 1).unwrap_or(u32::MAX));
         self.decls.push(Decl {
             name: name.name.clone(),
@@ -112,13 +124,8 @@ impl<'a> Collector<'a> {
             kind,
         });
         let id = last_id(&self.decls);
-        let current = self.current();
-        current.decls.push(id);
-        if let Some(first) = current.names.insert(name.name.clone(), id) {
-            current.names.insert(name.name.clone(), first);
-            let first = self.decls[first.0 as usize].span;
-            self.findings.push(twice(&name.name, name.span, first));
-        }
+        self.current().decls.push(id);
+        id
     }
 
     fn uses(&mut self, id: ModuleId, file: &File, sources: &[Source<'_>]) {
@@ -135,7 +142,7 @@ impl<'a> Collector<'a> {
         }
     }
 
-    fn current(&mut self) -> &mut Module<'a> {
+    fn current(&mut self) -> &mut Module {
         let last = self.modules.len() - 1;
         &mut self.modules[last]
     }

@@ -25,7 +25,7 @@ impl Program<'_> {
         }
     }
 
-    fn imported(&self, module: &Module<'_>, name: &Name) -> Lookup {
+    fn imported(&self, module: &Module, name: &Name) -> Lookup {
         let names = |id: &ModuleId| self.module(*id).names.get(name).copied();
         let found: Vec<DeclId> = module.uses.iter().filter_map(names).collect();
         match found.first() {
@@ -34,7 +34,7 @@ impl Program<'_> {
         }
     }
 
-    fn implied(&self, module: &Module<'_>, name: &Name) -> Lookup {
+    fn implied(&self, module: &Module, name: &Name) -> Lookup {
         let mut implicit = self.implicit_of(module).iter();
         match implicit.find_map(|id| self.module(*id).names.get(name)) {
             Some(id) => Lookup::Found(*id),
@@ -50,14 +50,14 @@ impl Program<'_> {
     }
 
     /// The modules that a module uses without saying so; Lustre has none.
-    fn implicit_of(&self, module: &Module<'_>) -> &[ModuleId] {
+    fn implicit_of(&self, module: &Module) -> &[ModuleId] {
         match module.mode {
             Mode::Rpi => &self.implicit,
             Mode::Lustre => &[],
         }
     }
 
-    fn qualified(&self, module: &Module<'_>, name: &Name) -> Lookup {
+    fn qualified(&self, module: &Module, name: &Name) -> Lookup {
         let Some((first, rest)) = name.split_once("::") else {
             return Lookup::Missing;
         };

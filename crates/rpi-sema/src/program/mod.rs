@@ -83,6 +83,8 @@ pub enum DeclKind<'a> {
     Command(&'a CommandDecl),
     /// A task.
     Task(&'a TaskDecl),
+    /// A test; its title is no name that others could use.
+    Test(&'a TestDecl),
     /// Something that did not parse: its name is known, so that nobody complains about it.
     Broken(DeclaredKind),
 }
@@ -102,21 +104,20 @@ impl DeclKind<'_> {
             DeclKind::Frame(_) | DeclKind::Broken(DeclaredKind::Frame) => "a frame",
             DeclKind::Command(_) | DeclKind::Broken(DeclaredKind::Command) => "a command",
             DeclKind::Task(_) | DeclKind::Broken(DeclaredKind::Task) => "a task",
+            DeclKind::Test(_) => "a test",
         }
     }
 }
 
 /// A module.
 #[derive(Debug)]
-pub struct Module<'a> {
+pub struct Module {
     /// Its name.
     pub name: Name,
     /// Which words its files know.
     pub mode: Mode,
     /// Its declarations in text order.
     pub decls: Vec<DeclId>,
-    /// Its tests in text order.
-    pub tests: Vec<&'a TestDecl>,
     /// The modules that it uses, in text order.
     uses: Vec<ModuleId>,
     names: Map<Name, DeclId>,
@@ -126,7 +127,7 @@ pub struct Module<'a> {
 #[derive(Debug)]
 pub struct Program<'a> {
     /// The modules; the first is the one that was asked for.
-    pub modules: Vec<Module<'a>>,
+    pub modules: Vec<Module>,
     /// The declarations of all modules.
     pub decls: Vec<Decl<'a>>,
     /// The modules that every `.rpi` module uses without saying so.
@@ -142,13 +143,13 @@ impl<'a> Program<'a> {
 
     /// The module of this index.
     #[must_use]
-    pub fn module(&self, id: ModuleId) -> &Module<'a> {
+    pub fn module(&self, id: ModuleId) -> &Module {
         &self.modules[id.0 as usize]
     }
 
     /// The module that was asked for.
     #[must_use]
-    pub fn root(&self) -> &Module<'a> {
+    pub fn root(&self) -> &Module {
         &self.modules[0]
     }
 }

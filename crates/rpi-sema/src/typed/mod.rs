@@ -49,8 +49,18 @@ pub enum UnitKind {
     Fragment,
     /// The root of a net.
     Command,
+    /// The root of a net whose claims are watched from outside.
+    Test,
     /// An expression at the top of a module, or in a type.
     Constant,
+}
+
+impl UnitKind {
+    /// Whether it is run and never called.
+    #[must_use]
+    pub fn is_root(self) -> bool {
+        matches!(self, UnitKind::Command | UnitKind::Test)
+    }
 }
 
 /// A callable for one choice of static arguments.

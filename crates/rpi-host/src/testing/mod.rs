@@ -1,0 +1,218 @@
+//! Tests of programs: a net without devices, run cycle by cycle, with conditions that are watched.
+//!
+//! The runner knows an image and the keys of the exports that carry the conditions; what they mean in the program's text
+//! is the business of who made the image.
+
+mod coverage;
+
+pub use coverage::Coverage;
+
+use rpi_core::{Machine, Moment, Verdict};
+use rpi_device::NoDevices;
+use rpi_image::Image;
+use rpi_image::image::{End, EndKind, Export, Signal, TextRange};
+use rpi_net::literal;
+
+/// What is run and watched.
+#[derive(Debug)]
+pub struct Case<'a> {
+    /// The net, lowered to be looked at.
+    pub image: Image,
+    /// For each condition its export, and the exports that tell why.
+    pub conditions: &'a [Condition],
+    /// `path.port` of the Booleans that are to be seen both ways.
+    pub branches: &'a [String],
+    /// It ends after so many cycles if it does not end itself.
+    pub cycles: u64,
+}
+
+/// Something that must be true in every cycle in which it is present.
+#[derive(Clone, Debug)]
+pub struct Condition {
+    /// Key of its export.
+    pub key: String,
+    /// Keys of the exports that are shown when it fails.
+    pub reads: Vec<String>,
+}
+
+/// What came of it.
+#[derive(Debug)]
+pub struct Report {
+    /// Cycles that were run.
+    pub cycles: u64,
+    /// For each condition what became of it.
+    pub verdicts: Vec<Holds>,
+    /// How it ended, if not by its last cycle.
+    pub end: Option<Ended>,
+    /// What was active and chosen.
+    pub coverage: Coverage,
+}
+
+/// What became of a condition.
+#[derive(Clone, PartialEq, Debug)]
+pub enum Holds {
+    /// It was true whenever it was there.
+    Always,
+    /// It was absent in all cycles.
+    Never,
+    /// It was false: the first cycle, and what was read there.
+    Broken {
+        /// The cycle, from 0.
+        cycle: u64,
+        /// Names and values; `null` for an absent one.
+        values: Vec<(String, String)>,
+    },
+}
+
+/// How a test ended itself.
+#[derive(Clone, PartialEq, Debug)]
+pub enum Ended {
+    /// By `finish` or `yield`.
+    Finished,
+    /// By `fail`, whose name this is.
+    Failed(String),
+    /// By a fault.
+    Fault {
+        /// What happened.
+        what: &'static str,
+        /// Where in the text.
+        place: Option<TextRange>,
+    },
+}
+
+impl Report {
+    /// Whether nothing speaks against it.
+    #[must_use]
+    pub fn passed(&self) -> bool {
+        let ended = matches!(self.end, None | Some(Ended::Finished));
+        ended && self.verdicts.iter().all(|holds| *holds == Holds::Always)
+    }
+}
+
+/// Runs a test.
+///
+/// # Errors
+/// Why its image cannot be loaded.
+pub fn run(case: Case<'_>) -> Result<Report, String> {
+    let machine = Machine::load(case.image, &mut NoDevices).map_err(|faults| {
+        let faults: Vec<String> = faults.iter().map(ToString::to_string).collect();
+        faults.join("; ")
+    })?;
+    let mut watch = Watch::new(machine, case.conditions, case.branches);
+    let end = (0..case.cycles).find_map(|cycle| watch.cycle(cycle));
+    Ok(watch.report(end))
+}
+
+/// A test under way.
+struct Watch {
+    machine: Machine,
+    conditions: Vec<Watched>,
+    coverage: Coverage,
+    cycles: u64,
+}
+
+struct Watched {
+    signal: Option<Signal>,
+    reads: Vec<Export>,
+    holds: Holds,
+}
+
+impl Watch {
+    fn new(machine: Machine, conditions: &[Condition], branches: &[String]) -> Watch {
+        let image = machine.image().clone();
+        let export = |key: &String| image.exports.iter().find(|e| e.key == *key);
+        let watched = |condition: &Condition| Watched {
+            signal: export(&condition.key).map(|e| e.value),
+            reads: condition.reads.iter().filter_map(export).cloned().collect(),
+            holds: Holds::Never,
+        };
+        Watch {
+            conditions: conditions.iter().map(watched).collect(),
+            coverage: Coverage::new(&image, branches),
+            machine,
+            cycles: 0,
+        }
+    }
+
+    /// One cycle; how the test ended with it.
+    fn cycle(&mut self, cycle: u64) -> Option<Ended> {
+        let bank = &mut NoDevices;
+        self.machine.read(bank, &moment(cycle, &self.machine));
+        self.machine.evaluate(bank);
+        self.machine.commit();
+        self.machine.hand_over(bank);
+        self.cycles += 1;
+        let verdict = self.machine.verdict(&[]);
+        if let Some(Verdict::Fault(fault)) = verdict {
+            let place = self.machine.image().place_of(fault.cell);
+            return Some(Ended::Fault {
+                what: crate::run::fault_text(fault.code),
+                place: place.and_then(|place| place.text),
+            });
+        }
+        for condition in &mut self.conditions {
+            condition.look(cycle, &self.machine);
+        }
+        self.coverage.look(&self.machine);
+        verdict.map(|verdict| self.ended(verdict))
+    }
+
+    fn ended(&self, verdict: Verdict) -> Ended {
+        match (verdict, &self.machine.image().end) {
+            (Verdict::Result(k), End::Results(results)) if results[k].kind == EndKind::Fail => {
+                Ended::Failed(results[k].name.clone())
+            }
+            _ => Ended::Finished,
+        }
+    }
+
+    fn report(self, end: Option<Ended>) -> Report {
+        Report {
+            cycles: self.cycles,
+            verdicts: self.conditions.into_iter().map(|c| c.holds).collect(),
+            end,
+            coverage: self.coverage,
+        }
+    }
+}
+
+impl Watched {
+    fn look(&mut self, cycle: u64, machine: &Machine) {
+        if matches!(self.holds, Holds::Broken { .. }) {
+            return;
+        }
+        // A condition that is true in every cycle is no export of its own.
+        let value = self
+            .signal
+            .map_or(Some(1), |s| machine.value(s).map(|v| v[0]));
+        match value {
+            None => {}
+            Some(0) => self.holds = self.broken(cycle, machine),
+            Some(_) => self.holds = Holds::Always,
+        }
+    }
+
+    fn broken(&self, cycle: u64, machine: &Machine) -> Holds {
+        let text = |read: &Export| {
+            let value = machine.value(read.value);
+            let text = value.map_or_else(
+                || "null".to_owned(),
+                |cells| literal::write(cells, read.value.ty),
+            );
+            (read.key.clone(), text)
+        };
+        let values = self.reads.iter().map(text).collect();
+        Holds::Broken { cycle, values }
+    }
+}
+
+/// The time of a cycle: the epoch is the start of the test.
+fn moment(cycle: u64, machine: &Machine) -> Moment {
+    let ns = cycle.saturating_mul(machine.image().period_ns);
+    let ns = i64::try_from(ns).unwrap_or(i64::MAX);
+    Moment {
+        net_ns: ns,
+        wall_ns: ns,
+        ..Moment::default()
+    }
+}

@@ -1,0 +1,215 @@
+//! `rpic test`: runs the tests that stand in programs.
+
+use std::collections::BTreeMap;
+use std::path::Path;
+
+use rpi_diag::{Code, Finding, SourceMap, Span};
+use rpi_driver::{Compiled, Test};
+use rpi_host::testing::{Case, Condition, Ended, Holds, Report, run};
+use rpi_image::image::TextRange;
+
+use crate::args::TestArgs;
+use crate::check::show;
+use crate::outcome::{Exit, Outcome, put};
+
+/// Runs the tests of each file; one that fails decides.
+pub(crate) fn test(args: &TestArgs) -> Outcome {
+    let (mut exit, mut tally) = (Exit::Good, Tally::default());
+    for file in &args.files {
+        let compiled = rpi_driver::compile(&rpi_driver::read(file)?)?;
+        show(args.format, &compiled.findings, &compiled.sources)?;
+        if compiled.has_errors() {
+            exit = Exit::Found;
+            continue;
+        }
+        one_file(file, args, &compiled, &mut tally)?;
+    }
+    put(None, tally.text().as_bytes())?;
+    Ok(match tally.failed {
+        0 => exit,
+        _ => Exit::Found,
+    })
+}
+
+/// How many tests went how.
+#[derive(Default)]
+struct Tally {
+    passed: usize,
+    failed: usize,
+    left_out: usize,
+}
+
+impl Tally {
+    fn text(&self) -> String {
+        let left_out = match self.left_out {
+            0 => String::new(),
+            n => format!(", {n} left out"),
+        };
+        format!("{} passed, {} failed{left_out}\n", self.passed, self.failed)
+    }
+}
+
+fn one_file(
+    file: &Path,
+    args: &TestArgs,
+    compiled: &Compiled,
+    tally: &mut Tally,
+) -> Result<(), Box<dyn std::error::Error>> {
+    let wanted = |test: &Test| args.filter.as_ref().is_none_or(|f| test.title.contains(f));
+    let mut seen = Seen::default();
+    for test in &compiled.tests {
+        if !wanted(test) {
+            tally.left_out += 1;
+            continue;
+        }
+        let report = report(test, args)?;
+        let passed = report.passed();
+        let word = if passed { "ok  " } else { "FAIL" };
+        let (title, cycles) = (&test.title, report.cycles);
+        let line = format!("{word} {}: {title} ({cycles} cycles)\n", file.display());
+        put(None, line.as_bytes())?;
+        match passed {
+            true => tally.passed += 1,
+            false => tally.failed += 1,
+        }
+        show(args.format, &findings(test, &report), &compiled.sources)?;
+        seen.add(test, &report);
+    }
+    match args.coverage {
+        true => put(None, seen.text(&compiled.sources).as_bytes()),
+        false => Ok(()),
+    }
+}
+
+fn report(test: &Test, args: &TestArgs) -> Result<Report, String> {
+    let conditions: Vec<Condition> = test
+        .expectations
+        .iter()
+        .map(|expectation| Condition {
+            key: expectation.key.clone(),
+            reads: expectation.reads.clone(),
+        })
+        .collect();
+    let branches: Vec<String> = test.branches.iter().map(|b| b.condition.clone()).collect();
+    run(Case {
+        image: rpi_driver::lower_to_look(&test.net, args.period)?,
+        conditions: &conditions,
+        branches: &branches,
+        cycles: args.cycles,
+    })
+    .map_err(|why| format!("{}: {why}", test.title))
+}
+
+/// What speaks against a test.
+fn findings(test: &Test, report: &Report) -> Vec<Finding> {
+    let mut findings = Vec::new();
+    for (expectation, holds) in test.expectations.iter().zip(&report.verdicts) {
+        let name = expectation.label.as_deref().unwrap_or("this");
+        match holds {
+            Holds::Always => {}
+            Holds::Never => findings.push(
+                Finding::new(
+                    Code::RPI9002,
+                    format!("{name} was absent in all {} cycles", report.cycles),
+                )
+                .at(expectation.span, "nothing was ever claimed here"),
+            ),
+            Holds::Broken { cycle, values } => {
+                findings.push(broken(name, *cycle, values, expectation.span));
+            }
+        }
+    }
+    findings.extend(report.end.as_ref().and_then(|end| ended(test, report, end)));
+    findings
+}
+
+fn broken(name: &str, cycle: u64, values: &[(String, String)], span: Span) -> Finding {
+    let finding = Finding::new(
+        Code::RPI9001,
+        format!("{name} does not hold in cycle {cycle}"),
+    )
+    .at(span, "false here");
+    let values: Vec<String> = values
+        .iter()
+        .map(|(name, value)| format!("{name} = {value}"))
+        .collect();
+    match values.is_empty() {
+        true => finding,
+        false => finding.note(format!("in this cycle {}", values.join(", "))),
+    }
+}
+
+fn ended(test: &Test, report: &Report, end: &Ended) -> Option<Finding> {
+    let cycle = report.cycles.saturating_sub(1);
+    match end {
+        Ended::Finished => None,
+        Ended::Failed(name) => Some(
+            Finding::new(
+                Code::RPI9001,
+                format!("it ended by `fail {name}` in cycle {cycle}"),
+            )
+            .at(test.span, "this test"),
+        ),
+        Ended::Fault { what, place } => {
+            let finding = Finding::new(Code::RPI9003, format!("{what}, in cycle {cycle}"));
+            Some(match place {
+                Some(place) => finding
+                    .at(span(*place), "here")
+                    .also(test.span, "in this test"),
+                None => finding.at(test.span, "in this test"),
+            })
+        }
+    }
+}
+
+fn span(range: TextRange) -> Span {
+    let file = rpi_diag::FileId(range.file);
+    Span {
+        file,
+        start: range.start,
+        end: range.end,
+    }
+}
+
+/// What all tests of a file together have seen.
+#[derive(Default)]
+struct Seen {
+    fragments: BTreeMap<String, bool>,
+    branches: BTreeMap<Span, [bool; 2]>,
+}
+
+impl Seen {
+    fn add(&mut self, test: &Test, report: &Report) {
+        for (path, active) in &report.coverage.fragments {
+            *self.fragments.entry(path.clone()).or_default() |= active;
+        }
+        for (branch, ways) in test.branches.iter().zip(&report.coverage.branches) {
+            let seen = self.branches.entry(branch.span).or_default();
+            (0..2).for_each(|way| seen[way] |= ways[way]);
+        }
+    }
+
+    fn text(&self, sources: &SourceMap) -> String {
+        let active = self.fragments.values().filter(|active| **active).count();
+        let ways: usize = self.branches.values().flatten().filter(|way| **way).count();
+        let mut text = format!(
+            "coverage: {active} of {} fragments, {ways} of {} branches\n",
+            self.fragments.len(),
+            2 * self.branches.len()
+        );
+        for (path, _) in self.fragments.iter().filter(|(_, active)| !**active) {
+            text.push_str(&format!("  never active: {path}\n"));
+        }
+        for (span, ways) in &self.branches {
+            let missing = [(ways[0], "else"), (ways[1], "then")];
+            for (_, branch) in missing.iter().filter(|(seen, _)| !seen) {
+                let (file, at) = (sources.name(span.file), sources.line_col(*span));
+                let (line, column) = (at.line, at.col);
+                text.push_str(&format!(
+                    "  `{branch}` never taken: {file}:{line}:{column}\n"
+                ));
+            }
+        }
+        text
+    }
+}

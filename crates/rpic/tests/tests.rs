@@ -1,0 +1,123 @@
+//! `rpic test`: tests that stand in programs, and the pages of the codes that they give.
+
+use std::process::{Command, Output};
+
+fn rpic(args: &[&str]) -> Output {
+    Command::new(env!("CARGO_BIN_EXE_rpic"))
+        .args(args)
+        .env("NO_COLOR", "1")
+        .output()
+        .unwrap()
+}
+
+/// Runs the tests of a program.
+fn run(program: &str, options: &[&str]) -> (Option<i32>, String) {
+    let dir = tempfile::tempdir().unwrap();
+    let path = dir.path().join("program.rpi");
+    std::fs::write(&path, program).unwrap();
+    let path = path.display().to_string();
+    let output = rpic(&[&["test", &path], options].concat());
+    let text = [output.stdout, output.stderr].concat();
+    let text = String::from_utf8_lossy(&text).replace(&path, "program.rpi");
+    (output.status.code(), text)
+}
+
+const LAMP: &str = include_str!("data/lamp.rpi");
+
+#[test]
+fn a_test_that_holds_passes() {
+    let (status, text) = run(LAMP, &[]);
+    assert_eq!(status, Some(0), "{text}");
+    assert!(
+        text.contains("ok   program.rpi: a push switches the lamp on (5 cycles)"),
+        "{text}"
+    );
+    assert!(text.contains("2 passed, 0 failed"), "{text}");
+}
+
+#[test]
+fn a_claim_that_does_not_hold_is_shown_with_cycle_and_values() {
+    let (status, text) = run(&LAMP.replace("level <= 0.35", "level <= 0.25"), &[]);
+    assert_eq!(status, Some(1), "{text}");
+    for part in ["RPI9001", "in cycle 3", "level = 0.3", "1 passed, 1 failed"] {
+        assert!(text.contains(part), "{part} in {text}");
+    }
+}
+
+#[test]
+fn tests_are_chosen_by_title() {
+    let (status, text) = run(LAMP, &["--filter", "goes out"]);
+    assert_eq!(status, Some(0), "{text}");
+    assert!(text.contains("1 passed, 0 failed, 1 left out"), "{text}");
+}
+
+#[test]
+fn coverage_names_what_was_not_seen() {
+    let (_, all) = run(LAMP, &["--coverage"]);
+    assert!(
+        all.contains("coverage: 2 of 2 fragments, 2 of 2 branches"),
+        "{all}"
+    );
+    let (_, part) = run(LAMP, &["--coverage", "--filter", "goes out"]);
+    assert!(part.contains("never active: lamp.On"), "{part}");
+}
+
+#[test]
+fn a_fault_is_shown_where_it_happened() {
+    let program =
+        "test \"a ratio\"\nlet\n  n = 2 -> pre n - 1;\n  q = 6 div n;\n  assert q >= 0;\ntel\n";
+    let (status, text) = run(program, &[]);
+    assert_eq!(status, Some(1));
+    for part in [
+        "RPI9003",
+        "integer division by zero, in cycle 2",
+        "program.rpi:4:7",
+    ] {
+        assert!(text.contains(part), "{part} in {text}");
+    }
+}
+
+#[test]
+fn findings_of_tests_come_in_other_forms_too() {
+    let (_, text) = run(
+        &LAMP.replace("level <= 0.35", "level <= 0.25"),
+        &["--format", "short"],
+    );
+    assert!(text.contains("error RPI9001"), "{text}");
+}
+
+#[test]
+fn pages_of_failing_tests_say_what_happens() {
+    for code in ["RPI9001", "RPI9002", "RPI9003"] {
+        let page = String::from_utf8(rpic(&["explain", code]).stdout).unwrap();
+        let (status, text) = run(fence(&page, "rpi-wrong test"), &[]);
+        assert_eq!(status, Some(1), "{text}");
+        assert_eq!(text.matches("error RPI").count(), 1, "{text}");
+        assert!(text.contains(code), "{text}");
+        let (status, text) = run(fence(&page, "rpi-right test"), &[]);
+        assert_eq!(status, Some(0), "{text}");
+    }
+}
+
+/// The program of a fence in Markdown.
+fn fence<'p>(page: &'p str, info: &str) -> &'p str {
+    let (_, rest) = page
+        .split_once(&format!("```{info}\n"))
+        .expect("the page has it");
+    rest.split_once("```").expect("it is closed").0
+}
+
+/// What the language means, said in the language.
+#[test]
+fn what_programs_claim_of_the_language_holds() {
+    let folder = concat!(env!("CARGO_MANIFEST_DIR"), "/../../tests/meaning");
+    let entries = std::fs::read_dir(folder).unwrap();
+    let paths = entries.map(|entry| entry.unwrap().path().display().to_string());
+    let mut paths: Vec<String> = paths.collect();
+    paths.sort();
+    let paths: Vec<&str> = paths.iter().map(String::as_str).collect();
+    let output = rpic(&[&["test"], &paths[..]].concat());
+    let said = String::from_utf8_lossy(&output.stdout);
+    let why = String::from_utf8_lossy(&output.stderr);
+    assert_eq!(output.status.code(), Some(0), "{said}{why}");
+}
