@@ -13,8 +13,10 @@
 //! | `format.rs` | the forms of output: `render.rs` (for people), `json.rs`, `sarif.rs`, `github.rs` |
 //! | `snippet.rs`, `texts.rs`, `footer.rs` | the parts of the form for people |
 //! | `style.rs` | what a terminal can show |
+//! | `apply.rs` | applying fixes to texts |
 //! | `suggest.rs` | "did you mean" |
 
+mod apply;
 mod codes;
 mod finding;
 mod footer;
@@ -29,6 +31,7 @@ mod style;
 mod suggest;
 mod texts;
 
+pub use apply::{apply, sure_edits};
 pub use codes::{Code, Severity};
 pub use finding::{Applicability, Edit, Finding, Fix, Label};
 pub use format::{Format, render_as};

@@ -3,13 +3,14 @@
 //! The findings are there at once; the table of names and the facts about presence are made when they are first asked for.
 
 use std::cell::OnceCell;
+use std::collections::BTreeMap;
 use std::path::Path;
 
 use rpi_diag::{FileId, Finding, SourceMap, Span};
 use rpi_sema::Checked;
 use rpi_sema::facts::{self, Facts};
 use rpi_sema::program::Program;
-use rpi_sema::query::{Def, Index, Typed, type_around, types_of_flow, types_of_read};
+use rpi_sema::query::{Def, Index, Typed, type_around, types_of_flows, types_of_read};
 use rpi_syntax::Mode;
 use rpi_syntax::ast::Item;
 
@@ -29,6 +30,7 @@ pub struct Inspected {
     checked: Checked,
     index: OnceCell<Index>,
     facts: OnceCell<Vec<Facts>>,
+    flows: OnceCell<BTreeMap<Span, Vec<Typed>>>,
 }
 
 /// Takes a text through all stages; other files that it needs come from `files`. The name of the file tells the language.
@@ -45,6 +47,7 @@ pub fn inspect(path: &Path, text: &str, files: &dyn Files) -> Inspected {
         checked,
         index: OnceCell::new(),
         facts: OnceCell::new(),
+        flows: OnceCell::new(),
     }
 }
 
@@ -67,8 +70,10 @@ impl Inspected {
     /// The types of a definition that is a flow, each once: there are several if it is checked for several choices of
     /// static arguments, and none if the checker did not come that far.
     #[must_use]
-    pub fn types_of(&self, def: &Def) -> Vec<Typed> {
-        types_of_flow(&self.checked.units, self.facts(), def.span)
+    pub fn types_of(&self, def: &Def) -> &[Typed] {
+        let flows = || types_of_flows(&self.checked.units, self.facts());
+        let found = self.flows.get_or_init(flows).get(&def.span);
+        found.map_or(&[], Vec::as_slice)
     }
 
     /// The types of what a name stands for where it is read, each once.
@@ -126,10 +131,10 @@ mod tests {
         assert_eq!(half.doc.as_deref(), Some("Half of it."));
         let z = at("z;").unwrap();
         assert_eq!(z.span.start, offset(TEXT, "z = half"));
-        let text = |types: Vec<Typed>| types.iter().map(Typed::to_string).collect::<Vec<_>>();
+        let text = |types: &[Typed]| types.iter().map(Typed::to_string).collect::<Vec<_>>();
         assert_eq!(text(seen.types_of(z)), ["real[m]"]);
         let read = index.at(FileId(0), offset(TEXT, "z;\n  c")).unwrap();
-        assert_eq!(text(seen.types_of_read(read.span)), ["real[m]?"]);
+        assert_eq!(text(&seen.types_of_read(read.span)), ["real[m]?"]);
         let item = seen.item_around(half.whole).unwrap();
         let head = rpi_syntax::head(item, seen.mode());
         assert_eq!(head, "function half (x: real[m]) returns (y: real[m])");

@@ -16,6 +16,25 @@ pub(crate) fn extended<T>(mut list: Vec<T>, more: impl IntoIterator<Item = T>) -
     list
 }
 
+/// The ports after one of `actuator`, `sensor`, `status`. A doc comment above the word is the first port's.
+pub(crate) fn device_section(
+    cx: &Context<'_>,
+    kind: PortKind,
+    mut ports: Vec<DevicePort>,
+    start: u32,
+    end: u32,
+) -> DeviceSection {
+    let first = ports.first_mut();
+    if let Some(first) = first.and_then(|port| port.alternatives.first_mut()) {
+        first.doc = first.doc.take().or_else(|| cx.doc(start));
+    }
+    DeviceSection {
+        kind,
+        ports,
+        span: cx.span(start, end),
+    }
+}
+
 pub(crate) fn signature(
     name: Ident,
     statics: Vec<StaticParam>,

@@ -5,10 +5,12 @@
 
 mod alloc;
 mod gz;
+mod lsp;
 mod shared;
 mod workspace;
 
 pub use alloc::{AllocDisabler, alloc_allowed, no_alloc};
 pub use gz::read_maybe_gz;
+pub use lsp::LspClient;
 pub use shared::{report_skip, shared_dir, shared_path};
 pub use workspace::{files_below, workspace_root};

@@ -38,6 +38,8 @@ pub(crate) enum Task {
     },
     /// Draw a net.
     Graph(GraphArgs),
+    /// Serve an editor (Language Server Protocol, over standard input and output).
+    Lsp,
     /// Print the completions of a shell.
     #[command(hide = true)]
     Completions {

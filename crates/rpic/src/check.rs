@@ -4,10 +4,10 @@ use std::io::IsTerminal;
 use std::path::Path;
 
 use rpi_diag::{Finding, Format, Severity, SourceMap, Style, render_as};
+use rpi_diag::{apply, sure_edits};
 use rpi_driver::Compiled;
 
 use crate::args::CheckArgs;
-use crate::fix::{apply, sure_edits};
 use crate::outcome::{Exit, Outcome, put};
 
 /// Checks each file; the worst of them decides.

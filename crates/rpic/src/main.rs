@@ -1,4 +1,4 @@
-//! The compiler on the command line: `rpic check`, `compile`, `import`, `fmt`, `test`, `explain`, `graph`.
+//! The compiler on the command line: `rpic check`, `compile`, `import`, `fmt`, `test`, `explain`, `graph`, `lsp`.
 //!
 //! Exit status: 0 if all is well, 1 if something was found, 2 for bad usage or a file that cannot be read.
 
@@ -6,8 +6,8 @@ mod args;
 mod check;
 mod compile;
 mod explain;
-mod fix;
 mod fmt;
+mod lsp;
 mod outcome;
 mod shell;
 mod test;
@@ -26,6 +26,7 @@ fn main() -> ExitCode {
         Task::Fmt(args) => fmt::fmt(&args),
         Task::Test(args) => test::test(&args),
         Task::Explain { code } => explain::explain(&code),
+        Task::Lsp => lsp::lsp(),
         Task::Graph(args) => compile::graph(&args),
         Task::Completions { shell } => shell::completions(shell),
         Task::Man { folder } => shell::man(&folder),

@@ -6,11 +6,13 @@ mod differences;
 mod findings;
 mod primitives;
 mod textmate;
+mod vim;
 mod words;
 
 use std::io;
 use std::path::PathBuf;
 
+use rpi_syntax::Mode;
 use rpi_testkit::workspace_root;
 
 /// A file that is made from tables.
@@ -65,6 +67,14 @@ pub fn generated() -> Vec<Generated> {
         Generated {
             path: "editor-support/vscode/syntaxes/rpi.tmLanguage.json",
             text: textmate::grammar(),
+        },
+        Generated {
+            path: "editor-support/neovim/syntax/rpi.vim",
+            text: vim::syntax(Mode::Rpi),
+        },
+        Generated {
+            path: "editor-support/neovim/syntax/lustre.vim",
+            text: vim::syntax(Mode::Lustre),
         },
     ]
 }

@@ -69,12 +69,24 @@ const EDGES: &[(&str, &[&str])] = &[
         ],
     ),
     (
+        "rpi-lsp",
+        &[
+            "rpi-diag",
+            "rpi-driver",
+            "rpi-image",
+            "rpi-prims",
+            "rpi-sema",
+            "rpi-syntax",
+        ],
+    ),
+    (
         "rpic",
         &[
             "rpi-diag",
             "rpi-driver",
             "rpi-host",
             "rpi-image",
+            "rpi-lsp",
             "rpi-net",
             "rpi-prims",
             "rpi-syntax",
@@ -145,6 +157,7 @@ const COMPILER: &[&str] = &[
     "rpi-diag",
     "rpi-driver",
     "rpi-lower",
+    "rpi-lsp",
     "rpi-net",
     "rpi-sema",
     "rpi-syntax",

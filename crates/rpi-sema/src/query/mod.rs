@@ -2,7 +2,7 @@
 //!
 //! Editors ask this, of programs that are half written. An [`Index`] holds every definition and every reference of a
 //! program; it is made of the syntax trees alone, so that it is there however much of the program is wrong. Types and
-//! presence come from the checked units ([`types_of_flow`], [`types_of_read`], [`type_around`]), as far as the checker came. This module
+//! presence come from the checked units ([`types_of_flows`], [`types_of_read`], [`type_around`]), as far as the checker came. This module
 //! must not know editors.
 //!
 //! | file | idea |
@@ -22,4 +22,4 @@ mod types;
 pub use builtin::{Builtin, builtin, builtins, spatial_parts};
 pub use def::{Def, DefId, DefKind};
 pub use index::{Index, Reference};
-pub use types::{Typed, type_around, types_of_flow, types_of_read};
+pub use types::{Typed, type_around, types_of_flows, types_of_read};

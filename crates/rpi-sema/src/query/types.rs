@@ -6,6 +6,7 @@ use crate::facts::Facts;
 use crate::ty::Ty;
 use crate::typed::{Expr, ExprId, Flow, FlowId, Optional, Unit};
 use rpi_diag::{FileId, Span};
+use std::collections::BTreeMap;
 
 /// A type, and whether the value may be absent.
 #[derive(Clone, PartialEq, Debug)]
@@ -22,14 +23,17 @@ impl std::fmt::Display for Typed {
     }
 }
 
-/// The types of the flow whose name is declared at a place, each once.
+/// The types of all flows, each once, by where the flow's name is declared.
 #[must_use]
-pub fn types_of_flow(units: &[Unit], facts: &[Facts], declared: Span) -> Vec<Typed> {
-    let mut types = Vec::new();
+pub fn types_of_flows(units: &[Unit], facts: &[Facts]) -> BTreeMap<Span, Vec<Typed>> {
+    let mut types: BTreeMap<Span, Vec<Typed>> = BTreeMap::new();
     for (unit, facts) in units.iter().zip(facts) {
         for (id, flow) in (0..).map(FlowId).zip(&unit.flows) {
-            if flow.span == declared && !flow.ty.has_unknown() {
-                once(&mut types, of_flow(flow, id, facts));
+            if !flow.ty.has_unknown() {
+                once(
+                    types.entry(flow.span).or_default(),
+                    of_flow(flow, id, facts),
+                );
             }
         }
     }

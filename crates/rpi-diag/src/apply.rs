@@ -1,9 +1,9 @@
 //! Applying fixes to texts.
 
-use rpi_diag::{Applicability, Edit, Finding};
+use crate::{Applicability, Edit, Finding};
 
 /// The edits of all sure fixes, last place first; of edits that overlap only the first in the text is kept.
-pub(crate) fn sure_edits(findings: &[Finding]) -> Vec<Edit> {
+pub fn sure_edits(findings: &[Finding]) -> Vec<Edit> {
     let fixes = findings.iter().filter_map(|f| f.fixes.first());
     let sure = fixes.filter(|fix| fix.applicability == Applicability::Sure);
     let mut edits: Vec<Edit> = sure.flat_map(|fix| fix.edits.iter().cloned()).collect();
@@ -16,7 +16,7 @@ pub(crate) fn sure_edits(findings: &[Finding]) -> Vec<Edit> {
 }
 
 /// A text after edits, which are given last place first.
-pub(crate) fn apply<'a>(text: &str, edits: impl Iterator<Item = &'a Edit>) -> String {
+pub fn apply<'a>(text: &str, edits: impl Iterator<Item = &'a Edit>) -> String {
     let mut text = text.to_owned();
     for edit in edits {
         text.replace_range(edit.span.start as usize..edit.span.end as usize, &edit.text);

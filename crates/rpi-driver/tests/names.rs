@@ -1,0 +1,123 @@
+//! The table of names agrees with the checker: in a program that is right, every name is either in the table or there
+//! without a declaration; and what the table says of a name has that name.
+
+use std::collections::BTreeSet;
+use std::path::{Path, PathBuf};
+
+use rpi_diag::FileId;
+use rpi_driver::{Disk, Inspected, inspect};
+use rpi_image::Scalar;
+use rpi_prims::{PrimId, registry};
+use rpi_sema::query::{builtin, spatial_parts};
+use rpi_syntax::{Piece, PieceKind, pieces};
+use rpi_testkit::files_below;
+
+fn seen(path: &Path) -> Inspected {
+    let text = std::fs::read_to_string(path).unwrap();
+    inspect(path, &text, &Disk)
+}
+
+/// Programs that are right.
+fn right() -> Vec<PathBuf> {
+    let own = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/names/everything.rpi");
+    let folders = ["examples", "stdlib"].map(|folder| files_below(folder, &[".rpi", ".lus"]));
+    folders.concat().into_iter().chain([own]).collect()
+}
+
+#[test]
+fn every_name_of_a_right_program_is_explained() {
+    for path in right() {
+        let seen = seen(&path);
+        assert_eq!(seen.findings, [], "{}", path.display());
+        let unknown = unexplained(&seen);
+        assert_eq!(unknown, Vec::<String>::new(), "{}", path.display());
+    }
+}
+
+#[test]
+fn references_are_places_of_the_name() {
+    for path in right() {
+        let seen = seen(&path);
+        for (id, def) in seen.index().defs_in(FileId(0)) {
+            for span in seen.index().references(id) {
+                let written = seen.sources.slice(span);
+                let last = written.rsplit("::").next();
+                let is_module = span.start == span.end;
+                assert!(
+                    is_module || last == Some(&def.name),
+                    "{written} is not {}",
+                    def.name
+                );
+            }
+        }
+    }
+}
+
+/// The names of the program's own text that nothing explains, with their lines.
+fn unexplained(seen: &Inspected) -> Vec<String> {
+    let text = seen.sources.text(FileId(0));
+    let known = without_declaration();
+    let all = pieces(text, seen.mode());
+    let words: Vec<&Piece> = all
+        .iter()
+        .filter(|p| !matches!(p.kind, PieceKind::Comment(_)))
+        .collect();
+    let word = |k: usize| words.get(k).map_or("", |piece| &text[piece.range.clone()]);
+    let mut unknown = Vec::new();
+    for (k, piece) in words.iter().enumerate() {
+        let name = word(k);
+        let offset = u32::try_from(piece.range.start).unwrap();
+        let is_frame = word(k + 1) == "in" || k > 0 && word(k - 1) == "in";
+        let explained = piece.kind != PieceKind::Name
+            || seen
+                .index()
+                .at(FileId(0), offset)
+                .is_some_and(|r| r.span.start == offset)
+            || known.contains(name)
+            || builtin(name).is_some()
+            || PrimId::of(name).is_some()
+            || is_unit(&words[..k], text)
+            || is_frame;
+        if !explained {
+            let line = text[..piece.range.start].matches('\n').count() + 1;
+            unknown.push(format!("{name} in line {line}"));
+        }
+    }
+    unknown
+}
+
+/// Ports and parameters of primitives, types and parts of spatial values.
+fn without_declaration() -> BTreeSet<String> {
+    let ports = registry().iter().flat_map(|prim| {
+        let inputs = prim.desc.inputs.iter().map(|port| port.name.to_owned());
+        let outputs = prim.desc.outputs.iter().map(|port| port.name.to_owned());
+        let params = prim.desc.params.iter().map(|param| param.name.to_owned());
+        inputs.chain(outputs).chain(params)
+    });
+    let spatial = [
+        Scalar::Vector,
+        Scalar::Rotation,
+        Scalar::Pose,
+        Scalar::Twist,
+        Scalar::Wrench,
+    ];
+    let parts = spatial
+        .iter()
+        .flat_map(|scalar| spatial_parts(*scalar).map(str::to_owned));
+    let types = spatial.iter().map(Scalar::to_string);
+    ports.chain(parts).chain(types).collect()
+}
+
+/// Whether what follows these words stands in the brackets after a number or `real`.
+fn is_unit(words: &[&Piece], text: &str) -> bool {
+    let written = |piece: &&&Piece| &text[piece.range.clone()];
+    let mut before = words.iter().rev();
+    let inside = |p: &&&Piece| {
+        matches!(p.kind, PieceKind::Name | PieceKind::Number)
+            || ["/", "*", "^"].contains(&written(p))
+    };
+    let open = before.by_ref().find(|piece| !inside(piece));
+    let of = before.next();
+    let measured = of.is_some_and(|p| p.kind == PieceKind::Number || written(&p) == "real");
+    open.is_some_and(|p| written(&p) == "[") && measured
+}

@@ -1,0 +1,314 @@
+//! What can stand at a place of a text, told from the words and signs before it.
+
+use std::ops::Range;
+
+use rpi_syntax::{CommentKind, Mode, Piece, PieceKind, pieces};
+
+/// The place of the cursor.
+#[derive(Clone, PartialEq, Eq, Debug)]
+pub(super) struct Cursor {
+    /// What is written of the word so far.
+    pub(super) prefix: Range<usize>,
+    /// What the word can be.
+    pub(super) wanted: Wanted,
+}
+
+/// What a word can be.
+#[derive(Clone, PartialEq, Eq, Debug)]
+pub(super) enum Wanted {
+    /// A member of what stands before the dot.
+    Member(Path),
+    /// A unit of measure.
+    Unit,
+    /// A module.
+    Module,
+    /// Any name; at the start of an argument also the name of a parameter.
+    Name(Option<Argument>),
+}
+
+/// `way.pose`, or `f(x).pose`.
+#[derive(Clone, PartialEq, Eq, Debug)]
+pub(super) struct Path {
+    /// The first name.
+    pub(super) root: String,
+    /// Whether it is called.
+    pub(super) is_call: bool,
+    /// The names after it.
+    pub(super) rest: Vec<String>,
+}
+
+/// The start of an argument of a call.
+#[derive(Clone, PartialEq, Eq, Debug)]
+pub(super) struct Argument {
+    /// What is called.
+    pub(super) callee: String,
+    /// The arguments that are given by name already.
+    pub(super) given: Vec<String>,
+}
+
+/// Signs that open something, with those that close it.
+const BRACKETS: &[(&str, &str)] = &[("(", ")"), ("<<", ">>"), ("[", "]"), ("{", "}")];
+
+/// Signs and words behind which no bracket is open that was open before.
+const ENDS: &[&str] = &[";", "let", "tel"];
+
+impl Cursor {
+    /// None inside comments, texts and numbers.
+    pub(super) fn at(text: &str, offset: usize, mode: Mode) -> Option<Cursor> {
+        let before = text.get(..offset)?;
+        let in_word = |c: char| c.is_ascii_alphanumeric() || matches!(c, '_' | '\'' | ':');
+        let start = before.trim_end_matches(in_word).len();
+        // `name:` stands before a word, `Core::` is a part of one.
+        let word = &before[start..];
+        let start = match word.rfind(':') {
+            Some(colon) if !word.contains("::") => start + colon + 1,
+            _ => start,
+        };
+        let all = pieces(text, mode);
+        if all.iter().any(|piece| is_closed_to_names(piece, offset)) {
+            return None;
+        }
+        let words = all
+            .iter()
+            .filter(|piece| !matches!(piece.kind, PieceKind::Comment(_)));
+        let words = words.filter(|piece| piece.range.end <= start);
+        let words: Vec<Word<'_>> = words
+            .map(|piece| Word {
+                text: &text[piece.range.clone()],
+                kind: piece.kind,
+            })
+            .collect();
+        Some(Cursor {
+            prefix: start..offset,
+            wanted: wanted(&words),
+        })
+    }
+}
+
+/// Whether no name can be written at a place because of the piece that it is in.
+fn is_closed_to_names(piece: &Piece, offset: usize) -> bool {
+    let Range { start, end } = piece.range;
+    let to_line_end = match piece.kind {
+        PieceKind::Comment(kind) => !matches!(kind, CommentKind::Block | CommentKind::Contract),
+        PieceKind::Text => false,
+        PieceKind::Number => true,
+        PieceKind::Name | PieceKind::Fixed => return false,
+    };
+    start < offset && (offset < end || to_line_end && offset == end)
+}
+
+/// A word or sign.
+#[derive(Clone, Copy)]
+struct Word<'t> {
+    text: &'t str,
+    kind: PieceKind,
+}
+
+fn wanted(words: &[Word<'_>]) -> Wanted {
+    let Some((last, before)) = words.split_last() else {
+        return Wanted::Name(None);
+    };
+    if last.text == "." {
+        return path(before).map_or(Wanted::Name(None), Wanted::Member);
+    }
+    if is_after_use(words) {
+        return Wanted::Module;
+    }
+    if is_in_unit(words) {
+        return Wanted::Unit;
+    }
+    let begins = matches!(last.text, "(" | "<<" | "," | ";");
+    Wanted::Name(if begins { argument(words) } else { None })
+}
+
+/// `use a, b`
+fn is_after_use(words: &[Word<'_>]) -> bool {
+    let in_list = |word: &&Word<'_>| word.text == "," || word.kind == PieceKind::Name;
+    let head = words.iter().rev().find(|word| !in_list(word));
+    let begins = words
+        .last()
+        .is_some_and(|word| word.text == "," || word.text == "use");
+    begins && head.is_some_and(|word| word.text == "use")
+}
+
+/// `250[mm/`, `real[`
+fn is_in_unit(words: &[Word<'_>]) -> bool {
+    let inside = |word: &Word<'_>| {
+        matches!(word.kind, PieceKind::Name | PieceKind::Number)
+            || matches!(word.text, "/" | "*" | "^")
+    };
+    let Some(open) = words.iter().rposition(|word| !inside(word)) else {
+        return false;
+    };
+    let of = open.checked_sub(1).map(|k| words[k]);
+    let measured = of.is_some_and(|word| word.kind == PieceKind::Number || word.text == "real");
+    words[open].text == "[" && measured
+}
+
+/// The names before a dot.
+fn path(words: &[Word<'_>]) -> Option<Path> {
+    let mut rest = Vec::new();
+    let mut left = words;
+    loop {
+        left = without_closed(left, "[", "]");
+        let called = without_closed(left, "(", ")");
+        let is_call = called.len() < left.len();
+        let named = without_closed(called, "<<", ">>");
+        let (name, before) = named.split_last()?;
+        if name.kind != PieceKind::Name {
+            return None;
+        }
+        match before.split_last() {
+            Some((dot, before)) if dot.text == "." && !is_call => {
+                rest.push(name.text.to_owned());
+                left = before;
+            }
+            _ => {
+                rest.reverse();
+                let root = name.text.to_owned();
+                return Some(Path {
+                    root,
+                    is_call,
+                    rest,
+                });
+            }
+        }
+    }
+}
+
+/// The words before a bracket at the end that is closed there.
+fn without_closed<'a, 't>(words: &'a [Word<'t>], open: &str, close: &str) -> &'a [Word<'t>] {
+    if words.last().is_none_or(|word| word.text != close) {
+        return words;
+    }
+    let mut depth = 0_usize;
+    for (k, word) in words.iter().enumerate().rev() {
+        if word.text == close {
+            depth += 1;
+        } else if word.text == open {
+            depth -= 1;
+        }
+        if depth == 0 {
+            return &words[..k];
+        }
+    }
+    words
+}
+
+/// The call whose argument begins here.
+fn argument(words: &[Word<'_>]) -> Option<Argument> {
+    let mut given = Vec::new();
+    let mut closed = 0_usize;
+    for (k, word) in words.iter().enumerate().rev() {
+        let opens = BRACKETS.iter().any(|(open, _)| *open == word.text);
+        let closes = BRACKETS.iter().any(|(_, close)| *close == word.text);
+        if closes {
+            closed += 1;
+        } else if opens && closed > 0 {
+            closed -= 1;
+        } else if opens {
+            let callee = callee(&words[..k], word.text)?;
+            return Some(Argument { callee, given });
+        } else if closed == 0 && word.text == ":" {
+            given.extend(k.checked_sub(1).map(|k| words[k].text.to_owned()));
+        } else if closed == 0 && ENDS.contains(&word.text) && !is_separator(words, k) {
+            return None;
+        }
+    }
+    None
+}
+
+/// Static arguments may be separated by `;`: one that stands inside of `<<` ends nothing.
+fn is_separator(words: &[Word<'_>], at: usize) -> bool {
+    let before = words[..at].iter().rev();
+    let mut until_end = before.take_while(|word| !ENDS[1..].contains(&word.text));
+    words[at].text == ";" && until_end.any(|word| word.text == "<<")
+}
+
+fn callee(words: &[Word<'_>], open: &str) -> Option<String> {
+    let words = match open {
+        "(" => without_closed(words, "<<", ">>"),
+        "<<" => words,
+        _ => return None,
+    };
+    let last = words.last().filter(|word| word.kind == PieceKind::Name)?;
+    Some(last.text.to_owned())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// The place of `|`.
+    fn at(text: &str) -> Option<Cursor> {
+        let offset = text.find('|').unwrap();
+        Cursor::at(&text.replace('|', ""), offset, Mode::Rpi)
+    }
+
+    fn member(root: &str, is_call: bool, rest: &[&str]) -> Wanted {
+        let rest = rest.iter().map(|&name| name.to_owned()).collect();
+        let root = root.to_owned();
+        Wanted::Member(Path {
+            root,
+            is_call,
+            rest,
+        })
+    }
+
+    fn argument_of(callee: &str, given: &[&str]) -> Wanted {
+        let given = given.iter().map(|&name| name.to_owned()).collect();
+        let callee = callee.to_owned();
+        Wanted::Name(Some(Argument { callee, given }))
+    }
+
+    #[test]
+    fn what_is_wanted_is_told_by_what_stands_before() {
+        let cases = [
+            ("x = wa|", Wanted::Name(None)),
+            ("arm.tcp = way.|", member("way", false, &[])),
+            ("x = F.way.po|", member("F", false, &["way"])),
+            ("x = a[2].b.|", member("a", false, &["b"])),
+            ("x = f<<1>>(y, z).|", member("f", true, &[])),
+            ("use mo|", Wanted::Module),
+            ("use motion, |", Wanted::Module),
+            ("x = 250[mm/|", Wanted::Unit),
+            ("x: real[|", Wanted::Unit),
+            ("x = a[i|", Wanted::Name(None)),
+            ("way = Line<<to: c, sp|", argument_of("Line", &["to"])),
+            ("way = Line<<to: c>>(fr|", argument_of("Line", &[])),
+            ("x = f(g(1, b: 2), a: 3, |", argument_of("f", &["a"])),
+            ("x = f(a: |", Wanted::Name(None)),
+            ("x = f(a: y|", Wanted::Name(None)),
+            ("x = f(1); |", Wanted::Name(None)),
+            ("x = (1 + |", Wanted::Name(None)),
+            ("let |", Wanted::Name(None)),
+            ("|", Wanted::Name(None)),
+        ];
+        for (text, wanted) in cases {
+            assert_eq!(at(text).map(|cursor| cursor.wanted), Some(wanted), "{text}");
+        }
+    }
+
+    #[test]
+    fn qualified_names_are_one_word() {
+        let cursor = at("x = Core::Dou|").unwrap();
+        assert_eq!(cursor.prefix, 4..13);
+        assert_eq!(at("x = Core::|").unwrap().prefix, 4..10);
+        assert_eq!(at("f(a:b|)").unwrap().prefix, 4..5);
+    }
+
+    #[test]
+    fn nothing_is_wanted_in_comments_texts_and_numbers() {
+        for text in [
+            "x = 1; -- re|",
+            "(* a | b *)",
+            "assume \"a|b\" x;",
+            "x = 25|",
+            "--| do|",
+        ] {
+            let offset = text.rfind('|').unwrap();
+            let text = format!("{}{}", &text[..offset], &text[offset + 1..]);
+            assert_eq!(Cursor::at(&text, offset, Mode::Rpi), None, "{text}");
+        }
+    }
+}

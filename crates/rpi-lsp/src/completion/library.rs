@@ -1,0 +1,65 @@
+//! Names of the standard library's modules that a text does not use yet.
+
+use std::sync::LazyLock;
+
+use rpi_diag::FileId;
+use rpi_syntax::ast::{Doc, Item, ItemKind};
+use rpi_syntax::{Mode, Name, parse};
+
+/// A name that `use` would bring.
+#[derive(Clone, Debug)]
+pub(super) struct Offer {
+    pub(super) module: &'static str,
+    pub(super) name: Name,
+    /// The declaration without its body.
+    pub(super) head: String,
+    pub(super) doc: Option<Doc>,
+}
+
+/// All of them, in the order of the modules and their texts.
+pub(super) fn offers() -> &'static [Offer] {
+    static OFFERS: LazyLock<Vec<Offer>> = LazyLock::new(|| {
+        let modules = rpi_driver::library_modules();
+        modules.flat_map(of_module).collect()
+    });
+    &OFFERS
+}
+
+fn of_module(module: &'static str) -> Vec<Offer> {
+    let text = rpi_driver::library_text(module).unwrap_or_default();
+    let parsed = parse(FileId(0), text, Mode::Rpi);
+    let offer = |item: &Item| {
+        Some(Offer {
+            module,
+            name: name_of(item)?,
+            head: rpi_syntax::head(item, Mode::Rpi),
+            doc: item.doc.clone(),
+        })
+    };
+    parsed.file.items.iter().filter_map(offer).collect()
+}
+
+/// The name of what is brought by name; primitives have theirs everywhere.
+fn name_of(item: &Item) -> Option<Name> {
+    match &item.kind {
+        ItemKind::Node(node) => Some(node.signature.name.name.clone()),
+        ItemKind::Fragment(fragment) => Some(fragment.signature.name.name.clone()),
+        ItemKind::Device(device) => Some(device.name.name.clone()),
+        ItemKind::Const(defs) => defs.first()?.names.first().map(|name| name.name.clone()),
+        ItemKind::Type(defs) => defs.first().map(|def| def.name.name.clone()),
+        _ => None,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_library_offers_its_names() {
+        let line = offers().iter().find(|offer| offer.name == "Line").unwrap();
+        assert_eq!(line.module, "motion");
+        assert!(line.head.starts_with("fragment Line"), "{}", line.head);
+        assert!(line.doc.is_some());
+    }
+}

@@ -1,0 +1,122 @@
+//! A definition in words: what it is, of which type, when it is present, and what was written about it.
+
+use rpi_diag::{FileId, Span};
+use rpi_driver::Inspected;
+use rpi_sema::query::{Def, DefKind, Typed};
+
+/// How a definition is shown.
+#[derive(Clone, PartialEq, Eq, Debug)]
+pub(crate) struct Description {
+    /// In the language.
+    pub(crate) code: String,
+    /// What it is and when it is present, in a few words.
+    pub(crate) kind: String,
+    /// What was written about it.
+    pub(crate) doc: String,
+}
+
+impl Description {
+    /// In Markdown.
+    pub(crate) fn markdown(&self) -> String {
+        let mut out = format!("```rpi\n{}\n```\n", self.code);
+        if !self.kind.is_empty() {
+            out.push_str(&format!("\n{}\n", self.kind));
+        }
+        if !self.doc.is_empty() {
+            out.push_str(&format!("\n---\n\n{}\n", self.doc));
+        }
+        out
+    }
+}
+
+/// A definition, described as it is read at a place.
+pub(crate) fn describe(seen: &Inspected, def: &Def, read: Option<Span>) -> Description {
+    let types = types(seen, def, read);
+    Description {
+        code: code(seen, def, &types),
+        kind: kind(seen, def, &types),
+        doc: def.doc.as_deref().unwrap_or_default().to_owned(),
+    }
+}
+
+/// `name: type` of a value, `name` of anything else.
+pub(crate) fn brief(seen: &Inspected, def: &Def) -> String {
+    match def.kind.is_value() {
+        true => value(seen, def, &types(seen, def, None)),
+        false => format!("{} {}", def.kind.word(), def.name),
+    }
+}
+
+fn types(seen: &Inspected, def: &Def, read: Option<Span>) -> Vec<Typed> {
+    if !def.kind.is_value() {
+        return Vec::new();
+    }
+    let read = read.filter(|span| *span != def.span);
+    let read = read
+        .map(|span| seen.types_of_read(span))
+        .unwrap_or_default();
+    match read.is_empty() {
+        true => seen.types_of(def).to_vec(),
+        false => read,
+    }
+}
+
+fn code(seen: &Inspected, def: &Def, types: &[Typed]) -> String {
+    use DefKind::{
+        Block, Command, Const, Device, EnumValue, Module, Result, State, Task, Test, Type,
+    };
+    match def.kind {
+        Module => format!("use {}", def.name),
+        Const | Type | Result => seen.sources.slice(def.whole).to_owned(),
+        EnumValue | State => format!("{} {}", def.kind.word(), def.name),
+        Block => first_line(seen.sources.slice(def.whole)),
+        Command | Device | Task | Test => head(seen, def),
+        kind if kind.is_callable() => head(seen, def),
+        _ => value(seen, def, types),
+    }
+}
+
+fn first_line(text: &str) -> String {
+    let line = text.lines().next().unwrap_or_default();
+    line.trim_end().to_owned()
+}
+
+/// The declaration without its body.
+fn head(seen: &Inspected, def: &Def) -> String {
+    let mode = seen.mode();
+    let item = seen.item_around(def.whole);
+    let head = item
+        .map(|item| rpi_syntax::head(item, mode))
+        .filter(|head| !head.is_empty());
+    head.unwrap_or_else(|| format!("{} {}", def.kind.word(), def.name))
+}
+
+/// With the types that were found, else with the one that is written.
+fn value(seen: &Inspected, def: &Def, types: &[Typed]) -> String {
+    let found: Vec<String> = types.iter().take(3).map(Typed::to_string).collect();
+    let written = || def.ty.map(|span| seen.sources.slice(span).to_owned());
+    let ty = match found.is_empty() {
+        true => written(),
+        false => Some(found.join(" or ")),
+    };
+    match ty {
+        Some(ty) => format!("{}: {ty}", def.name),
+        None => def.name.to_string(),
+    }
+}
+
+fn kind(seen: &Inspected, def: &Def, types: &[Typed]) -> String {
+    let of = def.parent.map(|parent| seen.index().def(parent));
+    let of = of.filter(|of| of.kind != DefKind::Module);
+    let of = of.map_or(String::new(), |of| format!(" of `{}`", of.name));
+    let presence = match types {
+        [] => "",
+        all if all.iter().any(|one| one.optional) => ", may be absent",
+        _ => ", always present",
+    };
+    let from = match def.span.file {
+        FileId(0) => String::new(),
+        file => format!(", from `{}`", seen.sources.name(file)),
+    };
+    format!("{}{of}{presence}{from}", def.kind.word())
+}

@@ -1,0 +1,74 @@
+//! The one style, as the smallest edit of whole lines: what is in style already stays, and with it the cursor.
+
+use lsp_types::{DocumentFormattingParams, Range, TextEdit};
+use rpi_syntax::{Mode, format};
+
+use crate::lines::Lines;
+use crate::uri;
+use crate::world::World;
+
+/// The edits that set a text in style; none if a fault in it keeps it from being formatted.
+pub(crate) fn formatting(
+    world: &mut World,
+    params: DocumentFormattingParams,
+) -> Option<Vec<TextEdit>> {
+    let uri = params.text_document.uri;
+    let document = world.document(&uri)?;
+    let mode = Mode::of_path(&uri::path_of(&uri).display().to_string());
+    let new = format(&document.text, mode).ok()?;
+    let (old, lines) = (document.text.as_str(), Lines::new(&document.text));
+    let Some((start, end, text)) = difference(old, &new) else {
+        return Some(Vec::new());
+    };
+    let at = |offset| lines.position(old, offset, world.client.encoding);
+    Some(vec![TextEdit::new(
+        Range::new(at(start), at(end)),
+        text.to_owned(),
+    )])
+}
+
+/// The lines in which two texts differ: bytes of the old one, and what stands there in the new one.
+fn difference<'n>(old: &str, new: &'n str) -> Option<(usize, usize, &'n str)> {
+    if old == new {
+        return None;
+    }
+    let same = |pair: &(&str, &str)| pair.0 == pair.1;
+    let lines = |text| str::split_inclusive(text, '\n');
+    let head = lines(old).zip(lines(new)).take_while(same);
+    let head: usize = head.map(|(line, _)| line.len()).sum();
+    let (old_rest, new_rest) = (&old[head..], &new[head..]);
+    let tail = lines(old_rest)
+        .rev()
+        .zip(lines(new_rest).rev())
+        .take_while(same);
+    let tail: usize = tail.map(|(line, _)| line.len()).sum();
+    let (end, new_end) = (old.len() - tail, new_rest.len() - tail);
+    Some((head, end, &new_rest[..new_end]))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    #[test]
+    fn only_lines_that_differ_are_touched() {
+        assert_eq!(
+            difference("a\nb\nc\n", "a\nx\ny\nc\n"),
+            Some((2, 4, "x\ny\n"))
+        );
+        assert_eq!(difference("a", "a\n"), Some((0, 1, "a\n")));
+        assert_eq!(difference("a\n", "a\n"), None);
+    }
+
+    proptest! {
+        #[test]
+        fn the_edit_makes_the_new_text(old in "[ab\n]{0,12}", new in "[ab\n]{0,12}") {
+            let mut text = old.clone();
+            if let Some((start, end, with)) = difference(&old, &new) {
+                text.replace_range(start..end, with);
+            }
+            prop_assert_eq!(text, new);
+        }
+    }
+}

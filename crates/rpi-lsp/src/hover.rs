@@ -1,0 +1,96 @@
+//! What stands at a position, in words.
+
+use lsp_types::{Hover, HoverContents, HoverParams, MarkupContent, MarkupKind};
+use rpi_diag::{FileId, Span};
+use rpi_driver::Inspected;
+use rpi_prims::PrimId;
+use rpi_sema::query::{self, Typed};
+use rpi_syntax::{KEYWORDS, pieces};
+
+use crate::describe::{Description, describe};
+use crate::primitive;
+use crate::world::World;
+
+/// The answer to a pointer that rests.
+pub(crate) fn hover(world: &mut World, params: HoverParams) -> Option<Hover> {
+    let at = params.text_document_position_params;
+    let seen = world.see(&at.text_document.uri)?;
+    let places = world.places(&seen);
+    let offset = places.offset(at.position);
+    let (span, description) = named(&seen, offset)
+        .or_else(|| built_in(&seen, offset))
+        .or_else(|| expression(&seen, offset))?;
+    Some(Hover {
+        contents: HoverContents::Markup(MarkupContent {
+            kind: MarkupKind::Markdown,
+            value: description.markdown(),
+        }),
+        range: Some(places.range(span)),
+    })
+}
+
+/// A name that the program declares.
+fn named(seen: &Inspected, offset: u32) -> Option<(Span, Description)> {
+    let name = seen.index().at(FileId(0), offset)?;
+    let def = seen.index().def(name.def);
+    Some((name.span, describe(seen, def, Some(name.span))))
+}
+
+/// A word of the language, a primitive, or what else is there without a declaration.
+fn built_in(seen: &Inspected, offset: u32) -> Option<(Span, Description)> {
+    let text = seen.sources.text(FileId(0));
+    let at = offset as usize;
+    let all = pieces(text, seen.mode());
+    let piece = all
+        .iter()
+        .find(|piece| piece.range.start <= at && at < piece.range.end)?;
+    let word = &text[piece.range.clone()];
+    let end = u32::try_from(piece.range.end).unwrap_or(u32::MAX);
+    let span = Span::new(FileId(0), u32::try_from(piece.range.start).ok()?, end);
+    Some((span, word_of(seen, word)?))
+}
+
+fn word_of(seen: &Inspected, word: &str) -> Option<Description> {
+    if let Some(prim) = PrimId::of(word) {
+        return Some(of_primitive(prim));
+    }
+    let keyword = KEYWORDS
+        .iter()
+        .find(|k| k.text == word && k.is_in(seen.mode()));
+    let keyword = keyword.map(|keyword| Description {
+        code: keyword.text.to_owned(),
+        kind: "word of the language".to_owned(),
+        doc: keyword.doc.to_owned(),
+    });
+    keyword.or_else(|| of_builtin(&query::builtin(word)?).into())
+}
+
+/// A registered primitive.
+pub(crate) fn of_primitive(prim: PrimId) -> Description {
+    Description {
+        code: primitive::signature(prim.desc()),
+        kind: "primitive".to_owned(),
+        doc: primitive::doc(prim.desc()),
+    }
+}
+
+/// A predeclared flow or operator.
+pub(crate) fn of_builtin(builtin: &query::Builtin) -> Description {
+    Description {
+        code: builtin.form.clone(),
+        kind: "there in every program".to_owned(),
+        doc: builtin.doc.trim().to_owned(),
+    }
+}
+
+/// The smallest expression around.
+fn expression(seen: &Inspected, offset: u32) -> Option<(Span, Description)> {
+    let (span, types) = seen.type_around(FileId(0), offset)?;
+    let code: Vec<String> = types.iter().map(Typed::to_string).collect();
+    let description = Description {
+        code: code.join(" or "),
+        kind: "type of this expression".to_owned(),
+        doc: String::new(),
+    };
+    Some((span, description))
+}

@@ -1,0 +1,83 @@
+//! Registered primitives in the words of the language.
+
+use rpi_image::{InPort, Need, Param, ParamType, PortType, PrimDesc};
+
+/// Its declaration, as a program would write it.
+pub(crate) fn signature(desc: &PrimDesc) -> String {
+    let fallbacks = desc.inputs.iter().filter_map(fallback);
+    let statics: Vec<String> = fallbacks.chain(desc.params.iter().map(param)).collect();
+    let inputs = desc.inputs.iter().map(|p| (p.name, p.ty));
+    let outputs = desc.outputs.iter().map(|p| (p.name, p.ty));
+    let statics = match statics.is_empty() {
+        true => String::new(),
+        false => format!(" <<{}>>", statics.join("; ")),
+    };
+    let name = desc.name;
+    format!(
+        "primitive {name}{statics}\n  ({})\n  returns ({})",
+        ports(inputs),
+        ports(outputs)
+    )
+}
+
+/// What it does; doc comments keep the space that follows `///`.
+pub(crate) fn doc(desc: &PrimDesc) -> String {
+    let lines = desc.doc.trim().lines();
+    let lines: Vec<&str> = lines
+        .map(|line| line.strip_prefix(' ').unwrap_or(line))
+        .collect();
+    lines.join("\n")
+}
+
+/// The parameter that stands for an in-port where nothing is connected.
+fn fallback(port: &InPort) -> Option<String> {
+    match port.need {
+        Need::Param(name, _) => Some(format!("{name}: {}", port_type(port.ty))),
+        _ => None,
+    }
+}
+
+fn param(param: &Param) -> String {
+    let ty = match param.ty {
+        ParamType::One(scalar) => scalar.to_string(),
+        ParamType::Array(scalar) => format!("{scalar}^n"),
+        ParamType::Str => "text".to_owned(),
+    };
+    format!("{}: {ty}", param.name)
+}
+
+fn ports(ports: impl Iterator<Item = (&'static str, PortType)>) -> String {
+    let ports: Vec<String> = ports
+        .map(|(name, ty)| format!("{name}: {}", port_type(ty)))
+        .collect();
+    ports.join("; ")
+}
+
+fn port_type(ty: PortType) -> String {
+    match ty {
+        PortType::One(scalar) => scalar.to_string(),
+        PortType::Array(scalar) => format!("{scalar}^n"),
+        PortType::Matrix => "matrix".to_owned(),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use rpi_prims::{PrimId, registry};
+
+    #[test]
+    fn a_primitive_reads_as_it_would_be_declared() {
+        let desc = PrimId::of("Core::DoubleAdd").unwrap().desc();
+        let expected = "primitive Core::DoubleAdd <<First: real; Second: real>>\n  \
+                        (inFirst: real; inSecond: real)\n  returns (outValue: real)";
+        assert_eq!(signature(desc), expected);
+    }
+
+    #[test]
+    fn every_primitive_has_words() {
+        for prim in registry() {
+            assert!(!doc(&prim.desc).is_empty(), "{}", prim.desc.name);
+        }
+    }
+}

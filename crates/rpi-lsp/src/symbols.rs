@@ -1,0 +1,85 @@
+//! The outline of a text: its declarations, and what has a name inside them.
+
+use std::collections::BTreeMap;
+
+use lsp_types::{DocumentSymbol, DocumentSymbolParams, DocumentSymbolResponse, SymbolKind};
+use rpi_diag::FileId;
+use rpi_sema::query::{Def, DefId, DefKind};
+
+use crate::places::Places;
+use crate::world::World;
+
+/// What an outline shows, and by which of the protocol's kinds.
+const KINDS: &[(DefKind, SymbolKind)] = &[
+    (DefKind::Const, SymbolKind::CONSTANT),
+    (DefKind::Type, SymbolKind::STRUCT),
+    (DefKind::EnumValue, SymbolKind::ENUM_MEMBER),
+    (DefKind::Field, SymbolKind::FIELD),
+    (DefKind::Node, SymbolKind::FUNCTION),
+    (DefKind::Function, SymbolKind::FUNCTION),
+    (DefKind::Fragment, SymbolKind::MODULE),
+    (DefKind::Primitive, SymbolKind::OPERATOR),
+    (DefKind::Device, SymbolKind::INTERFACE),
+    (DefKind::Port, SymbolKind::PROPERTY),
+    (DefKind::Frame, SymbolKind::OBJECT),
+    (DefKind::Command, SymbolKind::CLASS),
+    (DefKind::Result, SymbolKind::EVENT),
+    (DefKind::Task, SymbolKind::CLASS),
+    (DefKind::Step, SymbolKind::EVENT),
+    (DefKind::Test, SymbolKind::METHOD),
+    (DefKind::Local, SymbolKind::VARIABLE),
+    (DefKind::Block, SymbolKind::MODULE),
+    (DefKind::State, SymbolKind::MODULE),
+];
+
+/// The outline.
+pub(crate) fn symbols(
+    world: &mut World,
+    params: DocumentSymbolParams,
+) -> Option<DocumentSymbolResponse> {
+    let seen = world.see(&params.text_document.uri)?;
+    let places = world.places(&seen);
+    let index = seen.index();
+    let mut all: Vec<(DefId, &Def)> = index.defs_in(FileId(0)).collect();
+    all.sort_by_key(|(_, def)| (def.whole.start, def.span.start));
+    let is_inside = |def: DefId| index.def(def).kind != DefKind::Module;
+    let mut outline = Outline {
+        places,
+        below: BTreeMap::new(),
+    };
+    for (id, def) in all {
+        let parent = def.parent.filter(|parent| is_inside(*parent));
+        outline.below.entry(parent).or_default().push((id, def));
+    }
+    Some(DocumentSymbolResponse::Nested(outline.below(None)))
+}
+
+struct Outline<'s> {
+    places: Places<'s>,
+    /// What stands in each definition, or in none.
+    below: BTreeMap<Option<DefId>, Vec<(DefId, &'s Def)>>,
+}
+
+impl Outline<'_> {
+    fn below(&self, parent: Option<DefId>) -> Vec<DocumentSymbol> {
+        let defs = self.below.get(&parent).into_iter().flatten();
+        defs.filter_map(|(id, def)| self.symbol(*id, def)).collect()
+    }
+
+    // A field of the protocol that is out of use must be given all the same.
+    #[allow(deprecated)]
+    fn symbol(&self, id: DefId, def: &Def) -> Option<DocumentSymbol> {
+        let (_, kind) = KINDS.iter().find(|(kind, _)| *kind == def.kind)?;
+        let children = self.below(Some(id));
+        Some(DocumentSymbol {
+            name: def.name.to_string(),
+            detail: Some(def.kind.word().to_owned()),
+            kind: *kind,
+            tags: None,
+            deprecated: None,
+            range: self.places.range(def.whole.merge(def.span)),
+            selection_range: self.places.range(def.span),
+            children: (!children.is_empty()).then_some(children),
+        })
+    }
+}

@@ -1,0 +1,154 @@
+//! What could be written.
+
+use serde_json::{Value, json};
+
+use crate::support::{URI, cursor, open};
+
+/// The labels at `|`.
+fn labels(marked: &str) -> Vec<String> {
+    let (text, position) = cursor(marked);
+    let mut session = open(&text);
+    let labels = session.labels(&position);
+    session.leave().unwrap();
+    labels
+}
+
+/// Whether all of these are among the labels at `|`.
+#[track_caller]
+fn offers(marked: &str, expected: &[&str]) {
+    let found = labels(marked);
+    for label in expected {
+        assert!(
+            found.iter().any(|one| one == label),
+            "no `{label}` among {found:?}"
+        );
+    }
+}
+
+const HEAD: &str = "use motion;\n\
+    type Phase = enum { Idle, Busy };\n\
+    type Pair = struct { left: real; right: real };\n\
+    command Go (arm: Arm; there: Pose)\nlet\n  way = Line<<to: there>>(from: arm.pose);\n\
+    \x20 fragment F when way.done\n  let inside = 1.0; tel\n";
+
+fn in_body(line: &str) -> String {
+    format!("{HEAD}  {line}\n  finish at_end when way.done;\ntel\n")
+}
+
+#[test]
+fn locals_declarations_library_primitives_and_words_are_offered() {
+    let expected = [
+        "way",
+        "arm",
+        "there",
+        "F",
+        "Go",
+        "Phase",
+        "Busy",
+        "Line",
+        "crosses",
+        "pose",
+        "time",
+        "present",
+        "Core::DoubleAdd",
+        "if",
+        "fragment",
+    ];
+    offers(&in_body("x = d|"), &expected);
+    let found = labels(&in_body("x = d|"));
+    assert!(
+        !found.contains(&"inside".to_owned()),
+        "only F.inside is visible from outside"
+    );
+}
+
+#[test]
+fn members_are_those_of_what_stands_before_the_dot() {
+    assert_eq!(labels(&in_body("x = F.|")), ["inside"]);
+    assert_eq!(labels(&in_body("x = way.pose.|")), ["position", "rotation"]);
+    assert_eq!(labels(&in_body("x = way.st|"))[..2], ["pose", "twist"]);
+    offers(&in_body("arm.|"), &["tcp", "joints", "pose", "error"]);
+    assert_eq!(labels(&in_body("x = (predecessor = Go.|);")), ["at_end"]);
+    let fields = "type Pair = struct { left: real; right: real };\n\
+                  node f (p: Pair) returns (y: real)\nlet\n  y = p.|\ntel\n";
+    assert_eq!(labels(fields), ["left", "right"]);
+    assert_eq!(labels(&in_body("x = nothing.|")), Vec::<String>::new());
+}
+
+#[test]
+fn arguments_are_offered_by_name_until_they_are_given() {
+    let found = labels(&in_body("x = Line<<to: there, |"));
+    assert_eq!(
+        found[..5],
+        ["speed", "leave", "acceleration", "jerk", "turning"]
+    );
+    assert!(!found[..8].contains(&"to".to_owned()));
+    offers(&in_body("x = distance(|"), &["a", "b"]);
+}
+
+#[test]
+fn units_and_modules_are_offered_where_they_stand() {
+    offers(&in_body("x = 250[|"), &["m", "deg", "rpm"]);
+    let found = labels("use |");
+    assert!(found.contains(&"motion".to_owned()) && !found.contains(&"if".to_owned()));
+}
+
+#[test]
+fn nothing_is_offered_in_comments() {
+    assert_eq!(labels(&in_body("-- wa|")), Vec::<String>::new());
+}
+
+#[test]
+fn what_is_not_used_yet_brings_its_use() {
+    let (text, position) =
+        cursor("const far: real = 1.0;\nfragment F () returns (y: bool)\nlet\n  y = cro|\ntel\n");
+    let mut session = open(&text);
+    let list = session.at("completion", &position);
+    let items = list["items"].as_array().unwrap();
+    let crosses = items
+        .iter()
+        .find(|item| item["label"] == "crosses")
+        .unwrap();
+    let start = json!({ "line": 0, "character": 0 });
+    let expected =
+        json!([{ "range": { "start": start, "end": start }, "newText": "use motion;\n\n" }]);
+    assert_eq!(crosses["additionalTextEdits"], expected);
+    session.leave().unwrap();
+}
+
+#[test]
+fn an_item_replaces_what_is_written_of_it() {
+    let (text, position) = cursor(&in_body("x = Core::Double|"));
+    let mut session = open(&text);
+    let list = session.at("completion", &position);
+    let items = list["items"].as_array().unwrap();
+    let add = items
+        .iter()
+        .find(|item| item["label"] == "Core::DoubleAdd")
+        .unwrap();
+    assert_eq!(add["textEdit"]["newText"], "Core::DoubleAdd");
+    assert_eq!(add["textEdit"]["range"]["start"]["character"], json!(6));
+    session.leave().unwrap();
+}
+
+#[test]
+fn lustre_has_its_own_words() {
+    let mut session = open("");
+    let uri = URI.replace(".rpi", ".lus");
+    session.client.open(
+        &uri,
+        "node f (x: int) returns (y: int);\nlet\n  y = \ntel\n",
+    );
+    let params =
+        json!({ "textDocument": { "uri": uri }, "position": { "line": 2, "character": 6 } });
+    let list = session.client.result("textDocument/completion", params);
+    let labels: Vec<&Value> = list["items"]
+        .as_array()
+        .unwrap()
+        .iter()
+        .map(|i| &i["label"])
+        .collect();
+    assert!(labels.contains(&&json!("x")) && labels.contains(&&json!("pre")));
+    assert!(!labels.contains(&&json!("command")) && !labels.contains(&&json!("Line")));
+    session.leave().unwrap();
+}

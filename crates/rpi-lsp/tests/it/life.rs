@@ -1,0 +1,106 @@
+//! From the first message to the last, and what happens when messages are not as they should be.
+
+use serde_json::{Value, json};
+
+use crate::support::{URI, connect, open};
+
+#[test]
+fn a_session_from_begin_to_end() {
+    let mut session = connect();
+    let welcome = session.client.initialize(json!({}));
+    assert_eq!(welcome["serverInfo"]["name"], "rpic lsp");
+    assert_eq!(welcome["capabilities"]["positionEncoding"], "utf-16");
+    assert_eq!(welcome["capabilities"]["hoverProvider"], true);
+    session.leave().unwrap();
+}
+
+#[test]
+fn a_client_that_counts_bytes_is_served_in_bytes() {
+    let mut session = connect();
+    let general = json!({ "positionEncodings": ["utf-16", "utf-8"] });
+    let welcome = session.client.initialize(json!({ "general": general }));
+    assert_eq!(welcome["capabilities"]["positionEncoding"], "utf-8");
+    session.client.open(URI, "(* \u{e4} *) const x: int = y;\n");
+    let found = session.client.diagnostics(URI, 1);
+    assert_eq!(
+        found[0]["range"]["start"],
+        json!({ "line": 0, "character": 24 })
+    );
+    session.leave().unwrap();
+}
+
+#[test]
+fn a_client_that_watches_files_is_asked_to() {
+    let mut session = connect();
+    let watched = json!({ "didChangeWatchedFiles": { "dynamicRegistration": true } });
+    session.client.initialize(json!({ "workspace": watched }));
+    let asked = session.client.await_method("client/registerCapability");
+    assert_eq!(
+        asked["registrations"][0]["method"],
+        "workspace/didChangeWatchedFiles"
+    );
+    session.leave().unwrap();
+}
+
+#[test]
+fn the_order_of_life_is_kept() {
+    let mut session = connect();
+    let code = |answer: Value| answer["error"]["code"].as_i64();
+    assert_eq!(
+        code(session.client.ask("textDocument/hover", json!({}))),
+        Some(-32002)
+    );
+    session.client.initialize(json!({}));
+    assert_eq!(
+        code(session.client.ask("initialize", json!({}))),
+        Some(-32600)
+    );
+    assert_eq!(code(session.client.ask("no/such", json!({}))), Some(-32601));
+    assert_eq!(
+        code(session.client.ask("textDocument/hover", json!([1]))),
+        Some(-32602)
+    );
+    session.client.result("shutdown", Value::Null);
+    assert_eq!(
+        code(session.client.ask("textDocument/hover", json!({}))),
+        Some(-32600)
+    );
+    session.client.tell("exit", Value::Null);
+    assert_eq!(session.client.receive(), None);
+}
+
+#[test]
+fn malformed_messages_are_answered_and_the_next_one_is_read() {
+    let mut session = open("const x: int = y;\n");
+    assert_eq!(session.client.diagnostics(URI, 1).len(), 1);
+    session.client.raw(b"Content-Length: 5\r\n\r\n{oops");
+    assert_eq!(
+        session.client.receive().map(|m| m["error"]["code"].clone()),
+        Some(json!(-32700))
+    );
+    let nonsense = br#"{"jsonrpc":"2.0","id":99,"method":[]}"#;
+    session
+        .client
+        .raw(format!("Content-Length: {}\r\n\r\n", nonsense.len()).as_bytes());
+    session.client.raw(nonsense);
+    session.client.raw(b"no header at all\r\n\r\n");
+    session
+        .client
+        .tell("textDocument/didChange", json!({ "textDocument": 3 }));
+    session.client.tell(
+        "textDocument/didChange",
+        json!({
+            "textDocument": { "uri": "file:///not/open.rpi", "version": 2 },
+            "contentChanges": [{ "text": "" }],
+        }),
+    );
+    session.client.change(URI, 2, json!({ "text": "" }));
+    assert_eq!(session.client.diagnostics(URI, 2), Vec::<Value>::new());
+    session.leave().unwrap();
+}
+
+#[test]
+fn a_client_that_vanishes_is_an_error() {
+    assert!(open("").vanish().is_err());
+    assert!(connect().vanish().is_err());
+}

@@ -1,0 +1,142 @@
+//! The other end of a language server, for tests: speaks the protocol over two streams of bytes.
+
+use std::io::{BufRead, BufReader, Read, Write};
+
+use serde_json::{Value, json};
+
+/// A client of a language server. What the server should not do makes it panic.
+pub struct LspClient {
+    input: Box<dyn BufRead + Send>,
+    output: Box<dyn Write + Send>,
+    last_id: i64,
+    /// Notifications and requests of the server that came while something else was waited for.
+    aside: Vec<Value>,
+}
+
+impl LspClient {
+    /// A client that reads what the server writes, and writes what the server reads.
+    pub fn new(
+        input: impl Read + Send + 'static,
+        output: impl Write + Send + 'static,
+    ) -> LspClient {
+        LspClient {
+            input: Box::new(BufReader::new(input)),
+            output: Box::new(output),
+            last_id: 0,
+            aside: Vec::new(),
+        }
+    }
+
+    /// Writes bytes as they are.
+    pub fn raw(&mut self, bytes: &[u8]) {
+        self.output.write_all(bytes).expect("the server reads");
+        self.output.flush().expect("the server reads");
+    }
+
+    fn send(&mut self, mut message: Value) {
+        message["jsonrpc"] = json!("2.0");
+        let text = message.to_string();
+        self.raw(format!("Content-Length: {}\r\n\r\n{text}", text.len()).as_bytes());
+    }
+
+    /// The next message of the server; none when it is gone.
+    pub fn receive(&mut self) -> Option<Value> {
+        let mut length = 0;
+        loop {
+            let mut line = String::new();
+            if self.input.read_line(&mut line).expect("a header") == 0 {
+                return None;
+            }
+            match line.trim().split_once(": ") {
+                Some(("Content-Length", n)) => length = n.parse().expect("a length"),
+                Some(_) => {}
+                None => break,
+            }
+        }
+        let mut body = vec![0; length];
+        self.input.read_exact(&mut body).expect("a body");
+        Some(serde_json::from_slice(&body).expect("JSON"))
+    }
+
+    /// Sends a request and waits for its answer: a `result` or an `error`.
+    pub fn ask(&mut self, method: &str, params: Value) -> Value {
+        self.last_id += 1;
+        let id = self.last_id;
+        self.send(json!({ "id": id, "method": method, "params": params }));
+        loop {
+            let message = self.receive().expect("an answer before the server leaves");
+            match message.get("method") {
+                None if message["id"] == id => return message,
+                _ => self.aside.push(message),
+            }
+        }
+    }
+
+    /// The result of a request that must not fail.
+    pub fn result(&mut self, method: &str, params: Value) -> Value {
+        let answer = self.ask(method, params);
+        assert!(answer.get("error").is_none(), "{method}: {answer}");
+        answer["result"].clone()
+    }
+
+    /// Sends a notification.
+    pub fn tell(&mut self, method: &str, params: Value) {
+        self.send(json!({ "method": method, "params": params }));
+    }
+
+    /// The next notification or request of the server with this method: its parameters.
+    pub fn await_method(&mut self, method: &str) -> Value {
+        let found = self.aside.iter().position(|m| m["method"] == method);
+        if let Some(at) = found {
+            return self.aside.remove(at)["params"].clone();
+        }
+        loop {
+            let message = self.receive().expect("a message before the server leaves");
+            match message["method"] == method {
+                true => return message["params"].clone(),
+                false => self.aside.push(message),
+            }
+        }
+    }
+
+    /// What the server finds in a version of a text.
+    pub fn diagnostics(&mut self, uri: &str, version: i64) -> Vec<Value> {
+        loop {
+            let params = self.await_method("textDocument/publishDiagnostics");
+            if params["uri"] == uri && params["version"] == version {
+                return params["diagnostics"]
+                    .as_array()
+                    .cloned()
+                    .unwrap_or_default();
+            }
+        }
+    }
+
+    /// Begins a session; the result of `initialize`.
+    pub fn initialize(&mut self, capabilities: Value) -> Value {
+        let params = json!({ "processId": null, "rootUri": null, "capabilities": capabilities });
+        let result = self.result("initialize", params);
+        self.tell("initialized", json!({}));
+        result
+    }
+
+    /// Opens a text as its version 1.
+    pub fn open(&mut self, uri: &str, text: &str) {
+        let document = json!({ "uri": uri, "languageId": "rpi", "version": 1, "text": text });
+        self.tell("textDocument/didOpen", json!({ "textDocument": document }));
+    }
+
+    /// Changes a text: one of the protocol's content changes.
+    pub fn change(&mut self, uri: &str, version: i64, change: Value) {
+        let document = json!({ "uri": uri, "version": version });
+        let params = json!({ "textDocument": document, "contentChanges": [change] });
+        self.tell("textDocument/didChange", params);
+    }
+
+    /// Ends a session.
+    pub fn leave(&mut self) {
+        assert_eq!(self.result("shutdown", Value::Null), Value::Null);
+        self.tell("exit", Value::Null);
+        while self.receive().is_some() {}
+    }
+}

@@ -1,0 +1,11 @@
+//! `rpic lsp`: the language server, over standard input and output.
+
+use std::io;
+
+use crate::outcome::{Exit, Outcome};
+
+/// Serves one editor until it leaves.
+pub(crate) fn lsp() -> Outcome {
+    rpi_lsp::serve(io::BufReader::new(io::stdin()), io::stdout())?;
+    Ok(Exit::Good)
+}

@@ -1,0 +1,2 @@
+-- The same as for .rpi.
+vim.cmd.runtime("ftplugin/rpi.lua")
