@@ -109,7 +109,7 @@ pub(crate) fn image(kind: usize) -> Arc<Image> {
         &key(FLAG),
     );
     axes.iter().for_each(|axis| drive(&mut b, *axis, speed));
-    let int = |v: i64| Input::Const(Value::int(v));
+    let int = |v: i64| Input::constant(Value::int(v));
     for (name, kind, value) in [
         ("done", ResultKind::Finish, end::FINISH),
         ("early", ResultKind::Yield, end::YIELD),
