@@ -26,7 +26,7 @@ fn constant(net: &Net, known: &[Option<Vec<Value>>], id: NodeId) -> Option<Vec<V
         return Some(node.params.clone());
     }
     let value = |source: &Source| match source {
-        Source::Const(value) => Some(value.clone()),
+        Source::Const(value) => Some((**value).clone()),
         Source::Port(port) => known[port.node.index()]
             .as_ref()?
             .get(usize::from(port.port))

@@ -156,7 +156,7 @@ fn now(source: &Input, trip: &Trip, constants: &[Option<Vec<Value>>]) -> Option<
             node: *node,
             ..*port
         })),
-        (None, Some(values)) => Some(Input::Const(values[usize::from(port.port)].clone())),
+        (None, Some(values)) => Some(Input::constant(values[usize::from(port.port)].clone())),
         (None, None) => None,
     }
 }
