@@ -41,7 +41,7 @@ const OWNERS: &[(&str, &[&str])] = &[
 ];
 
 /// What any crate may use in its tests and benches.
-const TEST_TOOLS: &[&str] = &["criterion", "insta", "proptest", "tempfile"];
+const TEST_TOOLS: &[&str] = &["criterion", "insta", "proptest", "stateright", "tempfile"];
 
 #[test]
 fn third_party_crates_have_the_owners_of_the_table() {
