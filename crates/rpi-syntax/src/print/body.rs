@@ -93,12 +93,13 @@ impl Printer<'_> {
             && place(only).1.is_none()
         {
             let element = write(self, only);
-            return concat([word(head), word(" "), element, word(";")]);
+            let end = place(only).0.end;
+            let suffixes = self.trivia.after(end, self.trivia.next_token(end));
+            return concat([word(head), word(" "), element, word(";"), concat(suffixes)]);
         }
-        let lines = self.lines(
+        let lines = self.open_lines(
             elements,
             |e| place(e).0,
-            0,
             |p, _, element| (concat([write(p, element), word(";")]), false),
         );
         concat([word(head), indent(concat([Doc::Hard, lines]))])

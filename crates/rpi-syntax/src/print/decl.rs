@@ -38,7 +38,7 @@ impl Printer<'_> {
                 self.with_body(head, &fragment.contract, &fragment.body, end)
             }
             ItemKind::Primitive(primitive) => self.primitive(primitive),
-            ItemKind::Device(device) => self.device(device, end),
+            ItemKind::Device(device) => self.device(device),
             ItemKind::Frame(frame) => self.frame(frame),
             ItemKind::Command(command) => self.command(command, end),
             ItemKind::Task(task) => self.task(task, end),
@@ -153,13 +153,12 @@ impl Printer<'_> {
         ]))
     }
 
-    fn device(&mut self, device: &DeviceDecl, end: u32) -> Doc {
+    fn device(&mut self, device: &DeviceDecl) -> Doc {
         let name = text(&*device.name.name);
         let head = concat([word("device "), name, self.static_params(&device.statics)]);
-        let sections = self.lines(
+        let sections = self.open_lines(
             &device.sections,
             |s| s.span,
-            end,
             |p, _, section| (p.device_section(section), false),
         );
         concat([head, indent(concat([Doc::Hard, sections]))])
@@ -169,10 +168,9 @@ impl Printer<'_> {
         /// As long as the longest of the words, and a space.
         const COLUMN: usize = "actuator ".len();
         let word = section.kind.word();
-        let ports = self.lines(
+        let ports = self.open_lines(
             &section.ports,
             |port| port.span,
-            section.span.end,
             |p, _, port| (p.device_port(port), false),
         );
         concat([

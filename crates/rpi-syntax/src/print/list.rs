@@ -136,11 +136,38 @@ impl Printer<'_> {
         elements: &[T],
         span: impl Fn(&T) -> Span,
         end: u32,
-        mut write: impl FnMut(&mut Self, usize, &T) -> (Doc, bool),
+        write: impl FnMut(&mut Self, usize, &T) -> (Doc, bool),
     ) -> Doc {
         let end = elements
             .last()
             .map_or(end, |last| self.trivia.next_token(span(last).end));
+        let mut block = self.open_block(elements, span, end, write);
+        let rest = self.trivia.before(end).into_iter();
+        block.extend(rest.map(|own| (own.blank_before, own.doc)));
+        joined(block)
+    }
+
+    /// Lines of a block that no word ends: what stands below the last one belongs to what follows.
+    pub(super) fn open_lines<T>(
+        &mut self,
+        elements: &[T],
+        span: impl Fn(&T) -> Span,
+        write: impl FnMut(&mut Self, usize, &T) -> (Doc, bool),
+    ) -> Doc {
+        let last = elements.last();
+        let end = last.map_or(0, |last| self.trivia.next_token(span(last).end));
+        let block = self.open_block(elements, span, end, write);
+        joined(block)
+    }
+
+    /// The lines of a block whose last element is followed by what stands at `end`.
+    fn open_block<T>(
+        &mut self,
+        elements: &[T],
+        span: impl Fn(&T) -> Span,
+        end: u32,
+        mut write: impl FnMut(&mut Self, usize, &T) -> (Doc, bool),
+    ) -> Vec<(bool, Doc)> {
         let mut block: Vec<(bool, Doc)> = Vec::new();
         let mut was_apart = false;
         for (i, element) in elements.iter().enumerate() {
@@ -160,12 +187,7 @@ impl Printer<'_> {
             was_apart = apart;
             block.extend(lines);
         }
-        let rest = self.trivia.before(end).into_iter();
-        block.extend(rest.map(|own| (own.blank_before, own.doc)));
-        if let Some(first) = block.first_mut() {
-            first.0 = false;
-        }
-        joined(block)
+        block
     }
 
     /// The lines of a doc comment that comes from the tree.
@@ -204,12 +226,12 @@ impl Printer<'_> {
     }
 }
 
-/// The lines, each with whether an empty one stands before it.
+/// The lines, each with whether an empty one stands before it; none does before the first.
 fn joined(lines: Vec<(bool, Doc)>) -> Doc {
     let mut parts = Vec::new();
     for (i, (blank_before, line)) in lines.into_iter().enumerate() {
         parts.extend((i > 0).then_some(Doc::Hard));
-        parts.extend(blank_before.then_some(Doc::Empty));
+        parts.extend((blank_before && i > 0).then_some(Doc::Empty));
         parts.push(line);
     }
     concat(parts)
