@@ -1,26 +1,40 @@
 //! Chores of the repository: `cargo xtask CHORE`.
 
+mod lustre;
+
 use std::process::ExitCode;
 
 /// The chores: name, what it does, and how.
-type Chore = (&'static str, &'static str, fn() -> Result<(), String>);
+type Chore = (
+    &'static str,
+    &'static str,
+    fn(&[String]) -> Result<(), String>,
+);
 
-const CHORES: &[Chore] = &[(
-    "gen",
-    "write the files that are made from the project's tables",
-    generate,
-)];
+const CHORES: &[Chore] = &[
+    (
+        "gen",
+        "write the files that are made from the project's tables",
+        generate,
+    ),
+    (
+        "lustre-corpus",
+        "run Lustre programs written elsewhere: --programs DIR, with --traces FILE.json, --reject or neither",
+        lustre::corpus,
+    ),
+];
 
 fn main() -> ExitCode {
-    let wanted = std::env::args().nth(1).unwrap_or_default();
+    let mut args = std::env::args().skip(1);
+    let wanted = args.next().unwrap_or_default();
     let Some((_, _, run)) = CHORES.iter().find(|(name, _, _)| *name == wanted) else {
         eprintln!("usage: cargo xtask CHORE");
         for (name, what, _) in CHORES {
-            eprintln!("  {name:<12} {what}");
+            eprintln!("  {name:<14} {what}");
         }
         return ExitCode::from(2);
     };
-    match run() {
+    match run(&args.collect::<Vec<_>>()) {
         Ok(()) => ExitCode::SUCCESS,
         Err(reason) => {
             eprintln!("{reason}");
@@ -29,7 +43,7 @@ fn main() -> ExitCode {
     }
 }
 
-fn generate() -> Result<(), String> {
+fn generate(_: &[String]) -> Result<(), String> {
     for file in rpi_house::generated()
         .iter()
         .filter(|file| !file.is_current())

@@ -118,10 +118,12 @@ codes! {
     RPI3004 Error "optional part of a value";
     RPI3005 Error "function with state";
     RPI3006 Error "automaton without one initial state";
+    RPI3007 Error "clocks that do not meet";
     RPI3101 Warning "flow that nothing uses";
     RPI4001 Error "dependency cycle";
     RPI4002 Error "port that stands for itself";
     RPI5001 Error "`pre` without a first value";
+    RPI5002 Error "`current` before the first tick";
     RPI6001 Error "device port used the wrong way";
     RPI6002 Error "actuator defined twice";
     RPI6101 Error "two writers of one actuator";
@@ -132,6 +134,8 @@ codes! {
     RPI9001 Error "claim that does not hold";
     RPI9002 Error "claim that was never made";
     RPI9003 Error "fault while running";
+    RPI9011 Error "cycle that cannot be computed";
+    RPI9012 Warning "assertion that does not hold";
     RPI9101 Error "primitive without a form in C";
     RPI9901 Error "fault of the compiler";
 }

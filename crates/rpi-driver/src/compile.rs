@@ -54,19 +54,29 @@ pub fn compile(input: &Input) -> Result<Compiled, InputError> {
 fn program(input: &Input, text: &str) -> Compiled {
     let mode = Mode::of_path(&display(&input.path));
     let mut sources = SourceMap::new();
-    let built = source::build(
-        &input.stem(),
-        &display(&input.path),
-        text,
-        input.path.parent(),
-        &mut sources,
-    );
+    let (name, path) = (input.stem(), display(&input.path));
+    let modules = program_text(input, &name, &path, text).modules(&mut sources);
+    let (built, _) = source::build_modules(&modules);
     Compiled {
         sources,
         findings: built.findings,
         program: Program::Nets(built.nets),
         tests: built.tests,
         tasks: task::tasks(&rpi_syntax::parse(FileId(0), text, mode).file),
+    }
+}
+
+pub(crate) fn program_text<'t>(
+    input: &'t Input,
+    name: &'t str,
+    path: &'t str,
+    text: &'t str,
+) -> source::Text<'t> {
+    source::Text {
+        name,
+        path,
+        text,
+        folder: input.path.parent(),
     }
 }
 
@@ -110,7 +120,7 @@ fn checked(net: Net, findings: &mut Vec<Finding>) -> Option<Net> {
     }
 }
 
-fn display(path: &Path) -> String {
+pub(crate) fn display(path: &Path) -> String {
     path.display().to_string()
 }
 

@@ -118,6 +118,10 @@ pub fn read(path: &Path) -> Result<Input, InputError> {
         }
     })?;
     let bytes = unpacked(bytes).map_err(|e| InputError::new(path, format!("broken gzip: {e}")))?;
+    let bytes = match kind {
+        Kind::Lustre => as_unicode(bytes),
+        _ => bytes,
+    };
     Ok(Input {
         path: path.to_owned(),
         kind,
@@ -140,6 +144,18 @@ pub(crate) fn stem(path: &Path) -> String {
     let name = unpacked_name(path);
     let stem = name.split_once('.').map(|(stem, _)| stem.to_owned());
     stem.unwrap_or(name)
+}
+
+/// Lustre programs of before Unicode are written in ISO 8859-1, where a byte is the number of its character.
+fn as_unicode(bytes: Vec<u8>) -> Vec<u8> {
+    match std::str::from_utf8(&bytes) {
+        Ok(_) => bytes,
+        Err(_) => bytes
+            .into_iter()
+            .map(char::from)
+            .collect::<String>()
+            .into_bytes(),
+    }
 }
 
 fn unpacked_name(path: &Path) -> String {

@@ -4,7 +4,7 @@ use std::collections::BTreeSet;
 use std::path::Path;
 
 use rpi_diag::{Finding, Severity, SourceMap, Span};
-use rpi_net::Net;
+use rpi_net::{Net, PortRef};
 use rpi_sema::elab::{Argument, Elaborated, elaborate, elaborate_steps};
 use rpi_sema::facts::{self, Facts};
 use rpi_sema::program::Program;
@@ -26,40 +26,75 @@ pub(crate) struct Built {
     pub(crate) findings: Vec<Finding>,
 }
 
-/// Takes a program's text through all stages up to checked nets.
-pub(crate) fn build(
-    name: &str,
-    path: &str,
-    text: &str,
-    folder: Option<&Path>,
-    sources: &mut SourceMap,
-) -> Built {
-    build_modules(&Modules::load(name, path, text, folder, &Disk, sources)).0
+/// A program as a file gives it.
+pub(crate) struct Text<'t> {
+    /// The module's name.
+    pub(crate) name: &'t str,
+    /// The file's name for messages.
+    pub(crate) path: &'t str,
+    /// Its text.
+    pub(crate) text: &'t str,
+    /// Where other modules are looked for.
+    pub(crate) folder: Option<&'t Path>,
+}
+
+impl Text<'_> {
+    /// The text and all modules that it needs, parsed.
+    pub(crate) fn modules(&self, sources: &mut SourceMap) -> Modules {
+        Modules::load(self.name, self.path, self.text, self.folder, &Disk, sources)
+    }
+}
+
+/// A program whose units have been checked, and what is known of its flows.
+pub(crate) struct Front<'p> {
+    pub(crate) program: &'p Program<'p>,
+    pub(crate) checked: &'p Checked,
+    pub(crate) facts: &'p [Facts],
 }
 
 /// Takes parsed modules through all other stages; what the checker made of them is kept for who wants to look at it.
 pub(crate) fn build_modules(modules: &Modules) -> (Built, Checked) {
+    let (roots, findings, checked) = with_front(modules, roots);
+    let roots = roots.unwrap_or_default();
+    let built = Built {
+        nets: roots.nets,
+        tests: roots.tests,
+        findings,
+    };
+    (built, checked)
+}
+
+/// Checks parsed modules and, if nothing is wrong with them, hands them to what makes nets of them.
+pub(crate) fn with_front<T>(
+    modules: &Modules,
+    back: impl FnOnce(&Front<'_>, &mut Vec<Finding>) -> T,
+) -> (Option<T>, Vec<Finding>, Checked) {
     let texts = modules.sources();
     let (program, mut findings) = Program::collect(&texts);
     findings.splice(0..0, modules.findings.iter().cloned());
     let mut checked = check(&program);
     findings.append(&mut checked.findings);
-    let roots = match has_errors(&findings) {
-        true => Roots::default(),
-        false => roots(&program, &checked, &mut findings),
+    let facts = match has_errors(&findings) {
+        true => Vec::new(),
+        false => {
+            let (facts, mut found) = facts::find(&checked.units);
+            findings.append(&mut found);
+            facts
+        }
     };
+    let front = Front {
+        program: &program,
+        checked: &checked,
+        facts: &facts,
+    };
+    let made = (!has_errors(&findings)).then(|| back(&front, &mut findings));
     // What is only worth knowing about a library is not the business of who uses it.
     let own = texts.first().map_or(0, |root| root.files.len());
     findings.retain(|finding| {
         let file = finding.span().file.0 as usize;
         finding.severity() == Severity::Error || finding.span().is_none() || file < own
     });
-    let built = Built {
-        nets: roots.nets,
-        tests: roots.tests,
-        findings: once(findings),
-    };
-    (built, checked)
+    (made, once(findings), checked)
 }
 
 /// What can be run.
@@ -69,12 +104,8 @@ struct Roots {
     tests: Vec<Test>,
 }
 
-fn roots(program: &Program<'_>, checked: &Checked, findings: &mut Vec<Finding>) -> Roots {
-    let (facts, mut found) = facts::find(&checked.units);
-    findings.append(&mut found);
-    if has_errors(findings) {
-        return Roots::default();
-    }
+fn roots(front: &Front<'_>, findings: &mut Vec<Finding>) -> Roots {
+    let checked = front.checked;
     let called = called(checked);
     let mut roots = Roots::default();
     for (_, unit) in &checked.runnable {
@@ -82,8 +113,8 @@ fn roots(program: &Program<'_>, checked: &Checked, findings: &mut Vec<Finding>) 
         if !kind.is_root() && called.contains(unit) {
             continue;
         }
-        let args = arguments(program, checked, *unit);
-        let made = one(checked, &facts, *unit, &args, findings);
+        let args = arguments(front, *unit);
+        let made = one(front, *unit, &args, findings);
         let made = made.filter(|_| !args.contains(&Argument::Unknown));
         match (kind, made) {
             (UnitKind::Command, Some(made)) => roots.nets.push(made.net),
@@ -106,24 +137,39 @@ fn test(unit: &Unit, made: Elaborated) -> Test {
 
 /// The net of one unit, if the passes find nothing against it.
 fn one(
-    checked: &Checked,
-    facts: &[Facts],
+    front: &Front<'_>,
     unit: UnitId,
     args: &[Argument],
     findings: &mut Vec<Finding>,
 ) -> Option<Elaborated> {
-    let mut made = elaborate(&checked.units, facts, unit, args);
+    let made = elaborate(&front.checked.units, front.facts, unit, args);
+    analysed(front, unit, args, made, findings)
+}
+
+/// The net of a unit, if the passes find nothing against it.
+pub(crate) fn analysed(
+    front: &Front<'_>,
+    unit: UnitId,
+    args: &[Argument],
+    mut made: Elaborated,
+    findings: &mut Vec<Finding>,
+) -> Option<Elaborated> {
     let mut found = std::mem::take(&mut made.findings);
     if found.is_empty() {
         match rpi_net::passes::analyse(made.net.clone(), |_| false) {
             Ok(analysis) if analysis.schedule.is_none() => {
-                found.extend(rings(checked, facts, unit, args));
+                found.extend(rings(front, unit, args));
             }
             Ok(analysis) => {
+                let claims = made.claims.iter().map(|claim| claim.source);
+                let claims: Vec<PortRef> = claims.collect();
                 found.extend(analysis.findings);
-                found.extend(rpi_sema::init::check(&made.net));
+                found.extend(rpi_sema::init::check(&made.net, &claims));
             }
-            Err(violation) => found.push(violation::finding(&violation, checked.unit(unit).span)),
+            Err(violation) => {
+                let span = front.checked.unit(unit).span;
+                found.push(violation::finding(&violation, span));
+            }
         }
     }
     let faulty = has_errors(&found);
@@ -132,23 +178,23 @@ fn one(
 }
 
 /// The rings of a unit, drawn with every equation on the way: a net for running leaves out those that only pass on.
-fn rings(checked: &Checked, facts: &[Facts], unit: UnitId, args: &[Argument]) -> Vec<Finding> {
-    let net = elaborate_steps(&checked.units, facts, unit, args);
+fn rings(front: &Front<'_>, unit: UnitId, args: &[Argument]) -> Vec<Finding> {
+    let net = elaborate_steps(&front.checked.units, front.facts, unit, args);
     let analysis = rpi_net::passes::analyse(net, |_| false);
     analysis.map_or_else(|_| Vec::new(), |analysis| analysis.findings)
 }
 
 /// What a command's parameters are when it is run by itself: devices by their names, values by constants of the same
 /// name.
-fn arguments(program: &Program<'_>, checked: &Checked, unit: UnitId) -> Vec<Argument> {
-    let unit = checked.unit(unit);
+fn arguments(front: &Front<'_>, unit: UnitId) -> Vec<Argument> {
+    let unit = front.checked.unit(unit);
     let params = rpi_sema::elab::parameters(unit);
-    let argument = |id| checked.argument(program, unit.flow(id));
+    let argument = |id| front.checked.argument(front.program, unit.flow(id));
     params.into_iter().map(argument).collect()
 }
 
 /// The units that others call.
-fn called(checked: &Checked) -> BTreeSet<UnitId> {
+pub(crate) fn called(checked: &Checked) -> BTreeSet<UnitId> {
     let exprs = checked.units.iter().flat_map(|unit| &unit.exprs);
     let calls = exprs.filter_map(|expr| match &expr.kind {
         Kind::Call(call) => Some(call.unit),

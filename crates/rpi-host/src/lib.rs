@@ -4,6 +4,7 @@
 //! program is compiled; it takes nets and images.
 
 pub mod control;
+pub mod node;
 pub mod plot;
 pub mod record;
 pub mod replay;

@@ -4,6 +4,7 @@
 //! Everything after this crate (lowering, running) sees only a net that has passed [`passes`]. A net must not know
 //! syntax trees or the image; where it came from is an [`Origin`] per node and nothing more.
 
+mod column;
 pub mod literal;
 pub mod net;
 pub mod passes;
@@ -12,6 +13,7 @@ pub mod shape;
 pub mod tree;
 mod violation;
 
+pub use column::Column;
 pub use net::{
     Absent, Activation, Alternatives, Driver, ExportPort, Fragment, FragmentId, FragmentPort,
     Input, Net, Node, NodeId, Origin, PortRef, Restart, ResultKind, ResultPort, Types,

@@ -4,7 +4,7 @@
 //!
 //! 1. [`program`]: the table of declarations, by module and name;
 //! 2. [`check()`]: every callable becomes a [`typed::Unit`];
-//! 3. [`facts`]: which flows can be absent;
+//! 3. [`facts`]: by which clock flows tick ([`clocks`]), and which can be absent;
 //! 4. [`elab`]: a unit that is run becomes an [`rpi_net::Net`];
 //! 5. [`init`]: nothing in the net is read before it has a value.
 //!
@@ -13,6 +13,7 @@
 //! This crate must not know files, memory layout or devices.
 
 mod check;
+pub mod clocks;
 pub mod elab;
 pub mod facts;
 mod hash;

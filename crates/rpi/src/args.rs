@@ -23,9 +23,10 @@ pub(crate) struct Cli {
 /// The tasks.
 #[derive(Debug, Subcommand)]
 pub(crate) enum Task {
-    /// Run a program, a net or an image against a cell.
+    /// Run a program, a net or an image against a cell, or a node against a table.
     ///
-    /// Shows what happened at the end. Exit status: 0 if all ended without error, 1 for a command's error, 2 for bad
+    /// With --inputs or --step a node of a program (.rpi, .lus) is run by itself: one row of the table per cycle. Else
+    /// commands run, and it shows what happened at the end. Exit status: 0 if all ended without error, 1 for a command's error, 2 for bad
     /// input, 3 for a fault while running.
     Run(RunArgs),
     /// Run as a server: commands are loaded, started, scheduled and watched from outside while others run.
@@ -83,8 +84,10 @@ pub(crate) struct Target {
 /// Options of `rpi run`.
 #[derive(Args, Debug)]
 pub(crate) struct RunArgs {
-    /// What to run: .rpi, .rpinet or .rpib, plain or .gz.
+    /// What to run: .rpi, .lus, .rpinet or .rpib, plain or .gz.
     pub(crate) program: PathBuf,
+    #[command(flatten)]
+    pub(crate) node: NodeArgs,
     #[command(flatten)]
     pub(crate) target: Target,
     /// Run on simulated time, as fast as the machine allows (default).
@@ -135,6 +138,40 @@ fn on_loss(name: &str) -> Result<OnLoss, String> {
         let known = OnLoss::ALL.map(|(name, _)| name);
         format!("one of {} is needed", known.join(", "))
     })
+}
+
+/// How a node is run by itself.
+#[derive(Args, Debug)]
+pub(crate) struct NodeArgs {
+    /// The node; else the one marked by --%MAIN, or called like the file, or the last that nobody calls.
+    #[arg(long, value_name = "NAME", help_heading = "Nodes by themselves")]
+    pub(crate) node: Option<String>,
+    /// Table of inputs: comma-separated, a header of flow names, a row per cycle; - for standard input.
+    #[arg(long, value_name = "FILE", help_heading = "Nodes by themselves")]
+    pub(crate) inputs: Option<PathBuf>,
+    /// Where the table of outputs goes; standard output unless said.
+    #[arg(long, value_name = "FILE", help_heading = "Nodes by themselves")]
+    pub(crate) outputs: Option<PathBuf>,
+    /// Show the node's local flows, too.
+    #[arg(long, help_heading = "Nodes by themselves")]
+    pub(crate) locals: bool,
+    /// Ask for the inputs of each cycle.
+    #[arg(long, conflicts_with = "inputs", help_heading = "Nodes by themselves")]
+    pub(crate) step: bool,
+    /// Make inputs up, from this number on, for as many cycles as --cycles says.
+    #[arg(long, value_name = "SEED", conflicts_with_all = ["inputs", "step"], help_heading = "Nodes by themselves")]
+    pub(crate) random: Option<u64>,
+    /// Write values of enums as numbers.
+    #[arg(long, help_heading = "Nodes by themselves")]
+    pub(crate) numbers: bool,
+}
+
+impl NodeArgs {
+    /// Whether a node is to be run.
+    pub(crate) fn is_asked_for(&self) -> bool {
+        let by_itself = self.step || self.locals || self.random.is_some();
+        by_itself || self.node.is_some() || self.inputs.is_some()
+    }
 }
 
 /// Options of `rpi trace`.

@@ -5,7 +5,9 @@
 
 mod args;
 mod exit;
+mod node;
 mod program;
+mod random;
 mod replay;
 mod run;
 mod serve;
@@ -22,6 +24,7 @@ use exit::Exit;
 fn main() -> ExitCode {
     let cli = Cli::parse();
     let done = match cli.task {
+        Task::Run(args) if args.node.is_asked_for() => node::run(&args),
         Task::Run(args) => run::run(&args),
         Task::Serve(args) => serve::serve(&args),
         Task::Trace(args) => trace::trace(&args),

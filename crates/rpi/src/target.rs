@@ -13,7 +13,7 @@ use crate::args::Target;
 use crate::program;
 
 /// Period where nobody says another one: 1 ms.
-const PERIOD: u64 = 1_000_000;
+pub(crate) const PERIOD: u64 = 1_000_000;
 
 /// How a net is lowered: for running, or to be looked at.
 pub(crate) type Lower = fn(&Net, u64) -> Result<Image, String>;

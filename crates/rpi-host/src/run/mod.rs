@@ -24,9 +24,10 @@ mod samples;
 mod sequence;
 mod sides;
 
+pub(crate) use host::fault_text;
+
 pub use clock::Pace;
 pub use figures::{Figures, Spread};
-pub(crate) use host::fault_text;
 pub use inputs::{BadSetting, Setting};
 pub use job::{Failure, Job, Limits, Progress, run};
 pub use outcome::{CommandEnd, DeviceEnd, Outcome, RunEnd, Status, Trouble};

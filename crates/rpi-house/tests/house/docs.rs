@@ -101,7 +101,7 @@ fn other_than(code: Code, fence: &Fence) -> Option<String> {
 fn file_name(fence: &Fence) -> Option<&'static str> {
     match fence.info.as_str() {
         "rpi" | "rpi-right" | "rpi-wrong" => Some("example.rpi"),
-        "lus" => Some("example.lus"),
+        "lus" | "rpi-right lus" | "rpi-wrong lus" => Some("example.lus"),
         "rpinet" | "rpi-right rpinet" | "rpi-wrong rpinet" => Some("example.rpinet"),
         _ => None,
     }

@@ -146,6 +146,7 @@ impl Unit {
             exprs: Vec::new(),
             blocks: vec![Block::new(Name::from(""), None, span)],
             has_clocks: false,
+            is_lustre: false,
             free_frames: Vec::new(),
         }
     }

@@ -12,7 +12,7 @@ use rpi_image::{Role, State};
 use rpi_prims::PrimId;
 use rpi_syntax::Name;
 use rpi_syntax::ast::{
-    CommandDecl, FragmentDecl, NodeDecl, NodeKind, PrimitiveDecl, Signature, VarDecl,
+    CommandDecl, FragmentDecl, NodeDecl, NodeDef, NodeKind, PrimitiveDecl, Signature, VarDecl,
 };
 use std::rc::Rc;
 
@@ -150,7 +150,10 @@ impl<'a> Body<'_, 'a> {
     }
 
     fn node_ports(&mut self, node: &'a NodeDecl) {
-        self.signature_ports(&node.signature);
+        match (&node.definition, &node.signature.outputs) {
+            (NodeDef::Alias(callee), None) => self.alias_ports(callee),
+            _ => self.signature_ports(&node.signature),
+        }
     }
 
     fn signature_ports(&mut self, signature: &'a Signature) {

@@ -7,7 +7,7 @@
 //!
 //! | file | idea |
 //! |---|---|
-//! | `unit.rs`, `header.rs`, `statics.rs` | callables, their ports and static arguments |
+//! | `unit.rs`, `header.rs`, `alias.rs`, `statics.rs` | callables, their ports and static arguments |
 //! | `types.rs`, `device.rs`, `consts.rs` | types and constants |
 //! | `body.rs`, `locals.rs`, `order.rs`, `statement.rs`, `targets.rs`, `definitions.rs`, `automaton.rs` | bodies, their flows and equations |
 //! | `expr.rs`, `names.rs`, `ops.rs`, `access.rs`, `compose.rs`, `clocked.rs` | expressions |
@@ -16,6 +16,7 @@
 //! | `words.rs` | names that are there without a declaration, for others |
 
 mod access;
+mod alias;
 mod args;
 mod automaton;
 mod body;

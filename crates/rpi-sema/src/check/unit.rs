@@ -81,6 +81,14 @@ impl<'a> Checker<'a> {
             return None;
         }
         let header = self.header(id, Rc::new(statics))?;
+        let is_alias = matches!(
+            self.program.decl(id).kind,
+            DeclKind::Node(node) if matches!(node.definition, NodeDef::Alias(_))
+        );
+        // What it stands for is not known before it is called.
+        if is_alias && header.outputs.is_empty() {
+            return None;
+        }
         self.unit(&header, header.span)
     }
 
@@ -130,7 +138,8 @@ impl<'a> Checker<'a> {
         entry.state = Progress::Busy;
         let header = entry.header.clone();
         let module = self.program.decl(header.decl).module;
-        let unit = Unit::new(header.name.clone(), header.kind, header.span);
+        let mut unit = Unit::new(header.name.clone(), header.kind, header.span);
+        unit.is_lustre = self.program.module(module).mode == rpi_syntax::Mode::Lustre;
         let mut body = Body::new(self, module, header.statics.clone(), unit);
         body.check_decl(header.decl);
         self.units[id.0 as usize] = body.leave();
@@ -160,7 +169,8 @@ impl<'a> Body<'_, 'a> {
                 self.check_body(body);
                 self.check_contract(node.contract.as_ref());
             }
-            NodeDef::Alias(_) | NodeDef::Extern => {}
+            NodeDef::Alias(callee) => self.check_alias(callee),
+            NodeDef::Extern => {}
         }
         if let (UnitKind::Function, Some(span)) = (self.unit.kind, self.state_at) {
             self.state_in_function(span);

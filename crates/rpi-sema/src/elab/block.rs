@@ -4,6 +4,7 @@ use super::expr::leaf_scalars;
 use super::scope::Scope;
 use super::signal::{Signal, Wire, alias_of};
 use super::{At, Elab, Mode};
+use crate::ty::Ty;
 use crate::typed::{BlockId, Claim, Equation, Expr, Place, Target, Unit, UnitKind};
 use rpi_net::{self as net, PortRef, Restart};
 
@@ -54,6 +55,7 @@ impl<'u> Elab<'u> {
     fn content(&mut self, scope: &mut Scope<'u>, block: BlockId, at: At) {
         let unit = scope.unit;
         let content = unit.block(block);
+        let around = std::mem::replace(&mut scope.base, at.fragment);
         for equation in &content.equations {
             self.equation(scope, block, equation, at);
         }
@@ -63,6 +65,7 @@ impl<'u> Elab<'u> {
         for automaton in &content.automata {
             self.automaton(scope, automaton, at);
         }
+        scope.base = around;
     }
 
     fn claim(&mut self, scope: &mut Scope<'u>, claim: &'u Claim, at: At) {
@@ -75,7 +78,14 @@ impl<'u> Elab<'u> {
         if scope.unit.kind == UnitKind::Test {
             return self.expectation(scope, claim, &condition);
         }
-        self.assert(&condition, at, claim.span);
+        match self.watches_claims {
+            true => {
+                let name = self.name.clone();
+                let port = self.export_port(&name, &condition, &Ty::Bool, claim.span);
+                self.watched.extend(port);
+            }
+            false => self.assert(&condition, at, claim.span),
+        }
     }
 
     /// Starts naming nodes after a flow.

@@ -214,6 +214,7 @@ impl<'u> Elab<'u> {
             UnitKind::Function => at,
             _ => at.unguarded(),
         };
+        scope.base = at.fragment;
         self.connect(&mut scope, args, at);
         let inner = match in_fragment {
             true => At::fragment(self.fragment_of_unit(&mut scope, &path, at, span)),

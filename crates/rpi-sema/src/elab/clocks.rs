@@ -1,51 +1,199 @@
-//! Sampled flows.
+//! Sampled flows: an expression on clock c is computed in a fragment that is active when c (M4).
 
 use super::families::Family;
 use super::scope::Scope;
 use super::signal::{Signal, Wire};
-use super::{At, Elab};
-use crate::typed::ExprId;
+use super::{At, Elab, Mode};
+use crate::typed::{ClockOn, ExprId, FlowId};
 use rpi_diag::Span;
+use rpi_image::{Scalar, Value};
+use rpi_net::{FragmentId, PortRef, Restart};
+
+/// What a clock's fragment is known by: the fragment around it, the flow that decides, and for which value.
+pub(super) type ClockKey = (FragmentId, PortRef, u32);
 
 impl<'u> Elab<'u> {
     /// Where an expression is evaluated: in the fragment of its clock.
-    pub(super) fn placed(&mut self, _scope: &mut Scope<'u>, _id: ExprId, at: At) -> At {
-        at
+    pub(super) fn placed(&mut self, scope: &mut Scope<'u>, id: ExprId, at: At) -> At {
+        let Some(facts) = self.facts_of(scope).filter(|facts| facts.clocks.any()) else {
+            return at;
+        };
+        let span = scope.unit.expr(id).span;
+        let fragment = self.clocked(scope, facts.clocks.of_expr(id), span);
+        let inside = fragment == at.fragment
+            || self
+                .net
+                .enclosing(fragment)
+                .any(|outer| outer == at.fragment);
+        At {
+            fragment,
+            guard: at.guard.filter(|_| inside),
+        }
     }
 
-    /// `merge c (...)`: exactly one case is there.
+    pub(super) fn facts_of(&self, scope: &Scope<'u>) -> Option<&'u crate::facts::Facts> {
+        let facts = self.facts;
+        scope.id.and_then(|unit| facts.get(unit.0 as usize))
+    }
+
+    /// The fragment of a clock.
+    fn clocked(&mut self, scope: &mut Scope<'u>, clock: &'u [ClockOn], span: Span) -> FragmentId {
+        let mut fragment = scope.base;
+        if self.mode != Mode::Constant {
+            for on in clock {
+                fragment = self.sampled(scope, *on, fragment, span);
+            }
+        }
+        fragment
+    }
+
+    fn sampled(
+        &mut self,
+        scope: &mut Scope<'u>,
+        on: ClockOn,
+        parent: FragmentId,
+        span: Span,
+    ) -> FragmentId {
+        let wire = self.flow(scope, on.flow, span);
+        let deciding = wire.first().cloned().unwrap_or(Signal::Absent);
+        let key = match deciding {
+            Signal::Port(port) => Some((parent, port, on.value)),
+            _ => None,
+        };
+        if let Some(fragment) = key.and_then(|key| self.clocks.get(&key)) {
+            return *fragment;
+        }
+        let at = At::fragment(parent);
+        let condition = self.ticks(scope, on, at, span);
+        let activation = self.when(&condition, at, span);
+        let name = &scope.unit.flow(on.flow).name;
+        let path = format!("{}@{name}#{}", scope.prefix, self.net.fragments.len());
+        let fragment = self.fragment(&path, parent, activation, Restart::Never, span);
+        if let Some(key) = key {
+            self.clocks.insert(key, fragment);
+        }
+        fragment
+    }
+
+    /// Whether the flow that decides has the value.
+    fn ticks(&mut self, scope: &mut Scope<'u>, on: ClockOn, at: At, span: Span) -> Signal {
+        let wire = self.flow(scope, on.flow, span);
+        let deciding = wire.first().cloned().unwrap_or(Signal::Absent);
+        match (scope.unit.flow(on.flow).ty.scalar(), on.value) {
+            (Some(Scalar::Bool), 0) => self.named("Core::BooleanNot", &[deciding], at, span),
+            (Some(Scalar::Bool), _) => deciding,
+            _ => {
+                let value = Signal::Const(Value::int(on.value.into()));
+                self.named("Core::IntEquals", &[deciding, value], at, span)
+            }
+        }
+    }
+
+    /// `merge c (...)`: a choice by the flow that decides. The other cases are not there.
     pub(super) fn merge(
         &mut self,
         scope: &mut Scope<'u>,
-        _on: ExprId,
+        on: ExprId,
         cases: &'u [(u32, ExprId)],
         id: ExprId,
         at: At,
     ) -> Wire {
         let span = scope.unit.expr(id).span;
         let scalars = super::expr::leaf_scalars(&scope.unit.expr(id).ty);
-        let wires: Vec<Wire> = cases
-            .iter()
-            .map(|(_, id)| self.expr(scope, *id, at))
-            .collect();
-        let mut leaves = Vec::with_capacity(scalars.len());
-        for (k, scalar) in scalars.into_iter().enumerate() {
-            let mut cases = wires.iter().filter_map(|wire| wire.get(k)).cloned();
-            let first = cases.next().unwrap_or(Signal::Absent);
-            let merge = |all, next| self.family(Family::Coalesce, scalar, &[all, next], at, span);
-            leaves.push(cases.fold(first, merge));
+        let is_truth = scope.unit.expr(on).ty.scalar() == Some(Scalar::Bool);
+        let deciding = self.one(scope, on, at);
+        let Some(((_, last), others)) = cases.split_last() else {
+            return super::signal::nothing();
+        };
+        let mut chosen = self.expr(scope, *last, at).to_vec();
+        for (value, case) in others.iter().rev() {
+            let wire = self.expr(scope, *case, at);
+            let here = match (is_truth, value) {
+                (true, 0) => self.named(
+                    "Core::BooleanNot",
+                    std::slice::from_ref(&deciding),
+                    at,
+                    span,
+                ),
+                (true, _) => deciding.clone(),
+                _ => {
+                    let value = Signal::Const(Value::int((*value).into()));
+                    self.named("Core::IntEquals", &[deciding.clone(), value], at, span)
+                }
+            };
+            for ((slot, signal), scalar) in chosen.iter_mut().zip(wire.iter()).zip(&scalars) {
+                let inputs = [here.clone(), signal.clone(), slot.clone()];
+                *slot = self.family(Family::Conditional, *scalar, &inputs, at, span);
+            }
         }
-        leaves.into()
+        chosen.into()
     }
 
-    /// `current x`: the latest value.
+    /// `current x`: x where its clock ticks, else what it was at the last tick.
     pub(super) fn current(
         &mut self,
         scope: &mut Scope<'u>,
         operand: ExprId,
         at: At,
-        _span: Span,
+        span: Span,
     ) -> Wire {
-        self.expr(scope, operand, at)
+        let wire = self.expr(scope, operand, at);
+        let clock = self
+            .facts_of(scope)
+            .map(|facts| facts.clocks.of_value(operand));
+        let Some(on) = clock.and_then(|clock| clock.last()).copied() else {
+            return wire;
+        };
+        let scalars = super::expr::leaf_scalars(&scope.unit.expr(operand).ty);
+        let before = match scope.unit.is_lustre {
+            true => Family::Pre,
+            false => Family::OptionalPre,
+        };
+        let ticks = self.ticks(scope, on, at, span);
+        let mut leaves = Vec::with_capacity(scalars.len());
+        for (signal, scalar) in wire.iter().zip(scalars) {
+            let result = self.new_alias(scalar);
+            let before = self.delay(before, scalar, &Signal::Port(result), at, span);
+            let inputs = [ticks.clone(), signal.clone(), before];
+            let held = self.family(Family::Conditional, scalar, &inputs, at, span);
+            self.bind_alias(result, &held);
+            leaves.push(held);
+        }
+        leaves.into()
+    }
+
+    /// An out-port of what is run, absent where its clock does not tick.
+    pub(super) fn off_clock_absent(
+        &mut self,
+        scope: &mut Scope<'u>,
+        flow: FlowId,
+        wire: &Wire,
+        span: Span,
+    ) -> Wire {
+        let clock = self
+            .facts_of(scope)
+            .map_or(&[][..], |f| f.clocks.of_flow(flow));
+        if clock.is_empty() {
+            return wire.clone();
+        }
+        let mut active = Signal::Const(Value::bool(true));
+        for on in clock.iter().rev() {
+            let ticks = self.ticks(scope, *on, At::ROOT, span);
+            let no = Signal::Const(Value::bool(false));
+            active = self.family(
+                Family::Conditional,
+                Scalar::Bool,
+                &[ticks, active, no],
+                At::ROOT,
+                span,
+            );
+        }
+        let off = self.named("Core::BooleanNot", &[active], At::ROOT, span);
+        let scalars = super::expr::leaf_scalars(&scope.unit.flow(flow).ty);
+        let leaves = wire.iter().zip(scalars).map(|(signal, scalar)| {
+            let inputs = [signal.clone(), off.clone()];
+            self.family(Family::SetNull, scalar, &inputs, At::ROOT, span)
+        });
+        leaves.collect()
     }
 }

@@ -37,7 +37,9 @@ mod settle;
 mod signal;
 
 pub use expect::Expectation;
-pub use root::{Argument, Elaborated, PortShape, elaborate, elaborate_steps, parameters};
+pub use root::{
+    Argument, Elaborated, Local, PortShape, elaborate, elaborate_alone, elaborate_steps, parameters,
+};
 
 use crate::facts::Facts;
 use crate::hash::Map;
@@ -132,6 +134,8 @@ struct Elab<'u> {
     promises: Vec<promise::Promise>,
     /// `first` of each fragment.
     firsts: Map<FragmentId, PortRef>,
+    /// The fragments of clocks.
+    clocks: Map<clocks::ClockKey, FragmentId>,
     /// Elements that have been taken out of array ports.
     elements: Map<(PortRef, u32), PortRef>,
     /// Sensor ports that have been read.
@@ -149,6 +153,10 @@ struct Elab<'u> {
     /// What the test that is elaborated expects.
     expectations: Vec<Expectation>,
     findings: Vec<Finding>,
+    /// Whether claims are watched; else one that does not hold ends the command.
+    watches_claims: bool,
+    /// Flows that somebody looks at although they leave the net nowhere.
+    watched: Vec<rpi_net::ExportPort>,
 }
 
 /// The deepest nesting of calls; more can only be a recursion without end.
@@ -170,6 +178,7 @@ impl<'u> Elab<'u> {
             promises: Vec::new(),
             top: None,
             firsts: Map::default(),
+            clocks: Map::default(),
             elements: Map::default(),
             sensors: Map::default(),
             failure: None,
@@ -178,6 +187,8 @@ impl<'u> Elab<'u> {
             depth: 0,
             expectations: Vec::new(),
             findings: Vec::new(),
+            watches_claims: false,
+            watched: Vec::new(),
         }
     }
 

@@ -30,6 +30,15 @@ pub struct PortShape {
     pub ty: Ty,
 }
 
+/// A flow that is neither read nor written from outside, but can be looked at.
+#[derive(Clone, PartialEq, Debug)]
+pub struct Local {
+    /// Its name and type.
+    pub shape: PortShape,
+    /// Where its value is.
+    pub port: ExportPort,
+}
+
 /// A net, and how to talk to it.
 #[derive(Clone, Debug)]
 pub struct Elaborated {
@@ -41,6 +50,10 @@ pub struct Elaborated {
     pub outputs: Vec<PortShape>,
     /// What a test expects.
     pub expectations: Vec<Expectation>,
+    /// Other flows of the unit itself, leaf by leaf, if they were asked for.
+    pub locals: Vec<Local>,
+    /// Conditions that the text claims to hold, if they are watched; each bears what it is about and its place.
+    pub claims: Vec<ExportPort>,
     /// What was found on the way.
     pub findings: Vec<Finding>,
 }
@@ -48,13 +61,20 @@ pub struct Elaborated {
 /// Makes the net of a unit. `args` are for its parameters, in order; what is missing is not known.
 #[must_use]
 pub fn elaborate(units: &[Unit], facts: &[Facts], id: UnitId, args: &[Argument]) -> Elaborated {
-    elaborate_in(Mode::Net, units, facts, id, args)
+    elaborate_in(Mode::Net, units, facts, id, args, None)
 }
 
 /// The net of a unit with a node for every equation, so that a dependency cycle through it names each step.
 #[must_use]
 pub fn elaborate_steps(units: &[Unit], facts: &[Facts], id: UnitId, args: &[Argument]) -> Net {
-    elaborate_in(Mode::Steps, units, facts, id, args).net
+    elaborate_in(Mode::Steps, units, facts, id, args, None).net
+}
+
+/// Makes the net of a node that runs by itself, outside of any command: what its text claims is watched instead of ending
+/// the run, and its local flows can be looked at if they are asked for.
+#[must_use]
+pub fn elaborate_alone(units: &[Unit], facts: &[Facts], id: UnitId, locals: bool) -> Elaborated {
+    elaborate_in(Mode::Net, units, facts, id, &[], Some(locals))
 }
 
 fn elaborate_in(
@@ -63,8 +83,10 @@ fn elaborate_in(
     facts: &[Facts],
     id: UnitId,
     args: &[Argument],
+    alone: Option<bool>,
 ) -> Elaborated {
     let mut elab = Elab::new(units, facts, mode);
+    elab.watches_claims = alone.is_some();
     let unit = &units[id.0 as usize];
     elab.net.name = unit.name.to_string();
     let mut scope = Scope::new(unit, Some(id));
@@ -74,15 +96,24 @@ fn elaborate_in(
     let outputs = elab.outputs(&mut scope);
     elab.exports(&mut scope);
     elab.driver(&mut scope);
+    let claims = elab.watched.len();
+    let locals = match alone {
+        Some(true) => elab.locals(&mut scope),
+        _ => Vec::new(),
+    };
     for (port, value) in unknown {
         elab.bind_alias(port, &Signal::Const(value));
     }
     elab.settle();
+    let ports = elab.watched.split_off(claims);
+    let locals = locals.into_iter().zip(ports);
     Elaborated {
         net: elab.net,
         inputs,
         outputs,
         expectations: elab.expectations,
+        locals: locals.map(|(shape, port)| Local { shape, port }).collect(),
+        claims: elab.watched,
         findings: elab.findings,
     }
 }
@@ -181,6 +212,7 @@ impl<'u> Elab<'u> {
             let declared = unit.flow(*flow);
             let wire = self.flow(scope, *flow, declared.span);
             self.begin(&declared.name);
+            let wire = self.off_clock_absent(scope, *flow, &wire, declared.span);
             let mut leaves: Vec<(String, Ty)> = Vec::new();
             declared.ty.leaves(&mut |path, ty| {
                 leaves.push((format!("{}{path}", declared.name), ty.clone()))
@@ -194,17 +226,59 @@ impl<'u> Elab<'u> {
     }
 
     pub(super) fn export(&mut self, key: &str, signal: &Signal, ty: &Ty, span: rpi_diag::Span) {
+        let port = self.export_port(key, signal, ty, span);
+        self.net.exports.extend(port);
+    }
+
+    pub(super) fn export_port(
+        &mut self,
+        key: &str,
+        signal: &Signal,
+        ty: &Ty,
+        span: rpi_diag::Span,
+    ) -> Option<ExportPort> {
         let scalar = ty.scalar().unwrap_or(Scalar::Bool);
-        if let Some(source) = self.port_of(signal, scalar, At::ROOT, span) {
-            self.net.exports.push(ExportPort {
-                key: key.to_owned(),
-                source,
-                origin: Origin {
-                    span,
-                    flow: Some(key.to_owned()),
-                },
-            });
+        let source = self.port_of(signal, scalar, At::ROOT, span)?;
+        Some(ExportPort {
+            key: key.to_owned(),
+            source,
+            origin: Origin {
+                span,
+                flow: Some(key.to_owned()),
+            },
+        })
+    }
+
+    /// The flows between in-ports and out-ports, under the names of the blocks that they stand in.
+    fn locals(&mut self, scope: &mut Scope<'u>) -> Vec<PortShape> {
+        let unit = scope.unit;
+        let mut shapes = Vec::new();
+        for id in (0..).map(FlowId).take(unit.flows.len()) {
+            let declared = unit.flow(id);
+            let is_device = matches!(declared.ty, Ty::Device(_));
+            if declared.role != FlowRole::Local || is_device {
+                continue;
+            }
+            let wire = self.flow(scope, id, declared.span);
+            let wire = self.off_clock_absent(scope, id, &wire, declared.span);
+            let block = &unit.block(declared.block).name;
+            let name = match block.as_str() {
+                "" => declared.name.to_string(),
+                block => format!("{block}.{}", declared.name),
+            };
+            self.begin(&name);
+            let mut leaves: Vec<(String, Ty)> = Vec::new();
+            declared
+                .ty
+                .leaves(&mut |path, ty| leaves.push((format!("{name}{path}"), ty.clone())));
+            for ((key, ty), signal) in leaves.into_iter().zip(wire.iter()) {
+                if let Some(port) = self.export_port(&key, signal, &ty, declared.span) {
+                    self.watched.push(port);
+                    shapes.push(PortShape { key, ty });
+                }
+            }
         }
+        shapes
     }
 
     fn exports(&mut self, scope: &mut Scope<'u>) {

@@ -18,6 +18,8 @@ pub(super) struct Scope<'u> {
     pub(super) fragments: Vec<Option<FragmentId>>,
     /// Leaves that are read outside of blocks of which the fragments have not been made yet.
     pub(super) leaving: Vec<Leaving>,
+    /// The fragment to which its clocks are relative: that of the block being elaborated.
+    pub(super) base: FragmentId,
     /// Path of the calls that lead here, with a dot at its end.
     pub(super) prefix: String,
 }
@@ -42,6 +44,7 @@ impl<'u> Scope<'u> {
             memo: vec![None; unit.exprs.len()],
             fragments: vec![None; unit.blocks.len()],
             leaving: Vec::new(),
+            base: FragmentId::ROOT,
             prefix: String::new(),
         }
     }

@@ -25,6 +25,13 @@ impl Elab<'_> {
             let (at, span) = (At::ROOT, self.net.exports[export].origin.span);
             self.net.exports[export].source = self.settled_port(source, at, span);
         }
+        for watched in 0..self.watched.len() {
+            let (source, span) = (
+                self.watched[watched].source,
+                self.watched[watched].origin.span,
+            );
+            self.watched[watched].source = self.settled_port(source, At::ROOT, span);
+        }
         self.settle_driver();
     }
 

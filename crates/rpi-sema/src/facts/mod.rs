@@ -1,4 +1,5 @@
-//! What is found out about typed units beside their types, in tables of its own: which flows can be absent.
+//! What is found out about typed units beside their types, in tables of its own: by which clocks flows tick, and which
+//! can be absent.
 //!
 //! A pass is a function from units to facts and findings; it must not change the units.
 

@@ -5,6 +5,7 @@
 
 use super::Absence;
 use super::reads::{Definition, Reads};
+use crate::clocks::{self, Clocks};
 use crate::ty::Ty;
 use crate::typed::{
     Activation, BlockId, Call, Each, ExprId, FlowId, FlowRole, Kind, Optional, Place, PrimCall,
@@ -18,6 +19,8 @@ use rpi_image::{Need, Presence, Role};
 pub struct Facts {
     exprs: Vec<Absence>,
     flows: Vec<Absence>,
+    /// By which clock its expressions and flows tick.
+    pub clocks: Clocks,
 }
 
 impl Facts {
@@ -44,6 +47,8 @@ pub fn find(units: &[Unit]) -> (Vec<Facts>, Vec<Finding>) {
     let mut findings = Vec::new();
     let mut facts = Vec::with_capacity(units.len());
     for unit in units {
+        let (clocks, mut apart) = clocks::find(units, unit);
+        findings.append(&mut apart);
         let mut inference = Inference::new(units, unit);
         if inference.has_source() {
             let reads = Reads::new(unit);
@@ -52,9 +57,13 @@ pub fn find(units: &[Unit]) -> (Vec<Facts>, Vec<Finding>) {
             facts.push(Facts {
                 exprs: inference.exprs,
                 flows: inference.flows,
+                clocks,
             });
         } else {
-            facts.push(Facts::default());
+            facts.push(Facts {
+                clocks,
+                ..Facts::default()
+            });
         }
     }
     (facts, findings)
@@ -273,6 +282,8 @@ impl<'u> Inference<'u> {
                 let any = cases.iter().any(|(_, id)| self.of(*id).any());
                 Absence::All(any || self.of(*on).any())
             }
+            // In Lustre the initialisation analysis sees to it that nobody reads it before its first tick.
+            Kind::Current(operand) if self.unit.is_lustre => self.of(*operand),
             Kind::Current(_) => Absence::MAYBE,
         }
     }

@@ -84,6 +84,8 @@ pub struct Unit {
     pub blocks: Vec<Block>,
     /// Whether it samples flows (`when`, `merge`, `current`).
     pub has_clocks: bool,
+    /// Whether its text is Lustre, where `current` is a plain value.
+    pub is_lustre: bool,
     /// Frames that the signature names and no declaration does: each stands for the frame of the argument.
     pub free_frames: Vec<Name>,
 }

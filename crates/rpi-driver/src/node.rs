@@ -1,0 +1,173 @@
+//! A node by itself: which one of a file it is, its net, and the columns of the tables that it reads and writes.
+
+use rpi_diag::{FileId, Finding, Severity, SourceMap, Span};
+use rpi_image::Scalar;
+use rpi_net::{Column, Net};
+use rpi_sema::elab::{Elaborated, PortShape, elaborate_alone};
+use rpi_sema::ty::Ty;
+use rpi_sema::typed::UnitId;
+use rpi_syntax::ast::ItemKind;
+use rpi_syntax::{CommentKind, Mode};
+
+use crate::compile::{display, program_text};
+use crate::input::{Input, InputError};
+use crate::source::{self, Front};
+
+/// What became of a file of which one node is asked for.
+#[derive(Debug)]
+pub struct NodeCompiled {
+    /// The texts that findings point into.
+    pub sources: SourceMap,
+    /// What was found.
+    pub findings: Vec<Finding>,
+    /// The node, if nothing is wrong with it.
+    pub node: Option<Node>,
+}
+
+/// A node that can be run by itself.
+#[derive(Debug)]
+pub struct Node {
+    /// Its net; it exports all columns but the in-ports, by their keys.
+    pub net: Net,
+    /// In-ports, leaf by leaf.
+    pub inputs: Vec<Column>,
+    /// Out-ports, leaf by leaf.
+    pub outputs: Vec<Column>,
+    /// Its other flows, leaf by leaf, if they were asked for.
+    pub locals: Vec<Column>,
+    /// Keys of exported Booleans that the text claims to hold in every cycle, and where it does.
+    pub claims: Vec<(String, Span)>,
+}
+
+impl NodeCompiled {
+    /// Whether something was found that keeps the node from running.
+    #[must_use]
+    pub fn has_errors(&self) -> bool {
+        self.findings
+            .iter()
+            .any(|f| f.severity() == Severity::Error)
+    }
+}
+
+/// Takes one node of a program through all stages up to a checked net: the one of this name; else the one that
+/// `--%MAIN` marks, or that is called like the file, or the last that nobody calls.
+///
+/// # Errors
+/// If the file holds no text or no such node; faults of the program are findings, not errors.
+pub fn compile_node(
+    input: &Input,
+    name: Option<&str>,
+    locals: bool,
+) -> Result<NodeCompiled, InputError> {
+    let (stem, path, text) = (input.stem(), display(&input.path), input.text()?);
+    let mut sources = SourceMap::new();
+    let modules = program_text(input, &stem, &path, text).modules(&mut sources);
+    let (made, findings, _) = source::with_front(&modules, |front, findings| {
+        let unit = chosen(front, name, &marked(text, &path), &stem)?;
+        let elaborated = elaborate_alone(&front.checked.units, front.facts, unit, locals);
+        Ok(source::analysed(front, unit, &[], elaborated, findings).map(node))
+    });
+    let node = made.transpose();
+    let node = node.map_err(|message: String| InputError::new(&input.path, message))?;
+    Ok(NodeCompiled {
+        sources,
+        findings,
+        node: node.flatten(),
+    })
+}
+
+fn chosen(
+    front: &Front<'_>,
+    name: Option<&str>,
+    marked: &[String],
+    stem: &str,
+) -> Result<UnitId, String> {
+    let nodes: Vec<(&str, UnitId)> = front
+        .checked
+        .runnable
+        .iter()
+        .map(|(decl, unit)| (front.program.decl(*decl).name.as_str(), *unit))
+        .collect();
+    let named = |name: &str| nodes.iter().find(|node| node.0 == name).map(|node| node.1);
+    if let Some(name) = name {
+        return named(name).ok_or_else(|| missing(front, name, &nodes));
+    }
+    let called = source::called(front.checked);
+    let last = nodes.iter().rev().find(|node| !called.contains(&node.1));
+    let marked = marked.iter().find_map(|name| named(name));
+    let found = marked.or_else(|| named(stem)).or(last.map(|node| node.1));
+    found.ok_or_else(|| "there is no node in it that can be run".to_owned())
+}
+
+fn missing(front: &Front<'_>, name: &str, nodes: &[(&str, UnitId)]) -> String {
+    let mut declared = front.program.root().decls.iter();
+    if declared.any(|id| front.program.decl(*id).name == *name) {
+        return format!(
+            "`{name}` cannot be run by itself: it is no node, or needs static arguments"
+        );
+    }
+    let names: Vec<&str> = nodes.iter().map(|node| node.0).collect();
+    match rpi_diag::suggest(name, names.iter().copied()) {
+        Some(meant) => format!("there is no node {name}; did you mean {meant}?"),
+        None => format!("there is no node {name}, there are {}", names.join(", ")),
+    }
+}
+
+/// Kind 2's mark of the node to look at.
+const MARK: &str = "--%MAIN";
+
+/// The names of the declarations that `--%MAIN` stands in.
+fn marked(text: &str, path: &str) -> Vec<String> {
+    if !text.contains(MARK) {
+        return Vec::new();
+    }
+    let parsed = rpi_syntax::parse(FileId(0), text, Mode::of_path(path));
+    let marks = parsed.comments.all.iter().filter(|comment| {
+        let span = comment.span;
+        let text = &text[span.start as usize..span.end as usize];
+        comment.kind == CommentKind::Pragma && text.starts_with(MARK)
+    });
+    let places: Vec<u32> = marks.map(|comment| comment.span.start).collect();
+    let items = parsed.file.items.iter();
+    let around = items.filter(|item| {
+        let mut places = places.iter();
+        places.any(|place| (item.span.start..item.span.end).contains(place))
+    });
+    let nodes = around.filter_map(|item| match &item.kind {
+        ItemKind::Node(node) => Some(node.signature.name.name.to_string()),
+        _ => None,
+    });
+    nodes.collect()
+}
+
+fn node(mut elaborated: Elaborated) -> Node {
+    let mut claims = Vec::with_capacity(elaborated.claims.len());
+    for (k, mut claim) in elaborated.claims.into_iter().enumerate() {
+        claim.key = format!("{}#{k}", claim.key);
+        claims.push((claim.key.clone(), claim.origin.span));
+        elaborated.net.exports.push(claim);
+    }
+    let locals = elaborated.locals.iter().map(|local| column(&local.shape));
+    let locals = locals.collect();
+    let ports = elaborated.locals.into_iter().map(|local| local.port);
+    elaborated.net.exports.extend(ports);
+    Node {
+        inputs: elaborated.inputs.iter().map(column).collect(),
+        outputs: elaborated.outputs.iter().map(column).collect(),
+        net: elaborated.net,
+        locals,
+        claims,
+    }
+}
+
+fn column(shape: &PortShape) -> Column {
+    let values = match &shape.ty {
+        Ty::Enum(e) => e.values.iter().map(ToString::to_string).collect(),
+        _ => Vec::new(),
+    };
+    Column {
+        key: shape.key.clone(),
+        ty: shape.ty.scalar().unwrap_or(Scalar::Bool),
+        values,
+    }
+}

@@ -1,0 +1,191 @@
+//! Tables of samples as comma-separated text (RFC 4180): a header of flow names, a row per cycle.
+
+use std::fmt;
+
+use rpi_net::Column;
+
+/// Why a table cannot be read.
+#[derive(Clone, PartialEq, Eq, Debug)]
+pub struct BadTable {
+    /// The line, from 1.
+    pub line: usize,
+    /// What is wrong with it.
+    pub message: String,
+}
+
+impl fmt::Display for BadTable {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{}: {}", self.line, self.message)
+    }
+}
+
+impl std::error::Error for BadTable {}
+
+/// Reads the rows of a table for a node's in-ports.
+#[derive(Clone, Debug)]
+pub struct Reader<'c> {
+    columns: &'c [Column],
+    /// For each column of the node the field of a row.
+    fields: Vec<usize>,
+    width: usize,
+}
+
+impl<'c> Reader<'c> {
+    /// Understands a header. Flows that the node does not read are passed over.
+    ///
+    /// # Errors
+    /// If an in-port has no field or two.
+    pub fn new(columns: &'c [Column], header: &str) -> Result<Reader<'c>, BadTable> {
+        let names = fields(header);
+        let field = |column: &Column| {
+            let mut found = (0..names.len()).filter(|k| is_name_of(&names[*k], &column.key));
+            match (found.next(), found.next()) {
+                (Some(k), None) => Ok(k),
+                (Some(_), Some(_)) => Err(format!("two columns are called `{}`", column.key)),
+                (None, _) => Err(no_column(&column.key, &names)),
+            }
+        };
+        let fields: Result<Vec<usize>, String> = columns.iter().map(field).collect();
+        Ok(Reader {
+            columns,
+            fields: fields.map_err(|message| BadTable { line: 1, message })?,
+            width: names.len(),
+        })
+    }
+
+    /// The cells of every in-port in one row.
+    ///
+    /// # Errors
+    /// If a field is missing or no value of its flow.
+    pub fn row(&self, number: usize, text: &str) -> Result<Vec<Vec<u64>>, BadTable> {
+        let bad = |message: String| BadTable {
+            line: number,
+            message,
+        };
+        let fields = fields(text);
+        if fields.len() != self.width && !self.columns.is_empty() {
+            let (found, width) = (fields.len(), self.width);
+            return Err(bad(format!("{found} fields, but the header has {width}")));
+        }
+        let cells = |(column, field): (&Column, &usize)| {
+            let text = fields.get(*field).map_or("", |field| field.as_str());
+            let value = column.read(text);
+            value.map_err(|message| bad(format!("{}: {message}", column.key)))
+        };
+        self.columns.iter().zip(&self.fields).map(cells).collect()
+    }
+}
+
+fn no_column(key: &str, names: &[String]) -> String {
+    match rpi_diag::suggest(key, names.iter().map(String::as_str)) {
+        Some(meant) => format!("no column is called `{key}`; did you mean `{meant}`?"),
+        None => format!("no column is called `{key}`"),
+    }
+}
+
+/// `x[2].f` may also be written `x_2_f`, as Lustre V6 does.
+fn is_name_of(name: &str, key: &str) -> bool {
+    name == key || name == flat(key)
+}
+
+fn flat(key: &str) -> String {
+    let kept = key.chars().filter(|c| *c != ']');
+    let plain = kept.map(|c| if matches!(c, '.' | '[') { '_' } else { c });
+    plain.collect()
+}
+
+/// The fields of a line; a field in double quotes may hold commas, and `""` for a double quote.
+fn fields(line: &str) -> Vec<String> {
+    let mut all = vec![String::new()];
+    let mut quoted = false;
+    let mut chars = line.trim_end_matches(['\r', '\n']).chars().peekable();
+    while let Some(c) = chars.next() {
+        let doubled = quoted && c == '"' && chars.peek() == Some(&'"');
+        match (c, quoted, all.last_mut()) {
+            ('"', true, Some(field)) if doubled => {
+                chars.next();
+                field.push('"');
+            }
+            ('"', ..) => quoted = !quoted,
+            (',', false, _) => all.push(String::new()),
+            (c, _, Some(field)) => field.push(c),
+            _ => {}
+        }
+    }
+    all.iter().map(|field| field.trim().to_owned()).collect()
+}
+
+/// The header of a table of these columns.
+pub fn header<'c>(columns: impl Iterator<Item = &'c Column>) -> String {
+    columns
+        .map(|column| quoted(&column.key))
+        .collect::<Vec<_>>()
+        .join(",")
+}
+
+/// A row of a table: nothing stands where a flow is absent.
+#[must_use]
+pub fn line(columns: &[&Column], row: &super::Row) -> String {
+    let text = |(column, cells): (&&Column, &Option<Vec<u64>>)| {
+        let cells = cells.as_ref();
+        cells.map_or_else(String::new, |cells| quoted(&column.write(cells)))
+    };
+    let fields: Vec<String> = columns.iter().zip(row).map(text).collect();
+    fields.join(",")
+}
+
+fn quoted(field: &str) -> String {
+    match field.contains([',', '"']) {
+        true => format!("\"{}\"", field.replace('"', "\"\"")),
+        false => field.to_owned(),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use rpi_image::Scalar;
+
+    fn column(key: &str, ty: Scalar) -> Column {
+        Column {
+            key: key.to_owned(),
+            ty,
+            values: Vec::new(),
+        }
+    }
+
+    #[test]
+    fn columns_are_found_in_any_order_and_in_both_spellings() {
+        let columns = [column("n", Scalar::Int), column("x[0].on", Scalar::Bool)];
+        for header in ["x[0].on, n, other", "x_0_on,n,other"] {
+            let reader = Reader::new(&columns, header).unwrap();
+            assert_eq!(
+                reader.row(2, "true,-3,?").unwrap(),
+                [vec![-3i64.cast_unsigned()], vec![1]]
+            );
+        }
+    }
+
+    #[test]
+    fn a_bad_field_is_told_with_its_line_and_column() {
+        let columns = [column("n", Scalar::Int)];
+        let reader = Reader::new(&columns, "n").unwrap();
+        let error = reader.row(7, "1.5").unwrap_err().to_string();
+        assert_eq!(error, "7: n: `1.5` is not an integer of 64 bits");
+        assert!(
+            reader
+                .row(7, "1,2")
+                .unwrap_err()
+                .message
+                .contains("2 fields")
+        );
+        let error = Reader::new(&columns, "m").unwrap_err();
+        assert!(error.message.contains("no column is called `n`"));
+    }
+
+    #[test]
+    fn fields_with_commas_stand_in_quotes() {
+        assert_eq!(fields("a,\"b,\"\"c\"\"\""), ["a", "b,\"c\""]);
+        assert_eq!(quoted("b,\"c\""), "\"b,\"\"c\"\"\"");
+    }
+}

@@ -1,0 +1,27 @@
+//! What went wrong in a cycle of a node, as a finding.
+
+use rpi_diag::{Code, FileId, Finding, Span};
+use rpi_image::Image;
+use rpi_prims::Fault;
+
+/// A fault: what happened, where, in which cycle.
+pub(super) fn fault(image: &Image, fault: Fault, cycle: u64) -> Finding {
+    let what = crate::run::fault_text(fault.code);
+    let place = image.place_of(fault.cell);
+    let span = place.and_then(|place| place.text).map(|text| Span {
+        file: FileId(text.file),
+        start: text.start,
+        end: text.end,
+    });
+    let flow = place.and_then(|place| place.flow.clone().or_else(|| Some(place.path.clone())));
+    let label = flow.map_or_else(String::new, |flow| format!("for `{flow}`"));
+    Finding::new(Code::RPI9011, format!("cycle {cycle}: {what}"))
+        .at(span.unwrap_or(Span::NONE), label)
+}
+
+/// A claim that does not hold.
+pub(super) fn claim(key: &str, span: Span, cycle: u64) -> Finding {
+    let name = key.split('#').next().unwrap_or(key);
+    let message = format!("cycle {cycle}: `{name}` does not hold");
+    Finding::new(Code::RPI9012, message).at(span, "this is false")
+}

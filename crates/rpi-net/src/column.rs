@@ -1,0 +1,121 @@
+//! One leaf of a port of a node that runs by itself, as it stands in a table of samples: a column.
+
+use crate::literal;
+use rpi_image::{Scalar, Type};
+
+/// A column: its name, and how its values are written.
+#[derive(Clone, PartialEq, Eq, Debug)]
+pub struct Column {
+    /// The flow's name, with the path to the leaf: `x`, `x.field`, `x[2].field`.
+    pub key: String,
+    /// The machine type.
+    pub ty: Scalar,
+    /// The values of an enum in their order; empty for all other types.
+    pub values: Vec<String>,
+}
+
+impl Column {
+    /// The cells of a value: `true` or `false`, an integer, a real, a value of the enum or its number, else a literal of
+    /// the net's text form.
+    ///
+    /// # Errors
+    /// If the text is no value of the type; says what would be one.
+    pub fn read(&self, text: &str) -> Result<Vec<u64>, String> {
+        let cell = match self.ty {
+            Scalar::Bool => truth(text).map(u64::from),
+            Scalar::Int => self.integer(text).map(i64::cast_unsigned),
+            Scalar::Real => text.parse().ok().map(f64::to_bits),
+            _ => return self.literal(text),
+        };
+        cell.map(|cell| vec![cell])
+            .ok_or_else(|| format!("`{text}` is not {}", self.expected()))
+    }
+
+    fn integer(&self, text: &str) -> Option<i64> {
+        let named = self.values.iter().position(|value| value == text);
+        match named.and_then(|place| i64::try_from(place).ok()) {
+            Some(place) => Some(place),
+            None => text.parse().ok(),
+        }
+    }
+
+    fn literal(&self, text: &str) -> Result<Vec<u64>, String> {
+        match literal::read(text, Type::One(self.ty)) {
+            Ok(Some(value)) => Ok(value.cells().to_vec()),
+            Ok(None) => Err("a value is needed".to_owned()),
+            Err(error) => Err(format!("`{text}` is no {}: {error}", self.ty.name())),
+        }
+    }
+
+    fn expected(&self) -> String {
+        match self.ty {
+            Scalar::Bool => "`true` or `false`".to_owned(),
+            Scalar::Int if !self.values.is_empty() => format!("one of {}", self.values.join(", ")),
+            Scalar::Int => "an integer of 64 bits".to_owned(),
+            _ => "a real".to_owned(),
+        }
+    }
+
+    /// The text of a value; reals so that they read back as the same bits.
+    #[must_use]
+    pub fn write(&self, cells: &[u64]) -> String {
+        let cell = cells.first().copied().unwrap_or_default();
+        match self.ty {
+            Scalar::Bool => (cell != 0).to_string(),
+            Scalar::Int => self.named(cell.cast_signed()),
+            Scalar::Real => format!("{:?}", f64::from_bits(cell)),
+            ty => literal::write(cells, Type::One(ty)),
+        }
+    }
+
+    fn named(&self, place: i64) -> String {
+        let value = usize::try_from(place).ok().and_then(|k| self.values.get(k));
+        value.map_or_else(|| place.to_string(), Clone::clone)
+    }
+}
+
+fn truth(text: &str) -> Option<bool> {
+    match text {
+        "true" | "t" | "1" => Some(true),
+        "false" | "f" | "0" => Some(false),
+        _ => None,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn column(ty: Scalar, values: &[&str]) -> Column {
+        Column {
+            key: "x".to_owned(),
+            ty,
+            values: values.iter().map(ToString::to_string).collect(),
+        }
+    }
+
+    #[test]
+    fn reals_read_back_as_the_same_bits() {
+        let real = column(Scalar::Real, &[]);
+        for value in [0.1, -0.0, 1e300, f64::INFINITY, 5e-324] {
+            let text = real.write(&[value.to_bits()]);
+            assert_eq!(real.read(&text), Ok(vec![value.to_bits()]), "{text}");
+        }
+    }
+
+    #[test]
+    fn values_of_an_enum_are_named_and_may_be_numbered() {
+        let mode = column(Scalar::Int, &["Off", "On"]);
+        assert_eq!(mode.read("On"), Ok(vec![1]));
+        assert_eq!(mode.read("1"), Ok(vec![1]));
+        assert_eq!(mode.write(&[1]), "On");
+        assert!(mode.read("Of").unwrap_err().contains("one of Off, On"));
+    }
+
+    #[test]
+    fn what_is_no_value_is_told() {
+        let truth = column(Scalar::Bool, &[]);
+        assert!(truth.read("yes").unwrap_err().contains("`true` or `false`"));
+        assert!(column(Scalar::Int, &[]).read("1.5").is_err());
+    }
+}

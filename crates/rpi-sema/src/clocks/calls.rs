@@ -1,0 +1,81 @@
+//! Clocks of a callee's ports as its caller sees them: relative to the clock of the call, and to the caller's names for
+//! the flows that decide.
+
+use super::infer::{Inference, Of, flow_of};
+use super::terms::Term;
+use crate::typed::{Call, ClockOn, ExprId, FlowId, Place, Unit};
+
+impl Inference<'_> {
+    /// A call: clocks of arguments and results.
+    pub(super) fn call(&mut self, id: ExprId, call: &Call) -> Of {
+        let callee = &self.units[call.unit.0 as usize];
+        let base = self.terms.open();
+        self.place(id, base);
+        let names = self.names(id, call, callee);
+        for (formal, arg) in callee.inputs.iter().zip(&call.args) {
+            if let Some(arg) = arg {
+                let wanted = self.seen(callee, *formal, base, &names);
+                self.all(*arg, wanted);
+            }
+        }
+        let mut results = Vec::with_capacity(callee.outputs.len());
+        for output in &callee.outputs {
+            let term = self.seen(callee, *output, base, &names);
+            results.push((term, callee.flow(*output).ty.leaf_count()));
+        }
+        match results[..] {
+            [(one, _)] => Of::One(one),
+            _ => Of::Each(results),
+        }
+    }
+
+    /// What the caller calls the callee's ports: the flows given, and those that take the results.
+    fn names(&self, id: ExprId, call: &Call, callee: &Unit) -> Vec<(FlowId, FlowId)> {
+        let given = callee.inputs.iter().zip(&call.args);
+        let given = given.filter_map(|(formal, arg)| Some((*formal, flow_of(self.unit, (*arg)?)?)));
+        let mut names: Vec<(FlowId, FlowId)> = given.collect();
+        if let Some(equation) = self.is_bound_to(id) {
+            let targets = equation.targets.iter().map(|target| target.place.clone());
+            for (formal, place) in callee.outputs.iter().zip(targets) {
+                if let Place::Flow { flow, at: 0 } = place {
+                    names.push((*formal, flow));
+                }
+            }
+        }
+        names
+    }
+
+    /// The clock of a port.
+    fn seen(
+        &mut self,
+        callee: &Unit,
+        port: FlowId,
+        base: Term,
+        names: &[(FlowId, FlowId)],
+    ) -> Term {
+        let mut way = Vec::new();
+        let mut at = port;
+        // A flow that decides about itself has been reported in the callee.
+        while let Some(on) = callee
+            .flow(at)
+            .clock
+            .filter(|_| way.len() < callee.flows.len())
+        {
+            way.push(on);
+            at = on.flow;
+        }
+        let mut term = base;
+        for on in way.into_iter().rev() {
+            let name = names.iter().find(|(formal, _)| *formal == on.flow);
+            term = match name {
+                Some((_, flow)) => {
+                    let on = ClockOn { flow: *flow, ..on };
+                    self.terms.on(term, on)
+                }
+                // The caller has no name for it: nothing else can have this clock.
+                None => self.terms.open(),
+            };
+        }
+        term
+    }
+}

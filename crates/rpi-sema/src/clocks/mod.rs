@@ -1,0 +1,100 @@
+//! The clock calculus: in which cycles of its unit each expression has a value.
+//!
+//! A clock is all cycles of the unit, or those of another clock in which a flow has a value (`x when c`). Operands of an
+//! operator have one clock; `merge` and `current` lead back to the clock that was sampled. A call has a clock of its own
+//! to which the clocks of the callee's ports are relative. Clocks are inferred by unification; two that do not meet are
+//! reported, both named. After Caspi and Pouzet, Synchronous Kahn networks (1996), with the names of Lustre V6: a
+//! constant has every clock.
+//!
+//! | file | idea |
+//! |---|---|
+//! | `terms.rs` | clocks on their way |
+//! | `infer.rs` | expressions and equations |
+//! | `calls.rs` | clocks of ports seen by the caller |
+
+mod calls;
+mod infer;
+mod terms;
+
+use crate::typed::{ClockOn, ExprId, FlowId, Kind, Unit};
+use rpi_diag::Finding;
+use std::fmt::Write as _;
+
+/// The clocks of a unit. Empty where nothing is sampled.
+#[derive(Clone, Debug, Default)]
+pub struct Clocks {
+    exprs: Vec<Vec<ClockOn>>,
+    values: Vec<Vec<ClockOn>>,
+    flows: Vec<Vec<ClockOn>>,
+}
+
+impl Clocks {
+    /// Whether something is sampled.
+    #[must_use]
+    pub fn any(&self) -> bool {
+        !self.exprs.is_empty()
+    }
+
+    /// The clock by which an expression is computed: what is sampled one after the other, from all cycles of the unit on.
+    #[must_use]
+    pub fn of_expr(&self, id: ExprId) -> &[ClockOn] {
+        self.exprs.get(id.0 as usize).map_or(&[], Vec::as_slice)
+    }
+
+    /// The clock of an expression's value; a call may give values of other clocks than its own.
+    #[must_use]
+    pub fn of_value(&self, id: ExprId) -> &[ClockOn] {
+        self.values.get(id.0 as usize).map_or(&[], Vec::as_slice)
+    }
+
+    /// The clock of a flow.
+    #[must_use]
+    pub fn of_flow(&self, id: FlowId) -> &[ClockOn] {
+        self.flows.get(id.0 as usize).map_or(&[], Vec::as_slice)
+    }
+}
+
+/// The clocks of a unit, and where they do not meet.
+#[must_use]
+pub fn find(units: &[Unit], unit: &Unit) -> (Clocks, Vec<Finding>) {
+    match unit.has_clocks || calls_sampled(units, unit) {
+        true => infer::infer(units, unit),
+        false => (Clocks::default(), Vec::new()),
+    }
+}
+
+/// Whether a unit calls one with sampled ports.
+fn calls_sampled(units: &[Unit], unit: &Unit) -> bool {
+    unit.exprs.iter().any(|expr| match &expr.kind {
+        Kind::Call(call) => {
+            let callee = &units[call.unit.0 as usize];
+            let mut ports = callee.inputs.iter().chain(&callee.outputs);
+            ports.any(|port| callee.flow(*port).clock.is_some())
+        }
+        _ => false,
+    })
+}
+
+/// A clock as it is written, `when c when not d`; nothing for all cycles.
+#[must_use]
+pub fn print(unit: &Unit, clock: &[ClockOn]) -> String {
+    let mut text = String::new();
+    for on in clock {
+        let _ = write!(text, " when {}", condition(unit, *on));
+    }
+    text.trim_start().to_owned()
+}
+
+/// The condition of a sampling: `c`, `not c`, `Value(c)`.
+fn condition(unit: &Unit, on: ClockOn) -> String {
+    let flow = unit.flow(on.flow);
+    let value = usize::try_from(on.value).unwrap_or(usize::MAX);
+    match &flow.ty {
+        crate::ty::Ty::Enum(e) => match e.values.get(value) {
+            Some(value) => format!("{value}({})", flow.name),
+            None => flow.name.to_string(),
+        },
+        _ if on.value == 0 => format!("not {}", flow.name),
+        _ => flow.name.to_string(),
+    }
+}

@@ -1,0 +1,146 @@
+//! Initialisation (M5): a `pre` of a total flow has no value in the first cycle of its fragment, and nobody may read it
+//! there; `current` has none before the first tick of its operand's clock.
+//!
+//! The first cycles of each fragment are looked at one by one and all later ones together. In each, a flow has a value that
+//! is known, some value, or maybe none; what decides by itself (a condition that is known, `false and x`) hides what does
+//! not matter. What leaves the net, or decides what is active in it, must have a value in every cycle. The root, the delay
+//! itself, is named. After Colaço and Pouzet, Type-based initialization analysis of a synchronous dataflow language
+//! (2004), with values and conditions.
+//!
+//! | file | idea |
+//! |---|---|
+//! | `known.rs` | what is known of a flow in one phase |
+//! | `phases.rs` | the first cycles of a fragment, and those of the one around it |
+//! | `rules.rs` | what each kind of primitive makes of it |
+//! | `order.rs`, `solve.rs` | the least solution |
+
+mod known;
+mod order;
+mod phases;
+mod rules;
+mod solve;
+
+use known::Known;
+use phases::PHASES;
+use rpi_diag::{Code, Finding, Fix};
+use rpi_image::Role;
+use rpi_net::{Activation, Driver, FragmentId, Input, Net, NodeId, PortRef};
+use rules::{Rule, rule};
+use solve::Solution;
+
+/// What is read before it has a value. What the program claims to hold may be relied upon.
+#[must_use]
+pub fn check(net: &Net, claims: &[PortRef]) -> Vec<Finding> {
+    let delays = net.nodes.iter().any(|node| rule(node) == Rule::Delay);
+    if !delays {
+        return Vec::new();
+    }
+    let claims: Vec<PortRef> = asserted(net).chain(claims.iter().copied()).collect();
+    let solution = Solution::new(net, &claims);
+    let mut findings = Vec::new();
+    for root in read_early(&solution) {
+        findings.push(finding(net, root));
+    }
+    findings
+}
+
+/// What ends the command where it does not hold.
+fn asserted(net: &Net) -> impl Iterator<Item = PortRef> + '_ {
+    let checks = net.nodes.iter();
+    let checks = checks.filter(|node| node.desc().name == "Rpi::Assert");
+    checks.filter_map(|node| node.inputs.first().and_then(Input::port))
+}
+
+/// The delays that are read too early by what must have a value in every cycle, in the order of the net.
+fn read_early(solution: &Solution<'_>) -> Vec<NodeId> {
+    let net = solution.net();
+    let mut roots = Vec::new();
+    for (port, from) in sinks(net) {
+        for phase in 0..PHASES {
+            roots.extend(root(&solution.seen(port, from, phase).known));
+        }
+    }
+    for id in net.node_ids() {
+        let node = net.node(id);
+        if !matches!(node.desc().role, Role::Actuator(_) | Role::Export) {
+            continue;
+        }
+        for (input, phase) in (0..node.inputs.len()).flat_map(|k| (0..PHASES).map(move |p| (k, p)))
+        {
+            roots.extend(root(&solution.input(id, input, phase).known));
+        }
+    }
+    roots.sort_unstable();
+    roots.dedup();
+    roots
+}
+
+fn root(known: &Known) -> Option<NodeId> {
+    match known {
+        Known::Undefined { root, .. } => Some(*root),
+        _ => None,
+    }
+}
+
+/// What leaves the net, or decides what is active in it, and the fragment that looks at it.
+fn sinks(net: &Net) -> impl Iterator<Item = (PortRef, FragmentId)> + '_ {
+    let own = |port: PortRef| (port, net.node(port.node).fragment);
+    let exports = net.exports.iter().map(move |export| own(export.source));
+    let results = match &net.driver {
+        Driver::Results(results) => &results[..],
+        Driver::Ports { .. } => &[],
+    };
+    let results = results.iter().filter_map(|result| result.condition.port());
+    let results = results.map(|port| (port, FragmentId::ROOT));
+    let activations = net
+        .fragments
+        .iter()
+        .filter_map(|fragment| match fragment.activation {
+            Activation::When { condition, .. } => Some((condition, fragment.parent?)),
+            Activation::Always => None,
+        });
+    exports.chain(results).chain(activations)
+}
+
+fn finding(net: &Net, root: NodeId) -> Finding {
+    let node = net.node(root);
+    let flow = node.origin.flow.as_deref();
+    let what = flow.map_or_else(|| "a flow".to_owned(), |flow| format!("`{flow}`"));
+    if holds_itself(net, root) {
+        return Finding::new(Code::RPI5002, "`current` is read before it has a value")
+            .at(node.origin.span, "there may be cycles before the first tick")
+            .help("say that its clock ticks in the first cycle, or what it is until then: `if seen then current x else y`");
+    }
+    Finding::new(
+        Code::RPI5001,
+        format!("{what} has no value in the first cycle"),
+    )
+    .at(node.origin.span, "there is no cycle before the first")
+    .help("say what it is then: `first -> pre x`")
+    .fix(
+        Fix::maybe("give it a first value").insert_before(node.origin.span, first_value(net, root)),
+    )
+}
+
+/// Whether a delay keeps the value of a sampled flow: what it delays is that flow where it ticks, else the delay itself.
+fn holds_itself(net: &Net, delay: NodeId) -> bool {
+    let input = net.node(delay).inputs.first().and_then(Input::port);
+    input.is_some_and(|port| {
+        let source = net.node(port.node);
+        let same_place = source.origin.span == net.node(delay).origin.span;
+        let otherwise = source.inputs.get(2).and_then(Input::port);
+        same_place
+            && rule(source) == Rule::Choice
+            && otherwise.is_some_and(|port| port.node == delay)
+    })
+}
+
+/// How the text of a first value begins.
+fn first_value(net: &Net, root: NodeId) -> &'static str {
+    use rpi_image::{Scalar, Type};
+    match net.node(root).outputs.first() {
+        Some(Type::One(Scalar::Bool)) => "false -> ",
+        Some(Type::One(Scalar::Int)) => "0 -> ",
+        _ => "0.0 -> ",
+    }
+}

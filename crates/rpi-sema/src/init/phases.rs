@@ -1,0 +1,142 @@
+//! The first cycles of a fragment one by one, all later ones together: its phases, and in which of its parent's phases a
+//! fragment can be in which of its own.
+
+use super::known::Known;
+
+/// Number of phases; the last stands for all cycles from there on.
+pub(super) const PHASES: usize = 5;
+
+/// The last phase.
+pub(super) const REST: usize = PHASES - 1;
+
+/// One thing for each phase.
+pub(super) type PerPhase<T> = [T; PHASES];
+
+/// A set of phases, one bit for each.
+#[derive(Clone, Copy, PartialEq, Eq, Debug, Default)]
+pub(super) struct PhaseSet(u8);
+
+impl PhaseSet {
+    pub(super) fn only(phase: usize) -> PhaseSet {
+        PhaseSet(1 << phase)
+    }
+
+    pub(super) fn with(self, other: PhaseSet) -> PhaseSet {
+        PhaseSet(self.0 | other.0)
+    }
+
+    pub(super) fn meets(self, other: PhaseSet) -> bool {
+        self.0 & other.0 != 0
+    }
+
+    pub(super) fn is_empty(self) -> bool {
+        self.0 == 0
+    }
+
+    pub(super) fn has(self, phase: usize) -> bool {
+        self.meets(PhaseSet::only(phase))
+    }
+
+    pub(super) fn phases(self) -> impl DoubleEndedIterator<Item = usize> {
+        (0..PHASES).filter(move |phase| self.has(*phase))
+    }
+}
+
+/// Whether a fragment is active.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub(super) enum Active {
+    Never,
+    Maybe,
+    Always,
+}
+
+impl Active {
+    /// What an activation's condition tells.
+    pub(super) fn of(condition: &Known) -> Active {
+        match (condition, condition.truth()) {
+            (Known::Never, _) | (_, Some(false)) => Active::Never,
+            (_, Some(true)) => Active::Always,
+            _ => Active::Maybe,
+        }
+    }
+}
+
+/// For each phase of a fragment the phases of its parent in which it can be in it.
+pub(super) fn parents(
+    active: &PerPhase<Active>,
+    restarts: bool,
+    activated: bool,
+) -> PerPhase<PhaseSet> {
+    let mut sets = [PhaseSet::default(); PHASES];
+    if !activated && !restarts {
+        return std::array::from_fn(PhaseSet::only);
+    }
+    for phase in 0..PHASES {
+        let before = match phase {
+            0 => None,
+            _ => Some(sets[phase - 1]),
+        };
+        sets[phase] = next(active, before, restarts || phase == REST);
+    }
+    sets
+}
+
+/// The parent's phases for the phase after one with these; none: for the first.
+fn next(active: &PerPhase<Active>, before: Option<PhaseSet>, endless: bool) -> PhaseSet {
+    let mut set = PhaseSet::default();
+    let (from, settled) = match before {
+        None => (0, 0),
+        Some(before) => {
+            let mut phases = before.phases();
+            let Some(first) = phases.next() else {
+                return set;
+            };
+            let last = phases.next_back().unwrap_or(first);
+            (after(first), after(last))
+        }
+    };
+    for (phase, active) in active.iter().enumerate().skip(from) {
+        if *active == Active::Never {
+            continue;
+        }
+        set = set.with(PhaseSet::only(phase));
+        if *active == Active::Always && phase >= settled && !endless {
+            break;
+        }
+    }
+    set
+}
+
+fn after(phase: usize) -> usize {
+    (phase + 1).min(REST)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn shown(set: PhaseSet) -> Vec<usize> {
+        set.phases().collect()
+    }
+
+    #[test]
+    fn a_fragment_that_starts_later_has_its_first_phase_later() {
+        use Active::{Always, Maybe, Never};
+        let sets = parents(&[Never, Always, Maybe, Maybe, Maybe], false, true);
+        assert_eq!(shown(sets[0]), [1]);
+        assert_eq!(shown(sets[1]), [2, 3, 4]);
+    }
+
+    #[test]
+    fn a_fragment_that_restarts_can_be_in_its_first_phase_at_any_time() {
+        let sets = parents(&[Active::Always; PHASES], true, true);
+        assert_eq!(shown(sets[0]), [0, 1, 2, 3, 4]);
+        assert_eq!(shown(sets[1]), [1, 2, 3, 4]);
+    }
+
+    #[test]
+    fn a_fragment_that_is_always_active_goes_with_its_parent() {
+        let sets = parents(&[Active::Always; PHASES], false, true);
+        assert!((0..REST).all(|phase| shown(sets[phase]) == [phase]));
+    }
+}

@@ -1,0 +1,278 @@
+//! The least solution: what is known of every flow in every phase.
+
+use super::known::{Condition, Known};
+use super::phases::{Active, PHASES, PerPhase, PhaseSet, REST, parents};
+use super::rules::{Rule, rule};
+use rpi_image::Value;
+use rpi_net::{Activation, FragmentId, Input, Net, NodeId, PortRef, Restart};
+use std::collections::BTreeSet;
+
+/// What is known of a net's flows.
+pub(super) struct Solution<'n> {
+    net: &'n Net,
+    known: Vec<PerPhase<Known>>,
+    rules: Vec<Rule>,
+    /// For each fragment when it is active, by its parent's phases.
+    active: Vec<PerPhase<Active>>,
+    /// For each fragment and phase the phases of its parent.
+    parents: Vec<PerPhase<PhaseSet>>,
+    /// Values that the program claims flows to have.
+    claimed: Vec<(NodeId, usize, bool)>,
+}
+
+/// A flow as another fragment sees it.
+pub(super) struct Seen {
+    pub(super) known: Known,
+    /// Whether the fragments on the way to it are active.
+    pub(super) there: Active,
+}
+
+impl<'n> Solution<'n> {
+    /// Solves the rules of all nodes.
+    pub(super) fn new(net: &'n Net, claims: &[PortRef]) -> Self {
+        let mut solution = Solution {
+            net,
+            known: vec![std::array::from_fn(|_| Known::Never); net.nodes.len()],
+            rules: net.node_ids().map(|id| rule(net.node(id))).collect(),
+            active: vec![[Active::Always; PHASES]; net.fragments.len()],
+            parents: vec![std::array::from_fn(PhaseSet::only); net.fragments.len()],
+            claimed: Vec::new(),
+        };
+        for claim in claims {
+            solution.claim(*claim);
+        }
+        for fragment in net.fragment_ids() {
+            solution.activate(fragment);
+        }
+        solution.solve();
+        solution
+    }
+
+    fn solve(&mut self) {
+        let net = self.net;
+        let order = super::order::order(net);
+        let readers = super::order::Readers::new(net);
+        let mut open: BTreeSet<(u32, NodeId)> =
+            net.node_ids().map(|id| (order[id.index()], id)).collect();
+        while let Some((_, id)) = open.pop_first() {
+            let next: PerPhase<Known> = std::array::from_fn(|phase| {
+                let known = self.of_node(id, phase);
+                self.known[id.index()][phase].join(&self.forced(id, phase, known))
+            });
+            if next == self.known[id.index()] {
+                continue;
+            }
+            self.known[id.index()] = next;
+            let affected = readers.of(id);
+            open.extend(affected.iter().map(|id| (order[id.index()], *id)));
+            for fragment in readers.activated_by(id) {
+                if self.activate(*fragment) {
+                    let touched = readers.across(*fragment);
+                    open.extend(touched.iter().map(|id| (order[id.index()], *id)));
+                }
+            }
+        }
+    }
+
+    /// Works out when a fragment is active. True if that has changed.
+    fn activate(&mut self, fragment: FragmentId) -> bool {
+        let content = self.net.fragment(fragment);
+        let Some(parent) = content.parent else {
+            return false;
+        };
+        let active = match content.activation {
+            Activation::Always => [Active::Always; PHASES],
+            Activation::When { condition, .. } => {
+                std::array::from_fn(|phase| Active::of(&self.seen(condition, parent, phase).known))
+            }
+        };
+        let activated = matches!(content.activation, Activation::When { .. });
+        let restarts = content.restart != Restart::Never;
+        let parents = parents(&active, restarts, activated);
+        let at = fragment.index();
+        let changed = active != self.active[at] || parents != self.parents[at];
+        (self.active[at], self.parents[at]) = (active, parents);
+        changed
+    }
+
+    fn of_node(&self, id: NodeId, phase: usize) -> Known {
+        let rule = self.rules[id.index()];
+        super::rules::apply(rule, self, id, phase)
+    }
+
+    pub(super) fn net(&self) -> &'n Net {
+        self.net
+    }
+
+    /// An in-port's source as a node's fragment sees it in one of its phases.
+    pub(super) fn input(&self, id: NodeId, input: usize, phase: usize) -> Seen {
+        let node = self.net.node(id);
+        match &node.inputs[input] {
+            Input::Port(port) => self.seen(*port, node.fragment, phase),
+            Input::Const(value) => Seen::there(Known::Value((**value).clone())),
+            Input::Open => Seen {
+                known: Known::Defined,
+                there: Active::Never,
+            },
+        }
+    }
+
+    /// A flow as it is seen from a fragment in one of its phases.
+    pub(super) fn seen(&self, port: PortRef, from: FragmentId, phase: usize) -> Seen {
+        let source = self.net.node(port.node).fragment;
+        let known = &self.known[port.node.index()];
+        if source == from {
+            return Seen::there(known[phase].clone());
+        }
+        let (common, phases) = self.outwards(from, phase, source);
+        let (phases, there) = self.inwards(common, phases, source);
+        match phases.is_empty() {
+            true => Seen {
+                known: Known::Defined,
+                there: Active::Never,
+            },
+            false => {
+                let all = phases.phases().map(|phase| &known[phase]);
+                Seen {
+                    known: all.fold(Known::Never, |all, known| all.join(known)),
+                    there,
+                }
+            }
+        }
+    }
+
+    /// The innermost fragment around both, and the phases in which it can be.
+    fn outwards(&self, from: FragmentId, phase: usize, to: FragmentId) -> (FragmentId, PhaseSet) {
+        let mut at = from;
+        let mut phases = PhaseSet::only(phase);
+        while !self.net.enclosing(to).any(|fragment| fragment == at) {
+            let sets = &self.parents[at.index()];
+            let all = phases.phases().map(|phase| sets[phase]);
+            phases = all.fold(PhaseSet::default(), PhaseSet::with);
+            match self.net.fragment(at).parent {
+                Some(parent) => at = parent,
+                None => break,
+            }
+        }
+        (at, phases)
+    }
+
+    /// The phases in which an inner fragment can be while an outer one is in one of these, and whether it is active then.
+    fn inwards(&self, from: FragmentId, phases: PhaseSet, to: FragmentId) -> (PhaseSet, Active) {
+        let way: Vec<FragmentId> = self.net.enclosing(to).take_while(|f| *f != from).collect();
+        let (mut phases, mut there) = (phases, Active::Always);
+        for fragment in way.into_iter().rev() {
+            let active = &self.active[fragment.index()];
+            if phases.phases().any(|phase| active[phase] != Active::Always) {
+                there = Active::Maybe;
+            }
+            let sets = &self.parents[fragment.index()];
+            let mut inner = PhaseSet::default();
+            for phase in (0..PHASES).filter(|phase| sets[*phase].meets(phases)) {
+                inner = inner.with(PhaseSet::only(phase));
+            }
+            phases = inner;
+        }
+        (phases, there)
+    }
+
+    /// The condition under which the fragment of a flow is active, if it is a child of the reader's.
+    pub(super) fn condition_of(&self, port: PortRef, reader: FragmentId) -> Option<Condition> {
+        let fragment = self.net.fragment(self.net.node(port.node).fragment);
+        match fragment.activation {
+            Activation::When { condition, .. } if fragment.parent == Some(reader) => {
+                Some(self.plain(condition, true))
+            }
+            _ => None,
+        }
+    }
+
+    /// A condition without the negations around it.
+    pub(super) fn plain(&self, port: PortRef, value: bool) -> Condition {
+        let (mut port, mut value) = (port, value);
+        while self.rules[port.node.index()] == Rule::Not {
+            let Some(inner) = self.net.node(port.node).inputs[0].port() else {
+                break;
+            };
+            (port, value) = (inner, !value);
+        }
+        (port, value)
+    }
+
+    /// All that must hold if a condition has this value.
+    pub(super) fn implied(&self, port: PortRef, value: bool) -> Vec<Condition> {
+        let (mut all, mut open) = (Vec::new(), vec![self.plain(port, value)]);
+        while let Some((port, value)) = open.pop() {
+            let parts = match (self.rules[port.node.index()], value) {
+                (Rule::And, true) | (Rule::Or, false) => &self.net.node(port.node).inputs[..],
+                _ => &[],
+            };
+            let parts = parts.iter().filter_map(Input::port);
+            open.extend(parts.map(|part| self.plain(part, value)));
+            all.push((port, value));
+        }
+        all
+    }
+
+    /// Takes over what a claim says of flows of its own fragment.
+    fn claim(&mut self, claim: PortRef) {
+        for phase in 0..PHASES {
+            let mut open = vec![(claim, true)];
+            while let Some((port, value)) = open.pop() {
+                let (port, value) = self.plain(port, value);
+                let node = self.net.node(port.node);
+                self.claimed.push((port.node, phase, value));
+                let inputs = match (self.rules[port.node.index()], value) {
+                    (Rule::And, true) | (Rule::Or, false) => &node.inputs[..],
+                    (Rule::Choice, _) if self.is_first(port.node) => match phase {
+                        0 => &node.inputs[1..2],
+                        _ => &node.inputs[2..3],
+                    },
+                    _ => &[],
+                };
+                let inner = inputs.iter().filter_map(Input::port);
+                open.extend(
+                    inner
+                        .filter(|p| self.net.node(p.node).fragment == node.fragment)
+                        .map(|p| (p, value)),
+                );
+            }
+        }
+        self.claimed.sort_unstable();
+        self.claimed.dedup();
+    }
+
+    /// Whether a choice is one by `first` of its own fragment.
+    fn is_first(&self, choice: NodeId) -> bool {
+        let node = self.net.node(choice);
+        let condition = node.inputs[0].port();
+        condition.is_some_and(|port| {
+            self.rules[port.node.index()] == Rule::First
+                && self.net.node(port.node).fragment == node.fragment
+        })
+    }
+
+    fn forced(&self, id: NodeId, phase: usize, known: Known) -> Known {
+        let claimed = |value| self.claimed.binary_search(&(id, phase, value)).is_ok();
+        match known {
+            Known::Defined if claimed(true) => Known::Value(Value::bool(true)),
+            Known::Defined if claimed(false) => Known::Value(Value::bool(false)),
+            known => known,
+        }
+    }
+}
+
+impl Seen {
+    fn there(known: Known) -> Seen {
+        Seen {
+            known,
+            there: Active::Always,
+        }
+    }
+}
+
+/// The phases whose end a delay passes on in a phase.
+pub(super) fn before(phase: usize) -> &'static [usize] {
+    const BEFORE: PerPhase<&[usize]> = [&[], &[0], &[1], &[2], &[REST - 1, REST]];
+    BEFORE[phase]
+}

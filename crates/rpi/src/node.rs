@@ -1,0 +1,182 @@
+//! `rpi run --inputs`, `rpi run --step`: a node by itself, against a table or what is typed.
+
+use std::fs::File;
+use std::io::{BufRead, BufReader, BufWriter, Write, stdin, stdout};
+use std::path::Path;
+
+use rpi_diag::{Severity, SourceMap, Style, render};
+use rpi_driver::{Kind, NodeCompiled};
+use rpi_host::node::{NodeRun, Reader, Row, header, line};
+use rpi_net::Column;
+
+use crate::args::RunArgs;
+use crate::exit::{Exit, Outcome};
+use crate::random::Random;
+use crate::target::PERIOD;
+
+/// Compiles the node and runs it row by row.
+pub(crate) fn run(args: &RunArgs) -> Outcome {
+    let input = rpi_driver::read(&args.program)?;
+    let name = args.node.node.as_deref();
+    let compiled = rpi_driver::compile_node(&input, name, args.node.locals)?;
+    let style = Style::of(&std::io::stderr());
+    eprint!("{}", render(&compiled.findings, &compiled.sources, style));
+    let NodeCompiled { sources, node, .. } = compiled;
+    let Some(mut node) = node else {
+        return Err(format!("{} does not compile", args.program.display()).into());
+    };
+    if args.node.numbers {
+        let outputs = node.outputs.iter_mut().chain(&mut node.locals);
+        outputs.for_each(|column| column.values.clear());
+    }
+    let image = rpi_driver::lower_to_run(&node.net, args.target.period.unwrap_or(PERIOD))?;
+    let shown: Vec<Column> = node.outputs.into_iter().chain(node.locals).collect();
+    let mut session = Session {
+        run: NodeRun::load(image, &node.inputs, &shown, &node.claims)?,
+        shown,
+        out: output(args.node.outputs.as_deref())?,
+        sources,
+        style,
+        holds: input.kind == Kind::Lustre,
+        last: Row::new(),
+    };
+    session.header()?;
+    let exit = match (&args.node.inputs, args.node.step) {
+        (Some(path), _) => session.table(path, &node.inputs),
+        (None, true) => session.steps(&node.inputs),
+        (None, false) => {
+            let random = args.node.random.map(Random::new);
+            session.made_up(&node.inputs, random, args.target.cycles)
+        }
+    };
+    session.out.flush()?;
+    exit
+}
+
+fn output(path: Option<&Path>) -> std::io::Result<Box<dyn Write>> {
+    Ok(match path {
+        Some(path) if path != Path::new("-") => Box::new(BufWriter::new(File::create(path)?)),
+        _ => Box::new(BufWriter::new(stdout())),
+    })
+}
+
+/// A node being run, and where its flows go.
+struct Session {
+    run: NodeRun,
+    shown: Vec<Column>,
+    out: Box<dyn Write>,
+    sources: SourceMap,
+    style: Style,
+    /// Whether absent flows are shown as they were last.
+    holds: bool,
+    last: Row,
+}
+
+impl Session {
+    fn header(&mut self) -> std::io::Result<()> {
+        writeln!(self.out, "{}", header(self.shown.iter()))
+    }
+
+    /// One cycle; false if it could not be computed.
+    fn cycle(&mut self, given: &[Vec<u64>]) -> std::io::Result<bool> {
+        let cycle = self.run.cycle(given);
+        if let Some(row) = cycle.row {
+            let row = self.kept(row);
+            let columns: Vec<&Column> = self.shown.iter().collect();
+            writeln!(self.out, "{}", line(&columns, &row))?;
+        }
+        if !cycle.findings.is_empty() {
+            eprint!("{}", render(&cycle.findings, &self.sources, self.style));
+        }
+        let mut severities = cycle.findings.iter().map(|finding| finding.severity());
+        Ok(!severities.any(|severity| severity == Severity::Error))
+    }
+
+    /// Lustre's tools show a sampled flow between its ticks as it was at the last.
+    fn kept(&mut self, row: Row) -> Row {
+        if !self.holds {
+            return row;
+        }
+        self.last.resize(row.len(), None);
+        for (last, value) in self.last.iter_mut().zip(row) {
+            *last = value.or_else(|| last.take());
+        }
+        self.last.clone()
+    }
+
+    fn table(&mut self, path: &Path, columns: &[Column]) -> Outcome {
+        let name = path.display();
+        let source: Box<dyn BufRead> = match path == Path::new("-") {
+            true => Box::new(stdin().lock()),
+            false => Box::new(BufReader::new(
+                File::open(path).map_err(|e| format!("{name}: {e}"))?,
+            )),
+        };
+        let mut lines = source.lines();
+        let first = lines.next().transpose()?.unwrap_or_default();
+        let reader = Reader::new(columns, &first).map_err(|e| format!("{name}:{e}"))?;
+        for (number, line) in (2..).zip(lines) {
+            let line = line.map_err(|e| format!("{name}:{number}: {e}"))?;
+            if line.trim().is_empty() && !columns.is_empty() {
+                continue;
+            }
+            let given = reader.row(number, &line);
+            if !self.cycle(&given.map_err(|e| format!("{name}:{e}"))?)? {
+                return Ok(Exit::Fault);
+            }
+        }
+        Ok(Exit::Good)
+    }
+
+    /// Asks for the inputs of each cycle until the input ends.
+    fn steps(&mut self, columns: &[Column]) -> Outcome {
+        let names = header(columns.iter());
+        let reader = Reader::new(columns, &names).map_err(|e| e.to_string())?;
+        eprintln!(
+            "inputs, separated by commas: {names}; an empty line for those of the last cycle"
+        );
+        let mut given: Option<Vec<Vec<u64>>> = columns.is_empty().then(Vec::new);
+        for (number, line) in (1..).zip(stdin().lock().lines()) {
+            let line = line?;
+            if !line.trim().is_empty() {
+                match reader.row(number, &line) {
+                    Ok(row) => given = Some(row),
+                    Err(error) => {
+                        eprintln!("{}", error.message);
+                        continue;
+                    }
+                }
+            }
+            let Some(given) = &given else { continue };
+            if !self.cycle(given)? {
+                return Ok(Exit::Fault);
+            }
+            self.out.flush()?;
+        }
+        Ok(Exit::Good)
+    }
+
+    /// Inputs are made up, or there are none.
+    fn made_up(
+        &mut self,
+        columns: &[Column],
+        random: Option<Random>,
+        cycles: Option<u64>,
+    ) -> Outcome {
+        if let (Some(column), None) = (columns.first(), &random) {
+            let key = &column.key;
+            return Err(format!(
+                "the node reads `{key}`; say where from: --inputs FILE, --step or --random SEED"
+            )
+            .into());
+        }
+        let mut random = random.unwrap_or_else(|| Random::new(0));
+        for _ in 0..cycles.ok_or("how long? Say --cycles N")? {
+            let given: Vec<Vec<u64>> = columns.iter().map(|c| random.cells(c)).collect();
+            if !self.cycle(&given)? {
+                return Ok(Exit::Fault);
+            }
+        }
+        Ok(Exit::Good)
+    }
+}

@@ -1,0 +1,34 @@
+//! Made-up inputs for a node: the same seed gives the same values on every machine.
+
+use rpi_image::{Scalar, Type, Value};
+use rpi_net::Column;
+
+/// A stream of made-up values (Marsaglia, Xorshift RNGs, 2003).
+pub(crate) struct Random(u64);
+
+impl Random {
+    pub(crate) fn new(seed: u64) -> Random {
+        // Any state but 0 will do.
+        Random(seed.wrapping_mul(0x9e37_79b9_7f4a_7c15) | 1)
+    }
+
+    fn next(&mut self) -> u64 {
+        self.0 ^= self.0 << 13;
+        self.0 ^= self.0 >> 7;
+        self.0 ^= self.0 << 17;
+        self.0 >> 11
+    }
+
+    /// The cells of one value: small integers, values of the enum, reals between -5 and 5.
+    pub(crate) fn cells(&mut self, column: &Column) -> Vec<u64> {
+        match column.ty {
+            Scalar::Bool => vec![self.next() % 2],
+            Scalar::Int => match column.values.len() as u64 {
+                0 => vec![self.next() % 5],
+                values => vec![self.next() % values],
+            },
+            Scalar::Real => vec![((self.next() % 1000) as f64 / 100.0 - 5.0).to_bits()],
+            other => Value::neutral(Type::One(other)).cells().to_vec(),
+        }
+    }
+}

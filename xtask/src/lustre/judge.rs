@@ -1,0 +1,248 @@
+//! What became of one program.
+
+use std::path::{Path, PathBuf};
+
+use serde_json::Value;
+
+use super::options::{Options, Wanted};
+use super::tool::{Ended, Tools};
+use super::trace::{Flow, NIL, Trace};
+
+/// What becomes of a program.
+#[derive(Clone, PartialEq, Debug)]
+pub(crate) enum Fate {
+    /// It has no text here, or its trace is none.
+    Missing(String),
+    /// Its text is not understood.
+    NotParsed(String),
+    /// It is refused: code and message.
+    Refused(String),
+    /// The tool broke down or hung.
+    Broken(String),
+    /// It faults while it runs.
+    Fault(String),
+    /// It gives something else.
+    Differs(String),
+    /// As it should be.
+    Good(String),
+}
+
+/// A program and what it is to do.
+pub(crate) struct Case {
+    pub(crate) name: String,
+    path: PathBuf,
+    wanted: Expected,
+}
+
+enum Expected {
+    Trace(Option<Trace>),
+    Refusal,
+    Run,
+}
+
+/// How far values may be apart.
+const TOLERANCE: f64 = 1e-6;
+
+/// All programs that are asked for, by name.
+pub(crate) fn cases(options: &Options) -> Result<Vec<Case>, String> {
+    let only = options.only.as_deref().unwrap_or_default();
+    let mut cases = match &options.wanted {
+        Wanted::Match(traces) => traced(&options.programs, traces)?,
+        Wanted::Reject => all(&options.programs, || Expected::Refusal)?,
+        Wanted::Run => all(&options.programs, || Expected::Run)?,
+    };
+    cases.retain(|case| case.name.contains(only));
+    match cases.is_empty() {
+        true => Err(format!("no programs in {}", options.programs.display())),
+        false => Ok(cases),
+    }
+}
+
+fn traced(programs: &Path, traces: &Path) -> Result<Vec<Case>, String> {
+    let bad = |e: &dyn std::fmt::Display| format!("{}: {e}", traces.display());
+    let text = std::fs::read_to_string(traces).map_err(|e| bad(&e))?;
+    let entries: Value = serde_json::from_str(&text).map_err(|e| bad(&e))?;
+    let entries = entries.as_object().ok_or_else(|| bad(&"no object"))?;
+    let case = |(name, entry): (&String, &Value)| Case {
+        name: name.clone(),
+        path: programs.join(name),
+        wanted: Expected::Trace(Trace::read(entry)),
+    };
+    Ok(entries.iter().map(case).collect())
+}
+
+fn all(programs: &Path, wanted: fn() -> Expected) -> Result<Vec<Case>, String> {
+    let (mut open, mut found) = (vec![programs.to_owned()], Vec::new());
+    while let Some(folder) = open.pop() {
+        let entries = std::fs::read_dir(&folder);
+        for entry in entries.map_err(|e| format!("{}: {e}", folder.display()))? {
+            let path = entry.map_err(|e| e.to_string())?.path();
+            match path.extension() {
+                _ if path.is_dir() => open.push(path),
+                Some(extension) if extension == "lus" => found.push(path),
+                _ => {}
+            }
+        }
+    }
+    found.sort();
+    let name = |path: &Path| {
+        path.strip_prefix(programs)
+            .unwrap_or(path)
+            .display()
+            .to_string()
+    };
+    let case = |path: PathBuf| Case {
+        name: name(&path),
+        path,
+        wanted: wanted(),
+    };
+    Ok(found.into_iter().map(case).collect())
+}
+
+impl Case {
+    /// Runs the program and says what became of it.
+    pub(crate) fn judge(&self, tools: &Tools) -> Fate {
+        let path = self.path.display().to_string();
+        if !self.path.is_file() {
+            return Fate::Missing(format!("there is no {path}"));
+        }
+        match &self.wanted {
+            Expected::Trace(None) => Fate::Missing("its trace has neither form".to_owned()),
+            Expected::Trace(Some(trace)) => against(trace, &path, tools),
+            Expected::Refusal => {
+                refusal(&tools.run("rpic", &["check", "--format", "short", &path]))
+            }
+            Expected::Run => {
+                let args = ["run", &path, "--random", "1", "--cycles", "12"];
+                let ended = tools.run("rpi", &args);
+                failure(&ended).unwrap_or_else(|| Fate::Good(String::new()))
+            }
+        }
+    }
+}
+
+fn against(trace: &Trace, path: &str, tools: &Tools) -> Fate {
+    let Ok(mut table) = tempfile::NamedTempFile::new() else {
+        return Fate::Broken("no room for its inputs".to_owned());
+    };
+    if std::io::Write::write_all(&mut table, trace.table().as_bytes()).is_err() {
+        return Fate::Broken("no room for its inputs".to_owned());
+    }
+    let inputs = table.path().display().to_string();
+    let mut args = vec![
+        "run",
+        path,
+        "--node",
+        &trace.node,
+        "--inputs",
+        &inputs,
+        "--numbers",
+    ];
+    if !trace.locals.is_empty() {
+        args.push("--locals");
+    }
+    let ended = tools.run("rpi", &args);
+    match failure(&ended) {
+        Some(Fate::Refused(why)) if trace.has_nil() && why.starts_with("RPI5") => {
+            Fate::Good("refused, as its trace reads what nothing defines".to_owned())
+        }
+        Some(fate) => fate,
+        None => compare(trace, &ended.out),
+    }
+}
+
+/// The first difference between a trace and a table.
+fn compare(trace: &Trace, table: &str) -> Fate {
+    let mut lines = table.lines();
+    let names: Vec<String> = lines
+        .next()
+        .unwrap_or_default()
+        .split(',')
+        .map(flat)
+        .collect();
+    let rows: Vec<Vec<&str>> = lines.map(|line| line.split(',').collect()).collect();
+    let mut values = 0;
+    for flow in trace.outputs.iter().chain(&trace.locals) {
+        let Some(column) = names.iter().position(|name| *name == flow.name) else {
+            return Fate::Differs(format!("there is no `{}`", flow.name));
+        };
+        match difference(flow, |cycle| rows.get(cycle)?.get(column).copied()) {
+            Some(what) => return Fate::Differs(format!("{}, {what}", flow.name)),
+            None => values += flow.values.len(),
+        }
+    }
+    match trace.has_nil() {
+        true => Fate::Good(format!(
+            "{values} values; what its trace does not define is proved unread"
+        )),
+        false => Fate::Good(format!("{values} values")),
+    }
+}
+
+fn difference<'t>(flow: &Flow, found: impl Fn(usize) -> Option<&'t str>) -> Option<String> {
+    for (cycle, wanted) in flow.values.iter().enumerate() {
+        let found = found(cycle).unwrap_or("nothing");
+        if !same(wanted, found) {
+            return Some(format!("cycle {cycle}: {found} instead of {wanted}"));
+        }
+    }
+    None
+}
+
+fn same(wanted: &str, found: &str) -> bool {
+    match (wanted.parse::<f64>(), found.parse::<f64>()) {
+        _ if wanted == NIL || wanted == found => true,
+        (Ok(wanted), Ok(found)) => {
+            let scale = wanted.abs().max(1.0);
+            (wanted - found).abs() <= TOLERANCE * scale || wanted.is_nan() && found.is_nan()
+        }
+        _ => false,
+    }
+}
+
+/// `x[2].f` as `x_2_f`.
+fn flat(name: &str) -> String {
+    let kept = name.chars().filter(|c| *c != ']');
+    kept.map(|c| if matches!(c, '.' | '[') { '_' } else { c })
+        .collect()
+}
+
+/// Why a run did not get to its end.
+fn failure(ended: &Ended) -> Option<Fate> {
+    let why = first_error(&ended.err);
+    match ended.status {
+        Some(0) => None,
+        Some(3) => Some(Fate::Fault(why)),
+        Some(1 | 2) if why.starts_with("RPI0") => Some(Fate::NotParsed(why)),
+        Some(1 | 2) => Some(Fate::Refused(why)),
+        _ => Some(Fate::Broken(why)),
+    }
+}
+
+fn refusal(ended: &Ended) -> Fate {
+    let said = format!("{}{}", ended.out, ended.err);
+    match ended.status {
+        Some(0) => Fate::Differs("accepted".to_owned()),
+        Some(_) => Fate::Good(first_error(&said)),
+        None => Fate::Broken(first_error(&said)),
+    }
+}
+
+/// The first error, its code in front, and its place.
+fn first_error(said: &str) -> String {
+    let mut lines = said.lines().skip_while(|line| !line.contains("error"));
+    let Some(line) = lines.next() else {
+        return said.lines().next().unwrap_or("nothing was said").to_owned();
+    };
+    let place = lines.find_map(|line| line.split_once("[").map(|(_, rest)| rest));
+    let place = place
+        .and_then(|rest| rest.split_once(']'))
+        .map(|(place, _)| place);
+    let place = place.map(|place| place.rsplit('/').next().unwrap_or(place));
+    let text = line.split_once("error").map_or(line, |(_, rest)| rest);
+    let text = text.trim_start_matches([':', ' ']);
+    match place {
+        Some(place) => format!("{text} ({place})"),
+        None => text.to_owned(),
+    }
+}

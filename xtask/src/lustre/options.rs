@@ -1,0 +1,61 @@
+//! What is asked for on the command line.
+
+use std::path::PathBuf;
+
+/// What the programs are to do.
+#[derive(Clone, PartialEq, Eq, Debug)]
+pub(crate) enum Wanted {
+    /// Give what the traces say.
+    Match(PathBuf),
+    /// Be refused.
+    Reject,
+    /// Run.
+    Run,
+}
+
+/// The options of the chore.
+#[derive(Clone, Debug)]
+pub(crate) struct Options {
+    /// Where the programs are.
+    pub(crate) programs: PathBuf,
+    /// What they are to do.
+    pub(crate) wanted: Wanted,
+    /// Groups of programs, a JSON object of lists of names, to be counted by themselves.
+    pub(crate) groups: Option<PathBuf>,
+    /// Show all programs, not only those that fail.
+    pub(crate) list: bool,
+    /// Only programs in whose name this occurs.
+    pub(crate) only: Option<String>,
+}
+
+const USAGE: &str =
+    "usage: cargo xtask lustre-corpus --programs DIR [--traces FILE.json | --reject]
+    [--groups FILE.json] [--only TEXT] [--list]";
+
+impl Options {
+    pub(crate) fn parse(args: &[String]) -> Result<Options, String> {
+        let mut programs = None;
+        let mut options = Options {
+            programs: PathBuf::new(),
+            wanted: Wanted::Run,
+            groups: None,
+            list: false,
+            only: None,
+        };
+        let mut args = args.iter();
+        while let Some(arg) = args.next() {
+            let mut value = || args.next().ok_or(USAGE);
+            match arg.as_str() {
+                "--programs" => programs = Some(value()?),
+                "--traces" => options.wanted = Wanted::Match(value()?.into()),
+                "--reject" => options.wanted = Wanted::Reject,
+                "--groups" => options.groups = Some(value()?.into()),
+                "--only" => options.only = Some(value()?.clone()),
+                "--list" => options.list = true,
+                _ => return Err(USAGE.to_owned()),
+            }
+        }
+        options.programs = programs.ok_or(USAGE)?.into();
+        Ok(options)
+    }
+}

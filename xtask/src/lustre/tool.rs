@@ -1,0 +1,86 @@
+//! Our tools as processes.
+
+use std::fs::File;
+use std::io::{Read, Seek};
+use std::path::{Path, PathBuf};
+use std::process::{Child, Command, Stdio};
+use std::time::{Duration, Instant};
+
+/// After so long a program counts as hanging.
+const PATIENCE: Duration = Duration::from_secs(60);
+
+/// The tools, built.
+pub(crate) struct Tools {
+    folder: PathBuf,
+}
+
+/// How a tool ended.
+pub(crate) struct Ended {
+    /// Exit status; none if it was stopped.
+    pub(crate) status: Option<i32>,
+    pub(crate) out: String,
+    pub(crate) err: String,
+}
+
+impl Tools {
+    /// Builds `rpi` and `rpic` beside this tool.
+    pub(crate) fn build() -> Result<Tools, String> {
+        let cargo = std::env::var("CARGO").unwrap_or_else(|_| "cargo".to_owned());
+        let args = ["build", "--quiet", "-p", "rpi", "-p", "rpic"];
+        let status = Command::new(cargo).args(args).status();
+        if !status.is_ok_and(|status| status.success()) {
+            return Err("the tools do not build".to_owned());
+        }
+        let me = std::env::current_exe().map_err(|e| e.to_string())?;
+        let folder = me.parent().map(Path::to_owned);
+        Ok(Tools {
+            folder: folder.ok_or("where are the tools?")?,
+        })
+    }
+
+    /// Runs a tool to its end, or until patience ends.
+    pub(crate) fn run(&self, tool: &str, args: &[&str]) -> Ended {
+        let ended = self.ended(tool, args);
+        ended.unwrap_or_else(|error| Ended {
+            status: None,
+            out: String::new(),
+            err: error.to_string(),
+        })
+    }
+
+    fn ended(&self, tool: &str, args: &[&str]) -> std::io::Result<Ended> {
+        let (out, err) = (tempfile::tempfile()?, tempfile::tempfile()?);
+        let mut child = Command::new(self.folder.join(tool))
+            .args(args)
+            .env("NO_COLOR", "1")
+            .stdin(Stdio::null())
+            .stdout(out.try_clone()?)
+            .stderr(err.try_clone()?)
+            .spawn()?;
+        Ok(Ended {
+            status: status(&mut child)?,
+            out: read(out)?,
+            err: read(err)?,
+        })
+    }
+}
+
+fn status(child: &mut Child) -> std::io::Result<Option<i32>> {
+    let start = Instant::now();
+    while start.elapsed() < PATIENCE {
+        if let Some(status) = child.try_wait()? {
+            return Ok(status.code());
+        }
+        std::thread::sleep(Duration::from_millis(2));
+    }
+    child.kill()?;
+    child.wait()?;
+    Ok(None)
+}
+
+fn read(mut file: File) -> std::io::Result<String> {
+    let mut bytes = Vec::new();
+    file.rewind()?;
+    file.read_to_end(&mut bytes)?;
+    Ok(String::from_utf8_lossy(&bytes).into_owned())
+}

@@ -1,0 +1,139 @@
+//! Recorded inputs and outputs, in the two forms in which they come: a table of texts (Lustre V6), or a list of values per
+//! flow (Kind 2).
+
+use serde_json::Value;
+
+/// A flow and its values, cycle by cycle, as text.
+pub(crate) struct Flow {
+    pub(crate) name: String,
+    pub(crate) values: Vec<String>,
+}
+
+/// What a program was fed and what it gave.
+pub(crate) struct Trace {
+    pub(crate) node: String,
+    pub(crate) inputs: Vec<Flow>,
+    pub(crate) outputs: Vec<Flow>,
+    pub(crate) locals: Vec<Flow>,
+    pub(crate) cycles: usize,
+}
+
+impl Trace {
+    /// Reads one entry of a file of traces; none if it is of neither form.
+    pub(crate) fn read(entry: &Value) -> Option<Trace> {
+        match entry.get("node") {
+            Some(node) => tables(entry, node.as_str()?),
+            None => lists(entry, entry.get("main")?.as_str()?),
+        }
+    }
+
+    /// Whether a value was read that nothing had defined.
+    pub(crate) fn has_nil(&self) -> bool {
+        let values = self.outputs.iter().flat_map(|flow| &flow.values);
+        values.into_iter().any(|value| value == NIL)
+    }
+
+    /// The inputs as a comma-separated table.
+    pub(crate) fn table(&self) -> String {
+        let names: Vec<&str> = self.inputs.iter().map(|flow| flow.name.as_str()).collect();
+        let mut text = names.join(",");
+        for cycle in 0..self.cycles {
+            let row: Vec<&str> = self.inputs.iter().filter_map(|f| f.at(cycle)).collect();
+            text.push('\n');
+            text.push_str(&row.join(","));
+        }
+        text.push('\n');
+        text
+    }
+}
+
+/// What stands for a value that nothing has defined.
+pub(crate) const NIL: &str = "nil";
+
+impl Flow {
+    pub(crate) fn at(&self, cycle: usize) -> Option<&str> {
+        self.values.get(cycle).map(String::as_str)
+    }
+}
+
+/// `inputs`, `outputs`: name and type of each column; `in`, `out`: rows of texts.
+fn tables(entry: &Value, node: &str) -> Option<Trace> {
+    let rows = entry.get("in")?.as_array()?.len();
+    Some(Trace {
+        node: node.to_owned(),
+        inputs: columns(entry.get("inputs")?, entry.get("in")?)?,
+        outputs: columns(entry.get("outputs")?, entry.get("out")?)?,
+        locals: Vec::new(),
+        cycles: rows,
+    })
+}
+
+fn columns(names: &Value, rows: &Value) -> Option<Vec<Flow>> {
+    let column = |(k, name): (usize, &Value)| {
+        let cell = |row: &Value| Some(text(row.get(k)?));
+        Some(Flow {
+            name: name.get(0)?.as_str()?.to_owned(),
+            values: rows.as_array()?.iter().map(cell).collect::<Option<_>>()?,
+        })
+    };
+    names.as_array()?.iter().enumerate().map(column).collect()
+}
+
+/// `inputs`: an object per cycle; `outputs`, `locals`: a list per flow.
+fn lists(entry: &Value, node: &str) -> Option<Trace> {
+    let rows = entry.get("inputs")?.as_array()?;
+    let names = rows.first().and_then(Value::as_object);
+    let names = names.map(|row| row.keys().cloned().collect::<Vec<_>>());
+    let input = |name: String| {
+        let values = rows.iter().filter_map(|row| row.get(&name)).map(text);
+        let values = values.collect();
+        Flow { name, values }
+    };
+    Some(Trace {
+        node: node.to_owned(),
+        inputs: names.unwrap_or_default().into_iter().map(input).collect(),
+        outputs: listed(entry.get("outputs")?)?,
+        locals: entry.get("locals").and_then(listed).unwrap_or_default(),
+        cycles: rows.len(),
+    })
+}
+
+fn listed(flows: &Value) -> Option<Vec<Flow>> {
+    let flow = |(name, values): (&String, &Value)| {
+        Some(Flow {
+            name: name.clone(),
+            values: values.as_array()?.iter().map(text).collect(),
+        })
+    };
+    flows.as_object()?.iter().map(flow).collect()
+}
+
+/// A value as our tables write it; `{"num": 1, "den": 2}` is a real.
+fn text(value: &Value) -> String {
+    let part = |name: &str| value.get(name).and_then(number);
+    match (value, part("num"), part("den")) {
+        (_, Some(num), Some(den)) => format!("{:?}", num / den),
+        (Value::String(text), ..) => plain(text),
+        (other, ..) => other.to_string(),
+    }
+}
+
+fn number(value: &Value) -> Option<f64> {
+    match value {
+        Value::String(text) => text.parse().ok(),
+        other => other.as_f64(),
+    }
+}
+
+/// `t`, `f` and fractions as our tables write them.
+fn plain(text: &str) -> String {
+    let fraction = text.split_once('/').and_then(|(num, den)| {
+        let (num, den): (f64, f64) = (num.parse().ok()?, den.parse().ok()?);
+        Some(format!("{:?}", num / den))
+    });
+    match text {
+        "t" => "true".to_owned(),
+        "f" => "false".to_owned(),
+        _ => fraction.unwrap_or_else(|| text.to_owned()),
+    }
+}
