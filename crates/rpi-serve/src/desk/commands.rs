@@ -26,6 +26,8 @@ pub(crate) struct Record {
     pub(crate) image: Option<Arc<Image>>,
     pub(super) board: Option<Arc<Board>>,
     pub(super) subscriptions: Vec<Subscription>,
+    /// Until when its values are held back from those who need the order of things.
+    pub(super) held: Option<std::time::Instant>,
     /// Whoever waits for it to be loaded.
     pub(super) loading: Option<Reply>,
     /// It only lives for one cycle.
@@ -88,6 +90,7 @@ impl Desk {
             image: None,
             board: None,
             subscriptions: Vec::new(),
+            held: None,
             loading: Some(reply),
             eval,
             unload_at_end: false,

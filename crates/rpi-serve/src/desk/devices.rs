@@ -214,9 +214,9 @@ fn spec(new: &NewDevice<'_>, tick: f64) -> Result<DeviceSpec, Failure> {
             tool: Default::default(),
             limits,
             enforced: Enforced {
+                // As the reference system's simulated devices: its clients plan paths without asking how fast joints turn.
                 position: true,
-                velocity: true,
-                // What a client plans knows of no jerk, and of acceleration only along the joints.
+                velocity: false,
                 acceleration: false,
                 jerk: false,
             },

@@ -48,6 +48,8 @@ pub(crate) struct Desk {
     commands: BTreeMap<u64, Record>,
     by_id: BTreeMap<CommandId, u64>,
     rules: BTreeMap<RuleId, RuleRecord>,
+    /// Rules whose outcome somebody was told in this round.
+    told: Vec<RuleId>,
     devices: Devices,
     twin: Arc<Mutex<Twin>>,
     jobs: Option<SyncSender<Job>>,
@@ -101,6 +103,7 @@ impl Office {
             commands: BTreeMap::new(),
             by_id: BTreeMap::new(),
             rules: BTreeMap::new(),
+            told: Vec::new(),
             devices: Devices::of(cell, limits.devices),
             twin: Arc::clone(&twin),
             jobs: None,

@@ -20,6 +20,9 @@ impl Desk {
                 Report::Spent(spent) => drop(spent),
             }
         }
+        for rule in std::mem::take(&mut self.told) {
+            self.rule_told(rule);
+        }
         self.finish_evals();
         self.publish();
     }

@@ -10,6 +10,8 @@ use crate::plant::Order;
 /// A rule as the desk knows it.
 pub(super) struct RuleRecord {
     pub(super) state: RuleState,
+    /// What it starts.
+    start: Vec<CommandId>,
     watchers: Vec<Box<dyn Sink>>,
 }
 
@@ -50,9 +52,10 @@ impl Desk {
         let mut rule = Rule::when(self.condition(make.when)?).keep();
         rule = stop.into_iter().fold(rule, Rule::stop);
         rule = cancel.into_iter().fold(rule, Rule::cancel);
-        rule = start.into_iter().fold(rule, Rule::start);
+        rule = start.iter().copied().fold(rule, Rule::start);
         let record = RuleRecord {
             state: RuleState::Active,
+            start,
             watchers: Vec::new(),
         };
         Ok((rule, record))
@@ -124,6 +127,8 @@ impl Desk {
         let listens = sink.tell(&Update::Rule(rule.state));
         if listens && rule.state == RuleState::Active {
             rule.watchers.push(sink);
+        } else if let Some(id) = id {
+            self.rule_told(id);
         }
         Ok(())
     }
@@ -134,10 +139,23 @@ impl Desk {
             return;
         };
         rule.state = state;
-        for mut sink in std::mem::take(&mut rule.watchers) {
+        let watchers = std::mem::take(&mut rule.watchers);
+        let told = !watchers.is_empty();
+        for mut sink in watchers {
             sink.tell(&Update::Rule(state));
         }
+        self.told.extend(Some(id).filter(|_| told));
         self.forget_rules();
+    }
+
+    /// Somebody knows what has become of a rule: what it started is held back no longer.
+    pub(super) fn rule_told(&mut self, id: RuleId) {
+        let started = self.rules.get(&id).map(|r| r.start.clone());
+        for command in started.into_iter().flatten() {
+            if let Some(record) = self.record_of(command) {
+                record.release();
+            }
+        }
     }
 
     fn forget_rules(&mut self) {

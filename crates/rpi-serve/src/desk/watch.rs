@@ -13,7 +13,8 @@ use crate::plant::values;
 pub(crate) struct Watching {
     /// Least time between two updates of values.
     pub(crate) period: Duration,
-    /// How long after its last values a command's end is told, for clients that take both apart again.
+    /// How long after its last values a command's end is told, for clients that take both apart again. Zero for those
+    /// that take things as they come.
     pub(crate) settle: Duration,
     pub(crate) sink: Box<dyn Sink>,
 }
@@ -49,8 +50,25 @@ impl Subscription {
             None => true,
         }
     }
+
+    /// Tells the values that have changed.
+    fn tell_values(&mut self, exports: &[Export], cells: &[u64], now: Instant) {
+        self.due = now + self.period;
+        let changed = changed(exports, &self.last, cells);
+        if changed.is_empty() {
+            return;
+        }
+        self.sink.tell(&Update::Values(&changed));
+        self.last = cells.to_vec();
+        if let Some((at, _)) = &mut self.late {
+            *at = now + self.settle;
+        }
+    }
 }
 
+/// How long values of a command that a rule has started are held back at most, until somebody has been told that the rule
+/// fired: clients that need time to settle understand them only in this order.
+const HELD: Duration = Duration::from_millis(200);
 /// Values are not looked at more often than this.
 const LEAST: Duration = Duration::from_millis(1);
 
@@ -88,9 +106,17 @@ impl Record {
     /// Tells everybody the state; before an end the values that led to it.
     pub(super) fn tell_state(&mut self) {
         let now = Instant::now();
-        if self.status.phase == Phase::Is(State::Terminated) {
-            self.subscriptions.iter_mut().for_each(|s| s.due = now);
-            self.publish(now);
+        match self.status.phase {
+            Phase::Is(State::Running) => self.held = Some(now + HELD),
+            Phase::Is(State::Terminated) => {
+                self.subscriptions.iter_mut().for_each(|s| s.due = now);
+                self.publish(now);
+            }
+            Phase::Unloaded => {
+                self.held = None;
+                self.publish(now);
+            }
+            _ => {}
         }
         self.subscriptions.retain_mut(|s| s.tell(&self.status, now));
     }
@@ -102,23 +128,29 @@ impl Record {
         }
     }
 
+    /// The rule that started it has been told: so may be what it brings.
+    pub(super) fn release(&mut self) {
+        self.held = None;
+    }
+
     fn publish(&mut self, now: Instant) {
-        self.subscriptions.retain_mut(|s| s.tell_late(Some(now)));
-        if !self.subscriptions.iter().any(|s| s.due <= now) {
-            return;
-        }
-        let cells = self.board.as_ref().and_then(|board| board.read());
-        let (Some(cells), Some(image)) = (cells, &self.image) else {
-            return;
-        };
-        for subscription in self.subscriptions.iter_mut().filter(|s| s.due <= now) {
-            subscription.due = now + subscription.period;
-            let changed = changed(&image.exports, &subscription.last, &cells);
-            if !changed.is_empty() {
-                subscription.sink.tell(&Update::Values(&changed));
+        let held = self.held.is_some_and(|until| now < until);
+        let free = |s: &&mut Subscription| !held || s.settle.is_zero();
+        if self
+            .subscriptions
+            .iter_mut()
+            .filter(free)
+            .any(|s| s.due <= now)
+        {
+            let cells = self.board.as_ref().and_then(|board| board.read());
+            if let (Some(cells), Some(image)) = (cells, &self.image) {
+                let due = self.subscriptions.iter_mut().filter(free);
+                due.filter(|s| s.due <= now)
+                    .for_each(|s| s.tell_values(&image.exports, &cells, now));
             }
-            subscription.last.clone_from(&cells);
         }
+        self.subscriptions
+            .retain_mut(|s| held && !s.settle.is_zero() || s.tell_late(Some(now)));
     }
 }
 

@@ -58,17 +58,10 @@ fn send(socket: &mut WebSocket<Box<dyn Stream>>, out: &Outgoing, heard: bool) ->
     let wait = if heard { ANSWER } else { Duration::ZERO };
     let mut next = out.messages.recv_timeout(wait).ok();
     while let Some(message) = next {
-        pause_is_fine(socket.write(Message::text(message)))?;
+        socket.write(Message::text(message))?;
         next = out.messages.try_recv().ok();
     }
-    pause_is_fine(socket.flush())
-}
-
-fn pause_is_fine(sent: Result<(), Error>) -> Result<(), Error> {
-    match sent {
-        Err(Error::Io(e)) if is_pause(&e) => Ok(()),
-        sent => sent,
-    }
+    socket.flush()
 }
 
 /// Talks in lines until one side has enough.

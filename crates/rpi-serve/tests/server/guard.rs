@@ -1,0 +1,155 @@
+//! Who may come in, and how far.
+
+use std::net::{Ipv4Addr, SocketAddr};
+
+use rpi_serve::{CannotOpen, Limits, OnLoss, Server, Settings};
+use rpi_sim::Cell;
+
+use crate::client::{Client, get, http, open, post, server, settings};
+use crate::nets::{ECHO, hold, swing};
+
+#[test]
+fn beyond_this_machine_a_token_is_needed() {
+    let cell = Cell::parse("cell.toml", "").unwrap();
+    let settings = Settings {
+        listen: SocketAddr::from((Ipv4Addr::UNSPECIFIED, 0)),
+        ..Settings::default()
+    };
+    let refused = Server::open(&cell, &settings, ());
+    assert!(matches!(refused, Err(CannotOpen::Unguarded(_))));
+}
+
+#[test]
+fn wrong_tokens_and_pages_from_elsewhere_are_turned_away() {
+    let server = server(
+        &Settings {
+            token: Some("open sesame".into()),
+            ..settings()
+        },
+        (),
+    );
+    let ask = |header: &str| {
+        http(
+            server.address(),
+            &format!("GET /nets HTTP/1.1\r\nHost: cell\r\n{header}\r\n\r\n"),
+        )
+    };
+    assert!(ask("X: y").starts_with("HTTP/1.1 401"));
+    assert!(ask("Authorization: Bearer close sesame").starts_with("HTTP/1.1 401"));
+    assert!(ask("Authorization: Bearer open sesame").starts_with("HTTP/1.1 200"));
+    let stranger = "Authorization: Bearer open sesame\r\nOrigin: http://elsewhere";
+    assert!(ask(stranger).starts_with("HTTP/1.1 403"));
+}
+
+#[test]
+fn the_server_tells_what_there_is() {
+    let server = open();
+    let address = server.address();
+    assert!(get(address, "/modules").contains("Core::DoubleAdd"));
+    assert!(get(address, "/types").contains("World::Frame"));
+    assert!(get(address, "/devices").contains("robotarm"));
+    let missing = ["/nets/n1/dio", "/nowhere"].map(|page| get(address, page));
+    assert!(missing.iter().all(|answer| answer.contains("404")));
+    let eval = post(
+        address,
+        "//eval/",
+        "dionet=%7Bm%3DRobotArm%3A%3AJointMonitor%28Robot%3D%27arm%27%2CAxis%3D%272%27%29%2C\
+         n%3DCore%3A%3ADoubleNetcommOut%28inValue%3Dm.outMeasuredPosition%2CKey%3D%27q%27%29%7D",
+    );
+    assert!(eval.contains("<data key=\"outq\">0"), "{eval}");
+    assert!(post(address, "/eval", "dionet=%7Bx").starts_with("HTTP/1.1 400"));
+}
+
+#[test]
+fn devices_come_and_go_and_take_their_commands_along() {
+    let server = open();
+    let address = server.address();
+    let new = "name=arm two&type=kuka_iiwa_sim&link_lengths=[0,0.34,0.2,0.2,0.2,0.2,0.126,0]";
+    assert!(post(address, "//devices/", new).contains("200 OK"));
+    let mut client = Client::dio(address);
+    let session = client.ask("nse(\"test\")").unwrap();
+    let net = client.load(&session, &swing(1, 1e9).replace("'arm'", "'arm two'"));
+    client.ask(&format!("nest(\"{net}\")")).unwrap();
+    client.ask(&format!("gne(\"{net}\",0.02)")).unwrap();
+    client.send("d=gde()");
+    client.wait("the device", |text| {
+        text.contains("\"arm two\":{\"type\":\"kuka_iiwa_sim\"")
+            .then_some(())
+    });
+    assert!(post(address, "/devices", "name=arm two&action=remove").contains("200 OK"));
+    client.wait("the end", |text| text.contains("UNLOADED").then_some(()));
+    client.wait("removed", |text| {
+        text.contains("dr([\"arm two\"])").then_some(())
+    });
+    let unknown = post(address, "/devices", "name=x y&type=toaster");
+    assert!(unknown.starts_with("HTTP/1.1 400"));
+}
+
+#[test]
+fn limits_are_told_and_ended_commands_make_room() {
+    let limits = Limits {
+        session_commands: 2,
+        sessions: 2,
+        ..Limits::default()
+    };
+    let server = server(
+        &Settings {
+            limits,
+            ..settings()
+        },
+        (),
+    );
+    let mut client = Client::dio(server.address());
+    let session = client.ask("nse(\"one\")").unwrap();
+    client.ask("nse(\"two\")").unwrap();
+    assert!(
+        client
+            .ask("nse(\"three\")")
+            .unwrap_err()
+            .contains("sessions")
+    );
+    let first = client.load(&session, ECHO);
+    client.load(&session, ECHO);
+    let full = format!("nene(\"{ECHO}\",\"{session}\",\"\",0,1)");
+    assert!(client.ask(&full).unwrap_err().contains("commands"));
+    client.ask(&format!("nest(\"{first}\")")).unwrap();
+    client.ask(&format!("neab(\"{first}\")")).unwrap();
+    client.ask(&format!("gne(\"{first}\",0.02)")).unwrap();
+    client.wait("its end", |text| text.contains("TERMINATED").then_some(()));
+    assert!(client.ask(&full).is_ok());
+}
+
+#[test]
+fn every_fault_of_a_net_is_told() {
+    let server = open();
+    let mut client = Client::dio(server.address());
+    let session = client.ask("nse(\"test\")").unwrap();
+    let net = "{a=Core::Nothing(),b=Core::DoubleAdd(inFirst=a.x,inThird=c.y)}";
+    let why = client.ask(&format!("nene(\"{net}\",\"{session}\",\"\",0,1)"));
+    assert!(why.unwrap_err().matches("1:").count() >= 2);
+    let elsewhere = hold(0).replace("'arm'", "'leg'");
+    let why = client.ask(&format!("nene(\"{elsewhere}\",\"{session}\",\"\",0,1)"));
+    assert!(why.unwrap_err().contains("leg"));
+}
+
+#[test]
+fn what_becomes_of_commands_without_their_client_is_chosen() {
+    let policies = [("cancel", 0), ("abort", 0), ("run-on", 1)];
+    for (policy, left) in policies {
+        assert!(OnLoss::by_name(policy).is_some());
+        let server = open();
+        let mut lost = Client::dio(server.address());
+        let session = lost.ask(&format!("nse(\"lost\",\"{policy}\")")).unwrap();
+        let net = lost.load(&session, &swing(0, 1e9));
+        let waiting = lost.load(&session, ECHO);
+        lost.ask(&format!("nest(\"{net}\")")).unwrap();
+        drop(lost);
+        let mut other = Client::dio(server.address());
+        std::thread::sleep(std::time::Duration::from_millis(300));
+        let running = get(server.address(), "/nets").matches("Running").count();
+        assert_eq!(running, left, "{policy}");
+        if policy != "run-on" {
+            assert!(other.ask(&format!("neca(\"{waiting}\")")).is_err());
+        }
+    }
+}

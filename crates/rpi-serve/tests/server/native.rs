@@ -1,0 +1,138 @@
+//! The native interface: JSON-RPC over a websocket and over a Unix socket.
+
+use serde_json::{Value, json};
+
+use crate::client::{Client, open, server, settings};
+use crate::nets::ECHO;
+
+const PROGRAM: &str = "
+command Count (limit: int)
+let
+  n = 1 -> pre n + 1;
+  export n;
+  finish done when n >= limit;
+tel
+";
+
+fn call(client: &mut Client, id: u64, method: &str, params: &Value) -> Value {
+    let request = json!({"jsonrpc": "2.0", "id": id, "method": method, "params": params});
+    client.send(&request.to_string());
+    client.wait(method, |text| {
+        let answer: Value = serde_json::from_str(text).ok()?;
+        (answer["id"] == json!(id)).then_some(answer)
+    })
+}
+
+#[test]
+fn a_program_is_loaded_scheduled_and_watched_to_its_end() {
+    let server = open();
+    let mut client = Client::rpc(server.address());
+    let session = call(&mut client, 1, "session.open", &json!({"name": "test"}));
+    let session = &session["result"]["session"];
+    let program = PROGRAM
+        .replace("(limit: int)", "()")
+        .replace("limit", "500");
+    let load = json!({"session": session, "text": program, "command": "Count"});
+    let first = call(&mut client, 2, "command.load", &load);
+    let first = first["result"]["command"].clone();
+    assert!(first.is_string(), "{first}");
+    let second = call(&mut client, 3, "command.load", &load)["result"]["command"].clone();
+    let after = json!({"command": second, "after": first, "results": ["done"]});
+    assert!(call(&mut client, 4, "command.schedule", &after)["result"]["rule"].is_string());
+    for (id, command) in [(5, &first), (6, &second)] {
+        call(
+            &mut client,
+            id,
+            "watch.command",
+            &json!({"command": command}),
+        );
+    }
+    call(&mut client, 7, "command.start", &json!({"command": first}));
+    let ending = client.wait("the end of the second", |text| {
+        let update: Value = serde_json::from_str(text).ok()?;
+        let params = &update["params"];
+        let over = params["command"] == second && params["state"] == "terminated";
+        over.then(|| params["ending"].clone())
+    });
+    assert_eq!(ending["result"], "done");
+    assert_eq!(ending["error"], 0);
+    assert_eq!(ending["cycles"], 500);
+    let told = call(
+        &mut client,
+        8,
+        "command.describe",
+        &json!({"command": second}),
+    );
+    assert_eq!(told["result"]["values"]["n"], "500");
+    assert_eq!(told["result"]["results"], json!(["done"]));
+}
+
+#[test]
+fn faults_are_told_by_code_and_with_every_reason() {
+    let server = open();
+    let mut client = Client::rpc(server.address());
+    let session = call(&mut client, 1, "session.open", &json!({"on_loss": "abort"}));
+    let session = session["result"]["session"].clone();
+    let cases = [
+        ("no.method", json!({}), -32601),
+        ("session.open", json!({"on_loss": "dance"}), -32602),
+        ("command.start", json!({"command": "n99"}), -32001),
+        ("command.start", json!({}), -32602),
+        (
+            "command.load",
+            json!({"session": "s99", "text": ""}),
+            -32001,
+        ),
+        (
+            "command.load",
+            json!({"session": session, "text": "command X"}),
+            -32002,
+        ),
+        ("rule.make", json!({"when": "n99.x"}), -32001),
+        ("rule.make", json!({"when": "(("}), -32602),
+    ];
+    for (id, (method, params, code)) in (10..).zip(cases) {
+        let answer = call(&mut client, id, method, &params);
+        assert_eq!(answer["error"]["code"], code, "{method} {params}: {answer}");
+    }
+    client.send("{ no json");
+    client.wait("a parse error", |text| {
+        text.contains("-32700").then_some(())
+    });
+}
+
+#[cfg(unix)]
+#[test]
+fn a_unix_socket_takes_a_message_per_line() {
+    use std::io::{BufRead, BufReader, Write};
+    use std::os::unix::net::UnixStream;
+
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("rpi.sock");
+    let server = server(
+        &rpi_serve::Settings {
+            socket: Some(path.clone()),
+            ..settings()
+        },
+        (),
+    );
+    let mut stream = UnixStream::connect(&path).unwrap();
+    stream
+        .set_read_timeout(Some(crate::client::PATIENCE))
+        .unwrap();
+    let mut answers = BufReader::new(stream.try_clone().unwrap()).lines();
+    let mut ask = |request: Value| -> Value {
+        stream.write_all(format!("{request}\n").as_bytes()).unwrap();
+        serde_json::from_str(&answers.next().unwrap().unwrap()).unwrap()
+    };
+    let open = ask(json!({"id": 1, "method": "session.open", "params": {}}));
+    let session = &open["result"]["session"];
+    let load = json!({"session": session, "text": ECHO, "language": "rpinet"});
+    let loaded = ask(json!({"id": 2, "method": "command.load", "params": load}));
+    let command = &loaded["result"]["command"];
+    let told = ask(json!({"id": 3, "method": "command.describe", "params": {"command": command}}));
+    assert_eq!(told["result"]["inputs"][0]["key"], "gain");
+    assert_eq!(told["result"]["state"], "ready");
+    drop(server);
+    assert!(!path.exists());
+}

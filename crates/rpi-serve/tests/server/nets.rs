@@ -1,0 +1,51 @@
+//! Nets for the tests, in the notation of the reference system.
+
+/// Swings axis `axis` of the arm by 0.1 rad about where it stands, for ever; exports the set-point as `probe` and true as
+/// `_1` after `seconds`.
+pub(crate) fn swing(axis: usize, seconds: f64) -> String {
+    format!(
+        "{{clock=Core::Clock(Increment='1.0'),\
+         cos=Core::DoubleCos(inValue=clock.outValue),\
+         less=Core::DoubleMultiply(inFirst=cos.outValue,Second='-0.1'),\
+         at=Core::DoubleAdd(inFirst=less.outValue,Second='0.1'),\
+         axis=RobotArm::JointPosition(inPosition=at.outValue,Robot='arm',Axis='{axis}'),\
+         after=Core::DoubleGreater(inFirst=clock.outValue,Second='{seconds}'),\
+         probe=Core::DoubleNetcommOut(inValue=at.outValue,Key='probe'),\
+         done=Core::BooleanNetcommOut(inValue=after.outValue,Key='_1')}}"
+    )
+}
+
+/// Holds axis `axis` where it is commanded.
+pub(crate) fn hold(axis: usize) -> String {
+    format!(
+        "{{m=RobotArm::JointMonitor(Robot='arm',Axis='{axis}'),\
+         axis=RobotArm::JointPosition(inPosition=m.outCommandedPosition,Robot='arm',Axis='{axis}'),\
+         t=Core::BooleanValue(Value='true'),\
+         done=Core::BooleanNetcommOut(inValue=t.outValue,Key='_1')}}"
+    )
+}
+
+/// Exports its input `gain` times two as `twice`, and whether it was cancelled.
+pub(crate) const ECHO: &str = "{in=Core::DoubleNetcommIn(Key='gain',Value='1.0'),\
+    two=Core::DoubleMultiply(inFirst=in.outValue,Second='2.0'),\
+    out=Core::DoubleNetcommOut(inValue=two.outValue,Key='twice'),\
+    c=Cancel(),stop=Core::BooleanNetcommOut(inValue=c.outCancel,Key='cancelled')}";
+
+/// A net of so many additions in a row.
+pub(crate) fn long(additions: usize) -> String {
+    use std::fmt::Write;
+    let mut net = String::from("{a0=Core::DoubleAdd(First='1.0',Second='1.0')");
+    for k in 1..additions {
+        let before = k - 1;
+        let _ = write!(
+            net,
+            ",a{k}=Core::DoubleAdd(inFirst=a{before}.outValue,Second='1.000000000000000000000000000001')"
+        );
+    }
+    let _ = write!(
+        net,
+        ",out=Core::DoubleNetcommOut(inValue=a{}.outValue,Key='sum')}}",
+        additions - 1
+    );
+    net
+}

@@ -1,0 +1,91 @@
+//! In which order a client is told things.
+
+use std::time::Duration;
+
+use crate::client::{Client, open};
+use crate::nets::{ECHO, hold, swing};
+
+fn position(heard: &[String], what: &str) -> usize {
+    let found = heard.iter().position(|text| text.contains(what));
+    found.unwrap_or_else(|| panic!("no {what} in {heard:?}"))
+}
+
+#[test]
+fn an_end_is_told_after_the_firing_and_the_values_that_led_to_it() {
+    let server = open();
+    let mut client = Client::dio(server.address());
+    let session = client.ask("nse(\"test\")").unwrap();
+    let net = client.load(&session, &hold(0));
+    client.ask(&format!("gne(\"{net}\",0.02)")).unwrap();
+    let stop = client
+        .ask(&format!("nesc(\"{net}.out_1\",[\"{net}\"],[],[])"))
+        .unwrap();
+    let start = client
+        .ask(&format!("nesc(\"t\",[],[],[\"{net}\"])"))
+        .unwrap();
+    client.send(&format!("s=gsy(\"{start}\")"));
+    client.send(&format!("e=gsy(\"{stop}\")"));
+    let mut heard = client.listen(Duration::from_millis(400));
+    heard.retain(|text| !text.contains("=ok("));
+    let order = [
+        "ns(\"READY\")",
+        "ns(\"RUNNING\")",
+        "s=rs(\"FIRED\")",
+        "\"out_1\":\"true\"",
+        "ns(\"TERMINATED\")",
+    ];
+    let at = order.map(|what| position(&heard, what));
+    assert!(at.is_sorted(), "{heard:?}");
+    assert!(position(&heard, "e=rs(\"FIRED\")") < at[4]);
+}
+
+/// In the reference system the handle of a predecessor ran on for ever after a blend.
+#[test]
+fn a_predecessor_ends_when_its_successor_takes_over() {
+    let server = open();
+    let mut client = Client::dio(server.address());
+    let session = client.ask("nse(\"test\")").unwrap();
+    let first = client.load(&session, &swing(0, 0.2));
+    let second = client.load(&session, &hold(0));
+    for net in [&first, &second] {
+        client.ask(&format!("gne(\"{net}\",0.02)")).unwrap();
+    }
+    let blend = format!("nesc(\"{first}.out_1\",[\"{first}\"],[],[\"{second}\"])");
+    let rule = client.ask(&blend).unwrap();
+    client.ask(&format!("nest(\"{first}\")")).unwrap();
+    client.send(&format!("r=gsy(\"{rule}\")"));
+    client.wait("the blend", |text| {
+        text.contains("r=rs(\"FIRED\")").then_some(())
+    });
+    for phase in ["RUNNING", "RUNNING", "TERMINATED"] {
+        client.wait(phase, |text| text.contains(phase).then_some(()));
+    }
+    assert!(client.ask(&format!("neun(\"{first}\")")).is_ok());
+    let again = client.ask(&format!("neca(\"{first}\")"));
+    assert!(again.unwrap_err().contains("no command"));
+}
+
+#[test]
+fn values_go_in_and_come_out_and_a_cancel_is_seen() {
+    let server = open();
+    let mut client = Client::dio(server.address());
+    let session = client.ask("nse(\"test\")").unwrap();
+    let net = client.load(&session, ECHO);
+    client.ask(&format!("nest(\"{net}\")")).unwrap();
+    client.ask(&format!("gne(\"{net}\",0.001)")).unwrap();
+    client.wait("2", |text| text.contains("\"outtwice\":\"2").then_some(()));
+    client
+        .ask(&format!("snc({{\"{net}\":{{\"ingain\":\"21.0\"}}}})"))
+        .unwrap();
+    client.wait("42", |text| {
+        text.contains("\"outtwice\":\"42").then_some(())
+    });
+    client.ask(&format!("neca(\"{net}\")")).unwrap();
+    client.wait("cancelled", |text| {
+        text.contains("\"outcancelled\":\"true\"").then_some(())
+    });
+    for wrong in ["inother", "ingain"] {
+        let set = format!("snc({{\"{net}\":{{\"{wrong}\":\"x\"}}}})");
+        assert!(client.ask(&set).is_err());
+    }
+}
