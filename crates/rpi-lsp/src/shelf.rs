@@ -2,8 +2,9 @@
 //!
 //! They are laid into the user's cache when they are first referred to. Copies, to be read: the compiler uses its own.
 
+use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
-use std::sync::LazyLock;
+use std::sync::{LazyLock, Mutex, PoisonError};
 
 use rpi_diag::Code;
 
@@ -42,11 +43,20 @@ pub(crate) fn page_of(code: Code) -> Option<PathBuf> {
     lay(&format!("findings/{code}.md"), code.page())
 }
 
-/// Writes a text if it is not there as it is.
+/// What was laid onto the shelf by this process, and where; none where that failed.
+static LAID: Mutex<BTreeMap<String, Option<PathBuf>>> = Mutex::new(BTreeMap::new());
+
 fn lay(name: &str, text: &str) -> Option<PathBuf> {
+    let mut laid = LAID.lock().unwrap_or_else(PoisonError::into_inner);
+    let path = laid.entry(name.to_owned());
+    path.or_insert_with(|| written(name, text)).clone()
+}
+
+/// Writes a text if it is not there as it is.
+fn written(name: &str, text: &str) -> Option<PathBuf> {
     let path = SHELF.join(name);
-    let is_there = || std::fs::read(&path).is_ok_and(|old| old == text.as_bytes());
-    if !is_there() {
+    let is_there = std::fs::read(&path).is_ok_and(|old| old == text.as_bytes());
+    if !is_there {
         std::fs::create_dir_all(path.parent().unwrap_or(Path::new(""))).ok()?;
         std::fs::write(&path, text).ok()?;
     }
