@@ -58,6 +58,7 @@ const ROOT: &[&str] = &[
     "LICENSE-MIT",
     "README.md",
     "bench",
+    "clients",
     "clippy.toml",
     "crates",
     "docs",

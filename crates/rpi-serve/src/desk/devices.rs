@@ -57,11 +57,8 @@ impl Desk {
 
     /// Tells somebody about all devices, and about those that come and go.
     pub(crate) fn watch_devices(&mut self, mut sink: Box<dyn Sink>) {
-        let there = self.devices.places.iter().flatten();
-        let listens = there.fold(true, |listens, info| {
-            listens && sink.tell(&Update::DeviceAdded(info))
-        });
-        if listens {
+        let mut there = self.devices.places.iter().flatten();
+        if there.all(|info| sink.tell(&Update::DeviceAdded(info))) {
             self.devices.watchers.push(sink);
         }
     }
@@ -103,6 +100,12 @@ impl Desk {
         self.devices.places[place] = Some(info.clone());
         let order = Order::Device(place, Some(own));
         self.order(order, Then::Device(info), Some(reply));
+    }
+
+    /// The cycle has not heard of a change: it is taken back.
+    pub(super) fn unchanged(&mut self, place: usize) {
+        self.change_twin(place, None);
+        self.devices.places[place] = None;
     }
 
     fn change_twin(&mut self, place: usize, part: Option<Part>) {

@@ -158,10 +158,13 @@ impl Desk {
         }
     }
 
-    /// An order that there was no room for: what it would have taken in is free again.
+    /// An order that there was no room for: what it would have made is forgotten.
     fn undone(&mut self, order: Order) {
-        if let Order::Insert(id, ..) = order {
-            self.forget(id);
+        match order {
+            Order::Insert(id, ..) => self.forget(id),
+            Order::Rule(id, _) => self.forget_rule(id),
+            Order::Device(place, Some(_)) => self.unchanged(place),
+            _ => {}
         }
     }
 }

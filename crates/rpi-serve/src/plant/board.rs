@@ -66,7 +66,7 @@ impl Board {
             let load = |cell: &AtomicU64| cell.load(Ordering::Relaxed);
             let cells: Vec<u64> = self.cells.iter().map(load).collect();
             fence(Ordering::Acquire);
-            if before % 2 == 0 && self.version.load(Ordering::Relaxed) == before {
+            if before.is_multiple_of(2) && self.version.load(Ordering::Relaxed) == before {
                 return Some(cells);
             }
             std::hint::spin_loop();

@@ -1,0 +1,124 @@
+"""Commands with the shape of goal, feedback, result, preempt."""
+
+from __future__ import annotations
+
+import asyncio
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, Any, AsyncIterator, Sequence
+
+if TYPE_CHECKING:
+    from ._core import Core
+
+
+@dataclass(frozen=True)
+class Ending:
+    """How a command has ended: ``cause`` (``result``, ``fault``, ``aborted``, ...), the name of its result, its error number
+    (0 for none), the number of its cycles, whether it had been asked to end, whether it left something moving."""
+
+    cause: str
+    result: str | None
+    error: int
+    cycles: int
+    cancelled: bool
+    left_moving: bool
+
+
+@dataclass(frozen=True)
+class Feedback:
+    """What a command exports, as texts that keep every bit, and where it is in its life."""
+
+    state: str
+    values: dict[str, str] = field(default_factory=dict)
+
+
+class Session:
+    """Owns commands. When the connection ends, its policy says what becomes of them."""
+
+    def __init__(self, core: Core, name: str) -> None:
+        self._core = core
+        self.name = name
+
+    async def load(
+        self,
+        text: str,
+        *,
+        command: str | None = None,
+        language: str = "rpi",
+        period: float = 0.0,
+        feedback_period: float = 0.02,
+    ) -> Goal:
+        """Loads a command of a program (``language="rpi"``) or a net (``"rpinet"``); periods in s, 0 for the server's tick."""
+        params: dict[str, Any] = {"session": self.name, "text": text, "language": language, "period": period}
+        if command is not None:
+            params["command"] = command
+        loaded = await self._core.call("command.load", **params)
+        goal = Goal(self._core, loaded["command"])
+        await self._core.call("watch.command", command=goal.name, period=feedback_period)
+        return goal
+
+    async def rule(
+        self, when: str, *, stop: Sequence[Goal] = (), cancel: Sequence[Goal] = (), start: Sequence[Goal] = ()
+    ) -> str:
+        """Makes a rule: when this condition holds, these are stopped, cancelled and started between the same two cycles."""
+        names = {key: [goal.name for goal in goals] for key, goals in (("stop", stop), ("cancel", cancel), ("start", start))}
+        made = await self._core.call("rule.make", when=when, **names)
+        return str(made["rule"])
+
+    async def close(self) -> None:
+        """Ends all its commands by force."""
+        await self._core.call("session.close", session=self.name)
+
+
+class Goal:
+    """A loaded command."""
+
+    def __init__(self, core: Core, name: str) -> None:
+        self._core = core
+        self.name = name
+        self._news: asyncio.Queue[Feedback | None] = asyncio.Queue()
+        self._ending: asyncio.Future[Ending] = asyncio.get_running_loop().create_future()
+        self._values: dict[str, str] = {}
+        self._state = "ready"
+        core.listen(name, self._hear)
+
+    async def start(self) -> None:
+        """Starts it: all that it needs is free, or :class:`RpiError`."""
+        await self._core.call("command.start", command=self.name)
+
+    async def follow(self, after: Goal, results: list[str] | None = None) -> str:
+        """Lets it run in the cycle after the last one of ``after``: by any regular end, or by these results."""
+        made = await self._core.call("command.schedule", command=self.name, after=after.name, results=results or [])
+        return str(made["rule"])
+
+    async def set(self, **values: float | int | bool | str) -> None:
+        """Sets inputs, all between the same two cycles."""
+        await self._core.call("command.set", command=self.name, values=values)
+
+    async def preempt(self) -> None:
+        """Asks it to end, in its own way and on its path."""
+        await self._core.call("command.cancel", command=self.name)
+
+    async def abort(self) -> None:
+        """Ends it at once; devices stop on their own limits."""
+        await self._core.call("command.abort", command=self.name)
+
+    async def unload(self) -> None:
+        """Lets go of it."""
+        await self._core.call("command.unload", command=self.name)
+
+    async def feedback(self) -> AsyncIterator[Feedback]:
+        """What it tells, until it has ended."""
+        while (news := await self._news.get()) is not None:
+            yield news
+
+    async def result(self) -> Ending:
+        """Waits for its end."""
+        return await asyncio.shield(self._ending)
+
+    def _hear(self, update: dict[str, Any]) -> None:
+        self._values = {**self._values, **update.get("values", {})}
+        self._state = update.get("state", self._state)
+        self._news.put_nowait(Feedback(self._state, dict(self._values)))
+        if "ending" in update and not self._ending.done():
+            self._ending.set_result(Ending(**update["ending"]))
+            self._news.put_nowait(None)
