@@ -65,33 +65,34 @@ fn module(xml: &mut Xml, desc: &PrimDesc) {
     xml.end();
 }
 
-/// The protocol's name of a scalar type.
-fn scalar_name(scalar: Scalar) -> &'static str {
-    match scalar {
-        Scalar::Bool => "Core::bool",
-        Scalar::Int => "Core::int",
-        Scalar::Real => "Core::double",
-        Scalar::Time => "Core::nsecs",
-        Scalar::Vector => "World::Vector",
-        Scalar::Rotation => "World::Rotation",
-        Scalar::Pose => "World::Frame",
-        Scalar::Twist => "World::Twist",
-        Scalar::Wrench => "World::Wrench",
-    }
+/// The protocol's name of a scalar type: its module and itself.
+fn scalar_name(scalar: Scalar) -> String {
+    let (module, name) = match scalar {
+        Scalar::Bool => ("Core", "bool"),
+        Scalar::Int => ("Core", "int"),
+        Scalar::Real => ("Core", "double"),
+        Scalar::Time => ("Core", "nsecs"),
+        Scalar::Vector => ("World", "Vector"),
+        Scalar::Rotation => ("World", "Rotation"),
+        Scalar::Pose => ("World", "Frame"),
+        Scalar::Twist => ("World", "Twist"),
+        Scalar::Wrench => ("World", "Wrench"),
+    };
+    format!("{module}::{name}")
 }
 
 fn type_name(ty: PortType) -> String {
     match ty {
-        PortType::One(scalar) => scalar_name(scalar).to_owned(),
+        PortType::One(scalar) => scalar_name(scalar),
         PortType::Array(scalar) => format!("{}Array", scalar_name(scalar)),
-        PortType::Matrix => "Core::matrix".to_owned(),
+        PortType::Matrix => ["Core", "matrix"].join("::"),
     }
 }
 
 fn types() -> String {
     let mut xml = Xml::new("types");
     for scalar in Scalar::ALL {
-        xml.leaf("type", &[("name", scalar_name(scalar))], "");
+        xml.leaf("type", &[("name", &scalar_name(scalar))], "");
     }
     xml.finish()
 }
