@@ -23,7 +23,8 @@ impl Body<'_, '_> {
         self.check_actuators();
     }
 
-    /// An actuator is defined once, through one of its ports.
+    /// A port of an actuator is defined once. That two ports of one actuator are never driven together is for the passes
+    /// over the net to prove: it depends on when fragments are active.
     fn check_actuators(&mut self) {
         let mut defined: Vec<((FlowId, u32), Span)> = Vec::new();
         let targets = self
@@ -38,13 +39,13 @@ impl Body<'_, '_> {
                 continue;
             };
             let ports = self.unit.device(device).map(|ty| &ty.ports);
-            let Some(port) = ports.and_then(|ports| ports.get(port as usize)) else {
+            let Some(name) = ports.and_then(|ports| Some(ports.get(port as usize)?.name.clone()))
+            else {
                 continue;
             };
-            let actuator = (device, port.actuator);
-            match defined.iter().find(|(known, _)| *known == actuator) {
-                Some((_, first)) => findings.push(actuator_twice(&port.name, target.span, *first)),
-                None => defined.push((actuator, target.span)),
+            match defined.iter().find(|(known, _)| *known == (device, port)) {
+                Some((_, first)) => findings.push(actuator_twice(&name, target.span, *first)),
+                None => defined.push(((device, port), target.span)),
             }
         }
         self.findings.append(&mut findings);

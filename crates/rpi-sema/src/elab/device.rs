@@ -5,11 +5,11 @@ use super::families::{Family, member};
 use super::scope::Scope;
 use super::signal::{Signal, Wire, nothing};
 use super::{At, Elab, Mode, NotConstant};
-use crate::ty::{DeviceTy, Ty};
+use crate::ty::{DevicePortTy, DeviceTy, Ty};
 use crate::typed::{ExprId, FlowId, Target};
 use rpi_diag::Span;
 use rpi_image::{Scalar, Type, Value};
-use rpi_net::{FragmentId, PortRef};
+use rpi_net::{Alternatives, FragmentId, PortRef};
 use rpi_prims::PrimId;
 
 impl<'u> Elab<'u> {
@@ -101,6 +101,7 @@ impl<'u> Elab<'u> {
         let (Some(name), Some(port)) = (name, ty.ports.get(port as usize)) else {
             return;
         };
+        self.note_alternatives(&name, ty, port);
         for (k, (scalar, signal)) in
             (0..).zip(leaf_scalars(&target.ty).into_iter().zip(wire.iter()))
         {
@@ -110,6 +111,25 @@ impl<'u> Elab<'u> {
             let params = port_params(prim, &name, &port.name, k);
             let inputs = vec![Some(super::signal::single(signal.clone()))];
             self.prim(prim, inputs, params, at, target.span);
+        }
+    }
+}
+
+impl Elab<'_> {
+    /// Notes which ports of a device exclude one that is written.
+    fn note_alternatives(&mut self, device: &str, ty: &DeviceTy, port: &DevicePortTy) {
+        let same = |other: &&DevicePortTy| other.is_actuator && other.actuator == port.actuator;
+        let group = Alternatives {
+            device: device.to_owned(),
+            ports: ty
+                .ports
+                .iter()
+                .filter(same)
+                .map(|p| p.name.to_string())
+                .collect(),
+        };
+        if group.ports.len() > 1 && !self.net.alternatives.contains(&group) {
+            self.net.alternatives.push(group);
         }
     }
 }
