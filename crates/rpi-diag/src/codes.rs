@@ -137,6 +137,7 @@ codes! {
     RPI9011 Error "cycle that cannot be computed";
     RPI9012 Warning "assertion that does not hold";
     RPI9101 Error "primitive without a form in C";
+    RPI9102 Warning "part of a program that a net cannot hold";
     RPI9901 Error "fault of the compiler";
 }
 

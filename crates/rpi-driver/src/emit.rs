@@ -81,6 +81,13 @@ fn put_items(net: &Net, schedule: &Schedule, fragment: rpi_net::FragmentId, out:
     }
 }
 
+/// The net in the reference system's text form, and what of the program that cannot hold.
+#[must_use]
+pub fn rpinet(net: &Net) -> (String, Vec<Finding>) {
+    let (net, findings) = rpi_net::rpinet::with_ports(net);
+    (rpi_net::rpinet::write(&net), findings)
+}
+
 /// The image of a net, one line per step.
 ///
 /// # Errors

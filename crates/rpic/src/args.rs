@@ -122,9 +122,9 @@ pub(crate) enum Form {
     Ast,
     /// Typed units.
     Typed,
-    /// Net, in the text form of the reference system.
+    /// Net as the compiler sees it, without results and exports.
     Net,
-    /// The same.
+    /// Net that the reference system can take: results and exports as ports and primitives.
     Rpinet,
     /// Order of evaluation.
     Schedule,

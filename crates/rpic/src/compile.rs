@@ -37,7 +37,12 @@ pub(crate) fn compile(args: &CompileArgs) -> Outcome {
 
 fn show_form(form: Form, net: &Net, compiled: &Compiled, args: &CompileArgs) -> Outcome {
     let text = match form {
-        Form::Net | Form::Rpinet => rpi_net::rpinet::write(net),
+        Form::Net => rpi_net::rpinet::write(net),
+        Form::Rpinet => {
+            let (text, findings) = emit::rpinet(net);
+            show(Format::Human, &findings, &compiled.sources)?;
+            text
+        }
         Form::Schedule => emit::schedule(net).ok_or("something in the net depends on itself")?,
         Form::Image => emit::image(net, args.period)?,
         Form::Dot => draw::dot(net),

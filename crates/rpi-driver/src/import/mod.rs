@@ -80,7 +80,15 @@ impl<'n> Writer<'n> {
     fn command(&self) -> String {
         let body = self.body(FragmentId::ROOT);
         let ends = self.ends();
-        format!("command {} ()\n{body}{ends}tel\n", self.names.command)
+        let Net {
+            name,
+            nodes,
+            fragments,
+            ..
+        } = self.net;
+        let (count, inner) = (nodes.len(), fragments.len() - 1);
+        let head = format!("-- The net `{name}`: {count} primitives, {inner} fragments.\n");
+        format!("{head}command {} ()\n{body}{ends}tel\n", self.names.command)
     }
 
     /// Declarations, `let` and the equations of a fragment.

@@ -15,8 +15,14 @@ impl Writer<'_> {
     }
 
     pub(super) fn equation(&self, id: NodeId) -> String {
-        let value = self.value(self.net.node(id));
-        format!("{} = {value};\n", self.names.node(id))
+        let node = self.net.node(id);
+        let (name, value) = (self.names.node(id), self.value(node));
+        // What the net calls it, where that is no name here.
+        let own = match node.name == name.trim_start_matches('_') {
+            true => String::new(),
+            false => format!(" -- {}", node.name),
+        };
+        format!("{name} = {value};{own}\n")
     }
 
     /// What a node computes, as an expression in its fragment.

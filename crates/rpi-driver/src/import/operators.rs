@@ -16,6 +16,20 @@ const INFIX: &[(&str, &str)] = &[
 /// Prefix operators, by primitive.
 const PREFIX: &[(&str, &str)] = &[("Core::BooleanNot", "not")];
 
+/// Calls of predeclared operators, by primitive.
+const CALLS: &[(&str, &str)] = &[("Core::DoubleSquareRoot", "sqrt")];
+
+/// Tests for absence of single values; what they are of arrays is another primitive.
+const ABSENT: &[&str] = &[
+    "Core::BooleanIsNull",
+    "Core::IntIsNull",
+    "Core::DoubleIsNull",
+    "World::VectorIsNull",
+    "World::RotationIsNull",
+    "World::FrameIsNull",
+    "World::TwistIsNull",
+];
+
 /// Choices, by primitive: in-ports condition, yes, no.
 const CHOICE: &[&str] = &[
     "Core::BooleanConditional",
@@ -33,7 +47,11 @@ pub(super) fn written(prim: &str, operands: &[String]) -> Option<String> {
         |table: &[(&str, &'static str)]| table.iter().find(|row| row.0 == prim).map(|row| row.1);
     match operands {
         [a, b] if prim.ends_with("Coalesce") => Some(format!("{a} ?? {b}")),
-        [x] => of(PREFIX).map(|op| format!("{op} {}", operand(x))),
+        [x] if ABSENT.contains(&prim) => Some(format!("not present({x})")),
+        [x] => {
+            let call = of(CALLS).map(|name| format!("{name}({x})"));
+            call.or_else(|| of(PREFIX).map(|op| format!("{op} {}", operand(x))))
+        }
         [a, b] => of(INFIX).map(|op| format!("{} {op} {}", operand(a), operand(b))),
         [c, a, b] if CHOICE.contains(&prim) => Some(format!("if {c} then {a} else {b}")),
         _ => None,

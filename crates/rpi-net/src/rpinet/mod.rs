@@ -19,6 +19,7 @@
 mod arguments;
 mod build;
 mod constants;
+mod ends;
 mod links;
 mod names;
 mod parse;
@@ -33,6 +34,7 @@ use crate::shape::infer_shapes;
 use crate::tree::Tree;
 use rpi_diag::{FileId, Finding, Severity};
 
+pub use ends::with_ports;
 pub use parse::MAX_DEPTH;
 pub use size::Size;
 
@@ -49,7 +51,8 @@ pub fn read(name: &str, file: FileId, text: &str) -> (Option<Net>, Vec<Finding>)
     (net, findings)
 }
 
-/// Writes a net. Results, exports and budgets of commands have no place in the text.
+/// Writes a net. Results, exports and budgets of commands have no place in the text: [`with_ports`] puts what it has words
+/// for in place of them.
 #[must_use]
 pub fn write(net: &Net) -> String {
     write::write(net, &Tree::new(net))

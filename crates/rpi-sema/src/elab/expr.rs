@@ -242,7 +242,33 @@ impl<'u> Elab<'u> {
         }
     }
 
+    /// `not present(x)` of one leaf is one primitive.
+    fn absent_test(
+        &mut self,
+        scope: &mut Scope<'u>,
+        call: &'u PrimCall,
+        at: At,
+        span: Span,
+    ) -> Option<Wire> {
+        let operand = call.inputs.first().copied().flatten()?;
+        let Kind::Present(tested) = scope.unit.expr(operand).kind else {
+            return None;
+        };
+        let [scalar] = leaf_scalars(&scope.unit.expr(tested).ty)[..] else {
+            return None;
+        };
+        if call.prim.desc().name != "Core::BooleanNot" {
+            return None;
+        }
+        let wire = self.expr(scope, tested, at);
+        let is_flow = matches!(wire.first()?, Signal::Port(_) | Signal::Element(..));
+        is_flow.then(|| single(self.family(Family::IsNull, scalar, &wire, at, span)))
+    }
+
     fn prim_call(&mut self, scope: &mut Scope<'u>, call: &'u PrimCall, at: At, span: Span) -> Wire {
+        if let Some(test) = self.absent_test(scope, call, at, span) {
+            return test;
+        }
         let mut inputs = Vec::with_capacity(call.inputs.len());
         for (port, input) in call.prim.desc().inputs.iter().zip(&call.inputs) {
             inputs.push(input.map(|id| self.given(scope, id, port.ty, at)));

@@ -89,6 +89,9 @@ fn elaborate_in(
     elab.watches_claims = alone.is_some();
     let unit = &units[id.0 as usize];
     elab.net.name = unit.name.to_string();
+    let root = &mut elab.net.fragments[0];
+    root.budget_ns = unit.block(BlockId::ROOT).budget_ns;
+    root.origin.span = unit.span;
     let mut scope = Scope::new(unit, Some(id));
     let unknown = elab.parameters(&mut scope, args);
     let inputs = elab.inputs(&mut scope);

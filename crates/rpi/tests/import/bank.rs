@@ -6,12 +6,9 @@ use std::ops::Range;
 use rpi_device::{DeviceBank, PortId, PortName, Refusal, ResolveError};
 use rpi_sim::{Cell, SimBank};
 
-/// Period of the recorded nets, ns.
-pub(crate) const PERIOD_NS: u64 = 25_000_000;
-
 /// Two arms side by side. The nets move them from where they stood when the nets were made, so what the controller of an
 /// arm would say to the first set-point is left out.
-const CELL: &str = r#"
+pub(crate) const TWO_ARMS: &str = r#"
 [devices.left]
 kind = "arm"
 model = "kuka-lwr4+"
@@ -34,10 +31,11 @@ pub(crate) struct Noting {
 }
 
 impl Noting {
-    pub(crate) fn new() -> Self {
-        let cell = Cell::parse("cell.toml", CELL).expect("the cell above");
+    /// The devices of a cell; `period_ns` is that of the command that will move them.
+    pub(crate) fn new(cell: &str, period_ns: u64) -> Self {
+        let cell = Cell::parse("cell.toml", cell).unwrap_or_else(|faults| panic!("{faults}"));
         Noting {
-            bank: SimBank::new(&cell, PERIOD_NS as f64 * 1e-9),
+            bank: SimBank::new(&cell, period_ns as f64 * 1e-9),
             names: BTreeMap::new(),
             told: BTreeMap::new(),
         }

@@ -1,7 +1,8 @@
-//! Recorded nets, written as programs, formatted and compiled again, do what they did.
+//! Recorded nets, written as programs, formatted and compiled again, do what they did; and programs, written as nets.
 
 mod bank;
 mod constant;
+mod export;
 mod nets;
 mod replay;
 mod run;
@@ -35,4 +36,13 @@ fn move_the_arms_alike(nets: &[PathBuf]) {
     none_wrong(nets, outcomes.into_iter().map(|o| o.map(|_| ())).collect());
     // Some nets wait for a word from outside before they move anything.
     assert!(2 * moving >= nets.len(), "only {moving} nets moved an arm");
+}
+
+#[test]
+fn programs_of_the_examples_come_back_from_their_nets() {
+    let programs = rpi_testkit::files_below("examples", &[".rpi"]);
+    none_wrong(
+        &programs,
+        in_parallel(&programs, |path| export::come_back(path)),
+    );
 }

@@ -1,6 +1,6 @@
 //! Nets and their programs, run on simulated devices: the same set-points, the same values, the same end.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
 
 use rpi_core::{Machine, Moment, Verdict};
@@ -8,11 +8,13 @@ use rpi_driver::lower_to_run;
 use rpi_image::image::{End, EndKind};
 use rpi_net::Net;
 
-use crate::bank::{Noting, PERIOD_NS, SetPoints};
+use crate::bank::{Noting, SetPoints, TWO_ARMS};
 use crate::trip::Trip;
 
 /// How long a net runs: longer than most motions in them.
 const CYCLES: usize = 200;
+/// Period of the recorded nets, ns.
+const PERIOD_NS: u64 = 25_000_000;
 
 /// What a net did in a cycle.
 #[derive(Debug)]
@@ -46,13 +48,15 @@ fn alike(a: &BTreeMap<String, Vec<u64>>, b: &BTreeMap<String, Vec<u64>>) -> bool
 /// told to move.
 pub(crate) fn does_the_same(path: &Path) -> Result<bool, String> {
     let trip = Trip::of(path)?;
-    let before = run(&trip.old)?;
-    let mut after = run(&trip.new)?;
-    let keys: Vec<String> = before
-        .iter()
-        .flat_map(|did| did.published.keys())
-        .cloned()
-        .collect();
+    act_alike(&trip.old, &trip.new, TWO_ARMS, PERIOD_NS)
+}
+
+/// Two nets do the same in a cell; the second may publish more. Whether a device was told anything.
+pub(crate) fn act_alike(old: &Net, new: &Net, cell: &str, period_ns: u64) -> Result<bool, String> {
+    let before = run(old, cell, period_ns)?;
+    let mut after = run(new, cell, period_ns)?;
+    let keys = before.iter().flat_map(|did| did.published.keys());
+    let keys: BTreeSet<String> = keys.cloned().collect();
     for did in &mut after {
         did.published.retain(|key, _| keys.contains(key));
     }
@@ -64,14 +68,13 @@ pub(crate) fn does_the_same(path: &Path) -> Result<bool, String> {
     }
 }
 
-fn run(net: &Net) -> Result<Vec<Did>, String> {
-    let image = lower_to_run(net, PERIOD_NS)?;
-    let mut bank = Noting::new();
+fn run(net: &Net, cell: &str, period_ns: u64) -> Result<Vec<Did>, String> {
+    let image = lower_to_run(net, period_ns)?;
+    let mut bank = Noting::new(cell, period_ns);
     let mut machine = Machine::load(image, &mut bank).map_err(|faults| format!("{faults:?}"))?;
     let mut all = Vec::new();
     for _ in 0..CYCLES {
-        let moment = Moment::default();
-        machine.read(&mut bank, &moment);
+        machine.read(&mut bank, &Moment::default());
         machine.evaluate(&mut bank);
         let published = published(&machine);
         machine.commit();

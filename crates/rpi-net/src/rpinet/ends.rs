@@ -1,0 +1,179 @@
+//! How commands end and what they publish, in the words of the reference system's nets.
+//!
+//! A command ends by named results and exports flows (M10). A net of the reference system ends by its out-port
+//! `outTerminate`, with the number in `outFail`, and publishes by primitives. So each result becomes a published Boolean,
+//! true in the cycle in which that result is chosen, and a `yield` waits for a successor. What a net has no words for is
+//! reported.
+
+use crate::net::{
+    Driver, FragmentId, Input, Net, Node, NodeId, Origin, PortRef, ResultKind, ResultPort,
+};
+use crate::passes::{Presences, Sureness, analyse};
+use crate::tree::Tree;
+use rpi_diag::{Code, Finding, Span};
+use rpi_image::{
+    CommandFlow, OutPort, Param, ParamType, PortType, PrimDesc, Role, Scalar, Type, Value,
+};
+use rpi_prims::{PrimId, registry};
+
+/// The net of a command with ports and primitives in place of its results and exports, and what it cannot hold.
+#[must_use]
+pub fn with_ports(net: &Net) -> (Net, Vec<Finding>) {
+    let mut ending = Ending {
+        presences: analyse(net.clone(), |_| false).ok().map(|a| a.presences),
+        tree: Tree::new(net),
+        net: net.clone(),
+        findings: Vec::new(),
+    };
+    ending.exports();
+    ending.results();
+    let mut findings = ending.findings;
+    findings.extend(budgets(net));
+    (ending.net, findings)
+}
+
+/// A net in the making.
+struct Ending {
+    net: Net,
+    tree: Tree,
+    presences: Option<Presences>,
+    findings: Vec<Finding>,
+}
+
+impl Ending {
+    fn exports(&mut self) {
+        for export in std::mem::take(&mut self.net.exports) {
+            let node = self.net.node(export.source.node);
+            let ty = node.outputs[usize::from(export.source.port)];
+            let source = Input::Port(export.source);
+            if self.publish(&export.key, source, ty).is_none() {
+                let message = format!("`{}` cannot be published by a net", export.key);
+                let finding = Finding::new(Code::RPI9102, message);
+                let why = format!("no primitive publishes {ty}");
+                self.findings.push(finding.at(export.origin.span, why));
+            }
+        }
+    }
+
+    fn results(&mut self) {
+        let Driver::Results(results) = &mut self.net.driver else {
+            return;
+        };
+        let results = std::mem::take(results);
+        let conditions: Vec<Input> = results.iter().map(|r| self.condition(r)).collect();
+        let is_fail = |k: &usize| results[*k].kind == ResultKind::Fail;
+        let (fails, others): (Vec<usize>, Vec<usize>) = (0..results.len()).partition(is_fail);
+        let mut any = Input::Const(Value::bool(false));
+        for k in fails.iter().chain(&others) {
+            let free = self.logic("Core::BooleanNot", vec![any.clone()]);
+            let chosen = self.logic("Core::BooleanAnd", vec![conditions[*k].clone(), free]);
+            self.publish(&results[*k].name, chosen, Type::One(Scalar::Bool));
+            any = self.logic("Core::BooleanOr", vec![any, conditions[*k].clone()]);
+        }
+        let mut error = Input::Const(Value::int(0));
+        for (number, k) in (1..).zip(&fails).collect::<Vec<_>>().into_iter().rev() {
+            let number = Input::Const(Value::int(number));
+            let inputs = vec![conditions[*k].clone(), number, error];
+            error = self.logic("Core::IntConditional", inputs);
+        }
+        self.net.driver = Driver::Ports {
+            terminate: Some(any),
+            fail: (!fails.is_empty()).then_some(error),
+        };
+    }
+
+    /// A result's condition; a `yield` needs a successor, too.
+    fn condition(&mut self, result: &ResultPort) -> Input {
+        let condition = self.total(&result.condition);
+        let takeover = registry().iter().map(|prim| prim.desc);
+        let mut takeover = takeover.filter(|d| d.role == Role::Flow(CommandFlow::Takeover));
+        match (result.kind, takeover.next()) {
+            (ResultKind::Yield, Some(desc)) => {
+                let covered = self.logic(desc.name, Vec::new());
+                self.logic("Core::BooleanAnd", vec![condition, covered])
+            }
+            _ => condition,
+        }
+    }
+
+    /// A Boolean that is false where the given one is absent.
+    fn total(&mut self, condition: &Input) -> Input {
+        let no = Input::Const(Value::bool(false));
+        let seen = self.presences.as_ref();
+        let seen = seen.map(|p| p.seen(&self.net, &self.tree, FragmentId::ROOT, condition));
+        match (condition, seen) {
+            (Input::Open, _) => no,
+            (Input::Const(_), _) | (_, Some(Sureness::Total)) => condition.clone(),
+            _ => {
+                let absent = self.logic("Core::BooleanIsNull", vec![condition.clone()]);
+                let inputs = vec![absent, no, condition.clone()];
+                self.logic("Core::BooleanConditional", inputs)
+            }
+        }
+    }
+
+    /// A primitive of the root, by its first out-port.
+    fn logic(&mut self, name: &str, inputs: Vec<Input>) -> Input {
+        match PrimId::of(name) {
+            Some(prim) => {
+                let node = self.add(name, prim, inputs, "");
+                Input::Port(PortRef { node, port: 0 })
+            }
+            None => Input::Open,
+        }
+    }
+
+    fn publish(&mut self, key: &str, source: Input, ty: Type) -> Option<()> {
+        let takes = |desc: &PrimDesc| {
+            let port = desc.inputs.first().map(|port| port.ty);
+            let of_this_net = desc.param("Key").is_some() && desc.param("RemoteNet").is_none();
+            let fits = matches!((port, ty), (Some(PortType::One(a)), Type::One(b)) if a == b);
+            desc.role == Role::Export && of_this_net && fits
+        };
+        let desc = registry().iter().map(|prim| prim.desc).find(takes)?;
+        self.add(key, PrimId::of(desc.name)?, vec![source], key);
+        Some(())
+    }
+
+    /// Adds a primitive to the root, its parameters by their defaults, `Key` as given.
+    fn add(&mut self, name: &str, prim: PrimId, inputs: Vec<Input>, key: &str) -> NodeId {
+        let desc = prim.desc();
+        let param = |param: &Param| match param.name {
+            "Key" => Some(Value::Str(key.to_owned())),
+            _ => param.default.value(match param.ty {
+                ParamType::One(scalar) => Type::One(scalar),
+                ParamType::Array(scalar) => Type::Array(scalar, 0),
+                ParamType::Str => Type::One(Scalar::Bool),
+            }),
+        };
+        let output = |port: &OutPort| match port.ty {
+            PortType::One(scalar) => Some(Type::One(scalar)),
+            PortType::Array(_) | PortType::Matrix => None,
+        };
+        self.net.add_node(Node {
+            name: name.rsplit("::").next().unwrap_or(name).to_owned(),
+            prim,
+            fragment: FragmentId::ROOT,
+            inputs,
+            params: desc.params.iter().filter_map(param).collect(),
+            outputs: desc.outputs.iter().filter_map(output).collect(),
+            origin: Origin {
+                span: Span::NONE,
+                flow: None,
+            },
+        })
+    }
+}
+
+/// A net has no budgets.
+fn budgets(net: &Net) -> impl Iterator<Item = Finding> + '_ {
+    let stated = net.fragments.iter().filter(|f| f.budget_ns.is_some());
+    stated.map(|fragment| {
+        let what = match fragment.name.as_str() {
+            "" => "the command".to_owned(),
+            name => format!("`{name}`"),
+        };
+        let message = format!("the budget of {what} is not kept in the text of the net");
+        Finding::new(Code::RPI9102, message).at(fragment.origin.span, "has a budget")
+    })
+}

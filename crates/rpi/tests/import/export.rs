@@ -1,0 +1,72 @@
+//! Programs, written as nets and read again.
+
+use std::path::{Path, PathBuf};
+
+use rpi_driver::{Input, Kind, compile, emit, read};
+use rpi_net::Net;
+
+use crate::run::act_alike;
+
+/// Period of the examples, ns.
+const PERIOD_NS: u64 = 1_000_000;
+
+/// Each command of an example does the same as the net that it is written as.
+pub(crate) fn come_back(path: &Path) -> Result<(), String> {
+    let compiled = read(path).and_then(|input| compile(&input));
+    let compiled = compiled.map_err(|e| e.to_string())?;
+    if compiled.nets().is_empty() {
+        return Err("there is no command".to_owned());
+    }
+    let cell = std::fs::read_to_string(path.with_file_name("cell.toml")).unwrap_or_default();
+    for net in compiled.nets() {
+        let (text, findings) = emit::rpinet(net);
+        if !findings.is_empty() {
+            return Err(format!("{findings:?}"));
+        }
+        let moves = act_alike(net, &as_read(&text)?, &cell, PERIOD_NS);
+        match moves.map_err(|e| format!("{}: {e}", net.name))? {
+            true => {}
+            false => return Err(format!("{} moves nothing", net.name)),
+        }
+    }
+    Ok(())
+}
+
+fn as_read(text: &str) -> Result<Net, String> {
+    let input = Input {
+        path: PathBuf::from("written.rpinet"),
+        kind: Kind::Rpinet,
+        bytes: text.as_bytes().to_vec(),
+    };
+    let compiled = compile(&input).map_err(|e| e.to_string())?;
+    match compiled.nets() {
+        [net] => Ok(net.clone()),
+        _ => Err(format!("{:?}", compiled.findings)),
+    }
+}
+
+#[test]
+fn what_a_net_cannot_hold_is_told() {
+    let page = rpi_diag::Code::RPI9102.page();
+    for (fence, told) in [
+        ("```rpi-wrong emit-rpinet", 1),
+        ("```rpi-right emit-rpinet", 0),
+    ] {
+        let text = page
+            .split(fence)
+            .nth(1)
+            .and_then(|rest| rest.split("```").next());
+        let input = Input {
+            path: PathBuf::from("page.rpi"),
+            kind: Kind::Rpi,
+            bytes: text.expect("the page has both").as_bytes().to_vec(),
+        };
+        let compiled = compile(&input).expect("a program is text");
+        let [net] = compiled.nets() else {
+            panic!("{:?}", compiled.findings)
+        };
+        let (text, findings) = emit::rpinet(net);
+        assert_eq!(findings.len(), told, "{findings:?}");
+        assert!(text.contains("outTerminate=") && text.contains("Key='done'"));
+    }
+}
