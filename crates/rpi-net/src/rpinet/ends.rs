@@ -63,16 +63,16 @@ impl Ending {
         let conditions: Vec<Input> = results.iter().map(|r| self.condition(r)).collect();
         let is_fail = |k: &usize| results[*k].kind == ResultKind::Fail;
         let (fails, others): (Vec<usize>, Vec<usize>) = (0..results.len()).partition(is_fail);
-        let mut any = Input::Const(Value::bool(false));
+        let mut any = Input::Const(Box::new(Value::bool(false)));
         for k in fails.iter().chain(&others) {
             let free = self.logic("Core::BooleanNot", vec![any.clone()]);
             let chosen = self.logic("Core::BooleanAnd", vec![conditions[*k].clone(), free]);
             self.publish(&results[*k].name, chosen, Type::One(Scalar::Bool));
             any = self.logic("Core::BooleanOr", vec![any, conditions[*k].clone()]);
         }
-        let mut error = Input::Const(Value::int(0));
+        let mut error = Input::Const(Box::new(Value::int(0)));
         for (number, k) in (1..).zip(&fails).collect::<Vec<_>>().into_iter().rev() {
-            let number = Input::Const(Value::int(number));
+            let number = Input::Const(Box::new(Value::int(number)));
             let inputs = vec![conditions[*k].clone(), number, error];
             error = self.logic("Core::IntConditional", inputs);
         }
@@ -98,7 +98,7 @@ impl Ending {
 
     /// A Boolean that is false where the given one is absent.
     fn total(&mut self, condition: &Input) -> Input {
-        let no = Input::Const(Value::bool(false));
+        let no = Input::Const(Box::new(Value::bool(false)));
         let seen = self.presences.as_ref();
         let seen = seen.map(|p| p.seen(&self.net, &self.tree, FragmentId::ROOT, condition));
         match (condition, seen) {
