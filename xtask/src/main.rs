@@ -22,7 +22,15 @@ const CHORES: &[Chore] = &[
         "run Lustre programs written elsewhere: --programs DIR, with --traces FILE.json, --reject or neither",
         lustre::corpus,
     ),
+    (
+        "soak",
+        "a million random steps of the control core beside its model",
+        soak,
+    ),
 ];
+
+/// Histories of up to 120 steps: together more than a million.
+const SOAK: &str = "20000";
 
 fn main() -> ExitCode {
     let mut args = std::env::args().skip(1);
@@ -53,4 +61,17 @@ fn generate(_: &[String]) -> Result<(), String> {
         println!("{}", file.path);
     }
     Ok(())
+}
+
+/// Takeovers, cancels, aborts, faults and lost clients in random order: the test of the core's rules, for longer.
+fn soak(_: &[String]) -> Result<(), String> {
+    let status = std::process::Command::new(env!("CARGO"))
+        .args(["test", "-p", "rpi-core", "--test", "model"])
+        .env("RPI_HISTORIES", SOAK)
+        .status()
+        .map_err(|error| format!("cargo: {error}"))?;
+    match status.success() {
+        true => Ok(()),
+        false => Err("core and model differ".to_owned()),
+    }
 }

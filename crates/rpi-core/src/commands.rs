@@ -223,12 +223,17 @@ impl Core {
 
     /// Ends every command by force and drops every rule; all devices that they moved stop on their own limits.
     pub fn emergency_stop(&mut self, bank: &mut dyn DeviceBank) {
+        self.stop_all(Why::EmergencyStop, bank);
+    }
+
+    /// As [`Core::emergency_stop`], for another reason.
+    pub fn stop_all(&mut self, why: Why, bank: &mut dyn DeviceBank) {
         while let Some(last) = self.rules.len().checked_sub(1) {
             self.drop_rule(last, Outcome::Dropped);
         }
         for place in 0..self.entries.len() {
             if self.entry(place).is_ok_and(|e| e.command.state.runs()) {
-                self.leave_by(place, Cause::Aborted(Why::EmergencyStop), -1);
+                self.leave_by(place, Cause::Aborted(why), -1);
             }
         }
         self.changed = true;

@@ -26,5 +26,5 @@ pub use inspect::{Inspected, inspect};
 pub use modules::{library_modules, library_text};
 pub use node::{Node, NodeCompiled, compile_node};
 pub use period::{parse_period, period_text};
-pub use task::{Task, TaskStep};
+pub use task::{Target, Task, TaskNode, TaskPlan};
 pub use tests::{Branch, Test};

@@ -1,81 +1,275 @@
-//! Tasks as the host runs them: which command follows which.
+//! Tasks as the host runs them: which command follows which result.
 //!
-//! Sequences and repetitions of a program's commands, each called with the names of its own parameters; a task that
-//! does more is refused with the reason.
+//! A task becomes a plan of nodes that lead to one another. Tasks that it calls are put in its place; commands and tasks are
+//! called with the names of their own parameters. A task that does more is refused with the reason.
 
-use rpi_syntax::ast::{Arg, CommandDecl, ExprKind, File, ItemKind, Run, Step, StepKind, TaskDecl};
+use rpi_syntax::ast::{
+    Arg, Branch, ExprKind, File, ItemKind, Next, OnResult, Run, Step, StepKind, TaskDecl, VarDecl,
+};
 
 /// A task.
 #[derive(Clone, PartialEq, Debug)]
 pub struct Task {
     /// Its name.
     pub name: String,
-    /// Its steps, or why it cannot be run.
-    pub steps: Result<Vec<TaskStep>, String>,
+    /// What it does, or why it cannot be run.
+    pub plan: Result<TaskPlan, String>,
 }
 
-/// A step of a task.
+/// Where a plan goes on; none: the task is done.
+pub type Target = Option<usize>;
+
+/// What a task does.
+#[derive(Clone, PartialEq, Eq, Debug, Default)]
+pub struct TaskPlan {
+    /// Its nodes; targets are indices.
+    pub nodes: Vec<TaskNode>,
+    /// The first one.
+    pub start: Target,
+}
+
+/// A node of a plan.
 #[derive(Clone, PartialEq, Eq, Debug)]
-pub enum TaskStep {
-    /// The command of this name.
-    Run(String),
-    /// All of these, so many times; without a number for ever.
-    Repeat(Option<u64>, Vec<TaskStep>),
+pub enum TaskNode {
+    /// Goes on there.
+    Pass(Target),
+    /// A repetition begins: this node counts from 0 again, and it goes on there.
+    Enter(usize),
+    /// So many times the body, without a number for ever; then it goes on.
+    Repeat {
+        /// How many times.
+        times: Option<u64>,
+        /// What is repeated.
+        body: Target,
+        /// What comes then.
+        then: Target,
+    },
+    /// A command.
+    Run {
+        /// Its name.
+        command: String,
+        /// What follows these results.
+        on: Vec<(String, Target)>,
+        /// What follows any other `fail`; none: the task ends with its error.
+        on_fail: Option<Target>,
+        /// What follows any other result; none if the branches must name them all.
+        otherwise: Option<Target>,
+    },
 }
 
 /// The tasks of a file, in the order of the text.
 pub(crate) fn tasks(file: &File) -> Vec<Task> {
-    let tasks = file.items.iter().filter_map(|item| match &item.kind {
-        ItemKind::Task(task) => Some(task.as_ref()),
-        _ => None,
-    });
-    tasks
-        .map(|task: &TaskDecl| Task {
+    declared(file)
+        .map(|task| Task {
             name: task.name.name.to_string(),
-            steps: steps(file, &task.steps),
+            plan: plan(file, task),
         })
         .collect()
 }
 
-fn steps(file: &File, all: &[Step]) -> Result<Vec<TaskStep>, String> {
-    all.iter().map(|one| step(file, one)).collect()
-}
-
-fn step(file: &File, step: &Step) -> Result<TaskStep, String> {
-    match &step.kind {
-        StepKind::Run(run) => command(file, run),
-        StepKind::Repeat { count, steps: body } => {
-            let times = count.as_ref().map(|count| whole(&count.kind)).transpose()?;
-            Ok(TaskStep::Repeat(times, steps(file, body)?))
-        }
-        StepKind::Start(_) => Err("a task that begins with a named step".to_owned()),
-        StepKind::Broken(_) => Err("a step that cannot be read".to_owned()),
-    }
-}
-
-fn command(file: &File, run: &Run) -> Result<TaskStep, String> {
-    let name = run.callee.name.name.to_string();
-    if !run.branches.is_empty() {
-        return Err(format!("branches on the results of {name}"));
-    }
-    let declared = file.items.iter().find_map(|item| match &item.kind {
-        ItemKind::Command(command) if command.name.name.to_string() == name => Some(command),
+fn declared(file: &File) -> impl Iterator<Item = &TaskDecl> {
+    file.items.iter().filter_map(|item| match &item.kind {
+        ItemKind::Task(task) => Some(task.as_ref()),
         _ => None,
-    });
-    let declared = declared.ok_or_else(|| format!("{name}, which is no command of this file"))?;
-    match takes_its_own(declared, &run.args) {
-        true => Ok(TaskStep::Run(name)),
+    })
+}
+
+fn plan(file: &File, task: &TaskDecl) -> Result<TaskPlan, String> {
+    let mut builder = Builder {
+        file,
+        nodes: Vec::new(),
+        within: Vec::new(),
+    };
+    let start = builder.task(task, None, None)?;
+    Ok(TaskPlan {
+        nodes: builder.nodes,
+        start,
+    })
+}
+
+struct Builder<'a> {
+    file: &'a File,
+    nodes: Vec<TaskNode>,
+    /// The tasks that are being put in place, outermost first.
+    within: Vec<String>,
+}
+
+/// Where the steps of a task lead when nothing else is said.
+#[derive(Clone)]
+struct Scope {
+    /// Behind the task.
+    exit: Target,
+    /// After a `fail` that no branch names.
+    fail: Option<Target>,
+    /// The named steps.
+    labels: Vec<(String, usize)>,
+}
+
+impl Builder<'_> {
+    /// Puts a task in place; gives its first node.
+    fn task(
+        &mut self,
+        task: &TaskDecl,
+        exit: Target,
+        fail: Option<Target>,
+    ) -> Result<Target, String> {
+        let name = task.name.name.to_string();
+        if self.within.contains(&name) {
+            return Err(format!("{name}, which would run itself"));
+        }
+        self.within.push(name);
+        let scope = Scope {
+            exit,
+            fail,
+            labels: Vec::new(),
+        };
+        let start = self.steps(&task.steps, exit, scope);
+        self.within.pop();
+        start
+    }
+
+    /// Puts steps in place, which lead to `behind`; gives the first.
+    fn steps(
+        &mut self,
+        steps: &[Step],
+        behind: Target,
+        mut scope: Scope,
+    ) -> Result<Target, String> {
+        let first = self.nodes.len();
+        self.nodes.resize(first + steps.len(), TaskNode::Pass(None));
+        for (at, step) in (first..).zip(steps) {
+            if let StepKind::Run(run) = &step.kind
+                && let Some(label) = &run.label
+            {
+                scope.labels.push((label.name.to_string(), at));
+            }
+        }
+        for (at, step) in (first..).zip(steps) {
+            let last = at + 1 == first + steps.len();
+            let next = if last { behind } else { Some(at + 1) };
+            self.nodes[at] = self.step(step, next, &scope)?;
+        }
+        let mut start = if steps.is_empty() {
+            behind
+        } else {
+            Some(first)
+        };
+        for step in steps {
+            if let StepKind::Start(label) = &step.kind {
+                start = Some(labelled(&scope, &label.name.to_string())?);
+            }
+        }
+        Ok(start)
+    }
+
+    fn step(&mut self, step: &Step, next: Target, scope: &Scope) -> Result<TaskNode, String> {
+        match &step.kind {
+            StepKind::Run(run) => self.run(run, next, scope),
+            StepKind::Repeat { count, steps } => {
+                let times = count.as_ref().map(|count| whole(&count.kind)).transpose()?;
+                self.repeat(times, steps, next, scope)
+            }
+            StepKind::Start(_) => Ok(TaskNode::Pass(next)),
+            StepKind::Broken(_) => Err("a step that cannot be read".to_owned()),
+        }
+    }
+
+    fn repeat(
+        &mut self,
+        times: Option<u64>,
+        steps: &[Step],
+        then: Target,
+        scope: &Scope,
+    ) -> Result<TaskNode, String> {
+        let at = self.nodes.len();
+        self.nodes.push(TaskNode::Pass(None));
+        let body = self.steps(steps, Some(at), scope.clone())?;
+        self.nodes[at] = TaskNode::Repeat { times, body, then };
+        Ok(TaskNode::Enter(at))
+    }
+
+    fn run(&mut self, run: &Run, next: Target, scope: &Scope) -> Result<TaskNode, String> {
+        let name = run.callee.name.name.to_string();
+        let branches = branches(&run.branches, scope)?;
+        let otherwise = branches.any.or(run.branches.is_empty().then_some(next));
+        let on_fail = branches.fail.or(branches.any).or(scope.fail);
+        let called = declared(self.file).find(|task| task.name.name.to_string() == name);
+        if let Some(task) = called {
+            takes_its_own(&name, &task.params, &run.args)?;
+            if let Some((result, _)) = branches.named.first() {
+                return Err(format!(
+                    "the result {result} of {name}, which is a task and has none"
+                ));
+            }
+            let start = self.task(task, otherwise.unwrap_or(next), on_fail)?;
+            return Ok(TaskNode::Pass(start));
+        }
+        takes_its_own(&name, self.command(&name)?, &run.args)?;
+        Ok(TaskNode::Run {
+            command: name,
+            on: branches.named,
+            on_fail,
+            otherwise,
+        })
+    }
+
+    /// The parameters of a command.
+    fn command(&self, name: &str) -> Result<&[VarDecl], String> {
+        let found = self.file.items.iter().find_map(|item| match &item.kind {
+            ItemKind::Command(command) if command.name.name.to_string() == name => {
+                Some(command.params.as_slice())
+            }
+            _ => None,
+        });
+        found.ok_or_else(|| format!("{name}, which is no command or task of this file"))
+    }
+}
+
+#[derive(Default)]
+struct Branches {
+    named: Vec<(String, Target)>,
+    fail: Option<Target>,
+    any: Option<Target>,
+}
+
+/// What the branches say; of two for one result the first counts.
+fn branches(all: &[Branch], scope: &Scope) -> Result<Branches, String> {
+    let mut found = Branches::default();
+    for branch in all {
+        let then = match &branch.then {
+            Next::End(_) => scope.exit,
+            Next::Step(label) => Some(labelled(scope, &label.name.to_string())?),
+        };
+        for on in &branch.on {
+            match on {
+                OnResult::Named(result) => found.named.push((result.name.to_string(), then)),
+                OnResult::Fail(_) => found.fail = found.fail.or(Some(then)),
+                OnResult::Any(_) => found.any = found.any.or(Some(then)),
+            }
+        }
+    }
+    Ok(found)
+}
+
+fn labelled(scope: &Scope, label: &str) -> Result<usize, String> {
+    let found = scope.labels.iter().rev().find(|(name, _)| name == label);
+    found
+        .map(|(_, at)| *at)
+        .ok_or_else(|| format!("the step {label}, which is not there"))
+}
+
+/// Checks that each parameter is given what has its own name: that is what it has when it is run by itself.
+fn takes_its_own(name: &str, params: &[VarDecl], args: &[Arg]) -> Result<(), String> {
+    let params = params.iter().flat_map(|var| &var.names);
+    let mut pairs = params.zip(args);
+    let own = pairs
+        .all(|(param, arg)| matches!(&arg.value.kind, ExprKind::Name(name) if *name == param.name));
+    match own {
+        true => Ok(()),
         false => Err(format!(
             "other arguments for {name} than its parameters by their names"
         )),
     }
-}
-
-/// True if each parameter is given what has its own name: that is what it has when it is run by itself.
-fn takes_its_own(command: &CommandDecl, args: &[Arg]) -> bool {
-    let params = command.params.iter().flat_map(|var| &var.names);
-    let mut pairs = params.zip(args);
-    pairs.all(|(param, arg)| matches!(&arg.value.kind, ExprKind::Name(name) if *name == param.name))
 }
 
 fn whole(count: &ExprKind) -> Result<u64, String> {
@@ -84,4 +278,71 @@ fn whole(count: &ExprKind) -> Result<u64, String> {
         _ => return Err("a number of repetitions that is computed".to_owned()),
     };
     text.parse().map_err(|_| format!("{text} repetitions"))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const COMMANDS: &str = "command A (arm: Arm) let finish done when true; tel\ncommand B (arm: Arm) let finish done when true; tel\n";
+
+    fn planned(task: &str) -> Result<TaskPlan, String> {
+        let text = format!("{COMMANDS}{task}");
+        let parsed = rpi_syntax::parse(rpi_diag::FileId(0), &text, rpi_syntax::Mode::Rpi);
+        tasks(&parsed.file).pop().expect("there is a task").plan
+    }
+
+    fn run(
+        plan: &TaskPlan,
+        at: Target,
+    ) -> (&str, &[(String, Target)], Option<Target>, Option<Target>) {
+        match &plan.nodes[at.expect("it goes on")] {
+            TaskNode::Run {
+                command,
+                on,
+                on_fail,
+                otherwise,
+            } => (command, on, *on_fail, *otherwise),
+            TaskNode::Pass(then) => run(plan, *then),
+            other => panic!("{other:?} is no command"),
+        }
+    }
+
+    #[test]
+    fn branches_lead_to_named_steps() {
+        let plan = planned(
+            "task T (arm: Arm) let start b; a: A(arm) on any then end; b: B(arm) on done then a | on fail then end; tel",
+        );
+        let plan = plan.unwrap();
+        let (command, on, fail, otherwise) = run(&plan, plan.start);
+        assert_eq!((command, fail, otherwise), ("B", Some(None), None));
+        let (command, _, fail, otherwise) = run(&plan, on[0].1);
+        assert_eq!((command, fail, otherwise), ("A", Some(None), Some(None)));
+    }
+
+    #[test]
+    fn tasks_within_tasks_are_put_in_place() {
+        let inner = "task Inner (arm: Arm) let A(arm); tel\n";
+        let outer =
+            "task T (arm: Arm) let Inner(arm) on fail then b | on any then end; b: B(arm); tel";
+        let plan = planned(&format!("{inner}{outer}")).unwrap();
+        let (command, _, fail, otherwise) = run(&plan, plan.start);
+        assert_eq!((command, otherwise), ("A", Some(None)));
+        assert_eq!(run(&plan, fail.unwrap()).0, "B");
+        let circle = planned("task T (arm: Arm) let T(arm); tel");
+        assert!(circle.unwrap_err().contains("itself"));
+    }
+
+    #[test]
+    fn what_cannot_be_run_is_told() {
+        for (steps, word) in [
+            ("C(arm);", "no command"),
+            ("A(other);", "arguments"),
+            ("A(arm) on done then x;", "step x"),
+            ("repeat n times let A(arm); tel", "computed"),
+        ] {
+            let why = planned(&format!("task T (arm: Arm) let {steps} tel")).unwrap_err();
+            assert!(why.contains(word), "{why}");
+        }
+    }
 }

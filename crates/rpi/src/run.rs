@@ -60,7 +60,7 @@ fn execute(
     let shows = std::io::stderr().is_terminal();
     let outcome = run::run(Job {
         images: &script.images,
-        sequence: &script.sequence,
+        plans: &script.plans,
         cell: &cell,
         pace: if args.real_time {
             Pace::Real

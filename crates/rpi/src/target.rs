@@ -3,8 +3,8 @@
 use std::path::Path;
 use std::sync::Arc;
 
-use rpi_driver::{Compiled, Program, Task, TaskStep};
-use rpi_host::run::{Item, Sequence};
+use rpi_driver::{Compiled, Program, Task, TaskNode, TaskPlan};
+use rpi_host::run::{Node, Plan};
 use rpi_image::Image;
 use rpi_net::Net;
 use rpi_sim::Cell;
@@ -18,12 +18,12 @@ pub(crate) const PERIOD: u64 = 1_000_000;
 /// How a net is lowered: for running, or to be looked at.
 pub(crate) type Lower = fn(&Net, u64) -> Result<Image, String>;
 
-/// Commands and the order in which they run.
+/// Commands and what follows what.
 pub(crate) struct Script {
     /// The commands.
     pub(crate) images: Vec<Arc<Image>>,
-    /// Their order.
-    pub(crate) sequence: Sequence,
+    /// What follows what.
+    pub(crate) plans: Vec<Plan>,
 }
 
 /// Makes images of what is to be run: the command or task that was named, else the only task, else the only command.
@@ -42,7 +42,7 @@ pub(crate) fn script(compiled: &Compiled, target: &Target, lower: Lower) -> Resu
 fn once(image: Image) -> Result<Script, String> {
     Ok(Script {
         images: vec![Arc::new(image)],
-        sequence: Sequence::once(0),
+        plans: vec![Plan::once(0)],
     })
 }
 
@@ -60,36 +60,54 @@ fn of_task(
     lower: impl Fn(&Net) -> Result<Image, String>,
 ) -> Result<Script, String> {
     let name = &task.name;
-    let steps = task.steps.as_ref();
-    let steps = steps.map_err(|why| format!("task {name} needs what cannot be run yet: {why}"))?;
+    let plan = task.plan.as_ref();
+    let plan = plan.map_err(|why| format!("task {name} needs what cannot be run yet: {why}"))?;
     let mut used: Vec<String> = Vec::new();
-    let sequence = Sequence(items(steps, &mut used));
+    let plan = resolved(plan, &mut used);
     let images = used.iter().map(|command| {
         let net = nets.iter().find(|net| net.name == *command);
         lower(net.ok_or_else(|| format!("{command} cannot be run by itself"))?).map(Arc::new)
     });
     Ok(Script {
         images: images.collect::<Result<_, _>>()?,
-        sequence,
+        plans: vec![plan],
     })
 }
 
-/// The steps with commands as indices into `used`.
-fn items(steps: &[TaskStep], used: &mut Vec<String>) -> Vec<Item> {
-    let item = |step: &TaskStep| match step {
-        TaskStep::Repeat(times, body) => Item::Repeat {
+/// The plan with commands as indices into `used`.
+fn resolved(plan: &TaskPlan, used: &mut Vec<String>) -> Plan {
+    let mut node = |node: &TaskNode| match node {
+        TaskNode::Pass(then) => Node::Pass(*then),
+        TaskNode::Enter(repeat) => Node::Enter(*repeat),
+        TaskNode::Repeat { times, body, then } => Node::Repeat {
             times: *times,
-            body: items(body, used),
+            body: *body,
+            then: *then,
         },
-        TaskStep::Run(name) => {
-            let known = used.iter().position(|u| u == name);
-            Item::Run(known.unwrap_or_else(|| {
-                used.push(name.clone());
-                used.len() - 1
-            }))
-        }
+        TaskNode::Run {
+            command,
+            on,
+            on_fail,
+            otherwise,
+        } => Node::Run {
+            command: index(command, used),
+            on: on.clone(),
+            on_fail: *on_fail,
+            otherwise: *otherwise,
+        },
     };
-    steps.iter().map(item).collect()
+    Plan {
+        nodes: plan.nodes.iter().map(&mut node).collect(),
+        start: plan.start,
+    }
+}
+
+fn index(name: &str, used: &mut Vec<String>) -> usize {
+    let known = used.iter().position(|u| u == name);
+    known.unwrap_or_else(|| {
+        used.push(name.to_owned());
+        used.len() - 1
+    })
 }
 
 /// An image has the period that it was compiled for.

@@ -33,7 +33,7 @@ fn record(args: &TraceArgs) -> Outcome {
     let mut traced = Traced::new(&mut text, 0)?;
     let outcome = run::run(Job {
         images: &script.images,
-        sequence: &script.sequence,
+        plans: &script.plans,
         cell: &cell,
         pace: Pace::Simulated,
         limits: Limits {

@@ -11,8 +11,14 @@ use proptest::prelude::*;
 
 rpi_testkit::trap_allocations!();
 
+/// How many histories are lived through: `cargo xtask soak` asks for more.
+fn histories() -> u32 {
+    let asked = std::env::var("RPI_HISTORIES").ok();
+    asked.and_then(|n| n.parse().ok()).unwrap_or(1000)
+}
+
 proptest! {
-    #![proptest_config(ProptestConfig { cases: 1000, max_shrink_iters: 20_000, ..ProptestConfig::default() })]
+    #![proptest_config(ProptestConfig { cases: histories(), max_shrink_iters: 20_000, ..ProptestConfig::default() })]
 
     #[test]
     fn core_and_model_agree(ops in prop::collection::vec(op(), 1..120)) {

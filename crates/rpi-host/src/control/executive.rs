@@ -75,6 +75,12 @@ impl<P: Plant> Executive<P> {
         let _ = self.core.abort(command, why, &mut self.plant);
     }
 
+    /// Ends all commands between two ticks and drops all rules.
+    pub fn halt(&mut self, why: rpi_core::Why) {
+        self.core.stop_all(why, &mut self.plant);
+        self.tell();
+    }
+
     fn take_requests(&mut self) {
         for _ in 0..self.per_tick {
             if self.ends.events.is_full() {

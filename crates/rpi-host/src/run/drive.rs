@@ -59,10 +59,10 @@ pub(super) fn taking_turns(
     mut host: Host<'_>,
     mut listener: Listener<'_>,
 ) -> Result<Outcome, Failure> {
-    let mut going = true;
-    while going {
+    listener.serve(&mut host);
+    while cycle.goes_on(host.is_over()) {
+        cycle.tick();
         listener.serve(&mut host);
-        going = cycle.tick() && host.failed.is_none();
     }
     outcome(cycle, host, listener)
 }
@@ -73,13 +73,13 @@ pub(super) fn side_by_side(
     mut host: Host<'_>,
     mut listener: Listener<'_>,
 ) -> Result<Outcome, Failure> {
-    let stop = AtomicBool::new(false);
+    let over = AtomicBool::new(false);
     listener.serve(&mut host);
     let cycle = std::thread::scope(|scope| {
-        let running = scope.spawn(|| tick_until(cycle, &stop));
+        let running = scope.spawn(|| tick_until(cycle, &over));
         while !running.is_finished() {
             listener.serve(&mut host);
-            stop.fetch_or(host.failed.is_some(), Ordering::Relaxed);
+            over.fetch_or(host.is_over(), Ordering::Relaxed);
             std::thread::sleep(SERVE_EVERY);
         }
         running.join()
@@ -90,27 +90,32 @@ pub(super) fn side_by_side(
     }
 }
 
-fn tick_until(mut cycle: Cycle, stop: &AtomicBool) -> Cycle {
-    while cycle.tick() && !stop.load(Ordering::Relaxed) {}
+fn tick_until(mut cycle: Cycle, over: &AtomicBool) -> Cycle {
+    while cycle.goes_on(over.load(Ordering::Relaxed)) {
+        cycle.tick();
+    }
     cycle
 }
 
 fn outcome(
     mut cycle: Cycle,
     mut host: Host<'_>,
-    mut listener: Listener<'_>,
+    listener: Listener<'_>,
 ) -> Result<Outcome, Failure> {
-    listener.serve(&mut host);
-    if let Some((command, faults)) = host.failed {
+    host.listen(listener.sink);
+    if let Some((command, faults)) = host.books.failed {
         return Err(Failure::Loading { command, faults });
     }
     Ok(Outcome {
         commands: host
+            .books
             .commands
             .into_iter()
             .map(|(_, command)| command)
             .collect(),
-        devices: devices::ends(&mut cycle.bank),
+        unlisted: host.books.unlisted,
+        late: host.desk.late,
+        devices: devices::ends(cycle.bank()),
         figures: cycle.meter.figures(),
         tick_ns: listener.tick_ns,
         cut_off: cycle.cut_off,

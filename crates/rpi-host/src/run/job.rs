@@ -12,8 +12,8 @@ use super::clock::Pace;
 use super::drive::{Listener, side_by_side, taking_turns};
 use super::inputs::{BadSetting, Setting};
 use super::outcome::{CommandEnd, Outcome};
+use super::plan::Plan;
 use super::samples::Sink;
-use super::sequence::Sequence;
 use super::sides::sides;
 
 /// Is told now and then which command runs and how long it has.
@@ -23,8 +23,8 @@ pub type Progress<'a> = dyn FnMut(&CommandEnd, Duration) + 'a;
 pub struct Job<'a> {
     /// The commands; all of one period, which is the tick.
     pub images: &'a [Arc<Image>],
-    /// In which order.
-    pub sequence: &'a Sequence,
+    /// What runs, all at once: tasks on devices of their own.
+    pub plans: &'a [Plan],
     /// The devices.
     pub cell: &'a Cell,
     /// What the ticks follow.
@@ -55,6 +55,8 @@ pub enum Failure {
     Nothing,
     /// The commands have different periods.
     Periods,
+    /// A task says nothing about a result.
+    Plan(String),
     /// A setting does not fit.
     Setting(BadSetting),
     /// A command does not fit the cell.
@@ -71,6 +73,7 @@ impl fmt::Display for Failure {
         match self {
             Failure::Nothing => f.write_str("there is nothing to run"),
             Failure::Periods => f.write_str("commands that follow one another need one period"),
+            Failure::Plan(what) => f.write_str(what),
             Failure::Setting(bad) => write!(f, "{bad}"),
             Failure::Loading { command, faults } => {
                 write!(f, "{command} cannot run in this cell:")?;
@@ -88,6 +91,11 @@ impl std::error::Error for Failure {}
 /// If it could not begin; how the commands end is in the outcome.
 pub fn run(job: Job<'_>) -> Result<Outcome, Failure> {
     let tick_ns = tick(job.images)?;
+    let complete = |plan: &Plan| plan.check(job.images);
+    job.plans
+        .iter()
+        .try_for_each(complete)
+        .map_err(Failure::Plan)?;
     let (cycle, host) = sides(&job, tick_ns)?;
     job.sink.channels(&host.channels);
     let listener = Listener::new(job.sink, job.progress, tick_ns);

@@ -9,6 +9,10 @@ use super::figures::Figures;
 pub struct Outcome {
     /// The commands in the order of their start.
     pub commands: Vec<CommandEnd>,
+    /// Commands before these, of which only the number is known.
+    pub unlisted: u64,
+    /// Successors that were not scheduled in time: their predecessors ended at rest.
+    pub late: u64,
     /// The devices in the order of the cell.
     pub devices: Vec<DeviceEnd>,
     /// How long cycles took.
@@ -75,8 +79,6 @@ pub enum RunEnd {
     },
     /// Cut off, as it had run as long as asked for.
     CutOff,
-    /// Loaded, but its predecessor ended in a way that nothing follows.
-    NeverStarted,
     /// The core did not take it.
     Refused {
         /// Why.
@@ -119,9 +121,7 @@ impl RunEnd {
     #[must_use]
     pub fn status(&self) -> Status {
         match self {
-            RunEnd::Result { .. } | RunEnd::Terminated | RunEnd::CutOff | RunEnd::NeverStarted => {
-                Status::Good
-            }
+            RunEnd::Result { .. } | RunEnd::Terminated | RunEnd::CutOff => Status::Good,
             RunEnd::Error { .. } => Status::CommandError,
             RunEnd::Fault { .. } | RunEnd::Refused { .. } => Status::Fault,
         }

@@ -8,6 +8,9 @@ use super::outcome::{CommandEnd, DeviceEnd, Outcome, RunEnd, Trouble};
 impl fmt::Display for Outcome {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let width = self.commands.iter().map(|c| c.name.chars().count()).max();
+        if self.unlisted > 0 {
+            writeln!(f, "{} commands before these", self.unlisted)?;
+        }
         for command in &self.commands {
             self.command(f, command, width.unwrap_or(0))?;
         }
@@ -16,6 +19,13 @@ impl fmt::Display for Outcome {
                 f,
                 "cut off after {} ticks, as asked for",
                 self.figures.ticks
+            )?;
+        }
+        if self.late > 0 {
+            writeln!(
+                f,
+                "{} times a successor came too late to take over in motion",
+                self.late
             )?;
         }
         writeln!(f, "cycle time  {}", self.figures.tick)?;
@@ -71,7 +81,6 @@ impl fmt::Display for RunEnd {
             RunEnd::Fault { what, place } if place.is_empty() => write!(f, "FAULT: {what}"),
             RunEnd::Fault { what, place } => write!(f, "FAULT at {place}: {what}"),
             RunEnd::CutOff => f.write_str("cut off"),
-            RunEnd::NeverStarted => f.write_str("not started"),
             RunEnd::Refused { why } => write!(f, "REFUSED: {why}"),
         }
     }

@@ -1,6 +1,7 @@
 //! Makes the two sides of a run and what lies between them.
 
 use std::sync::Arc;
+use std::sync::atomic::AtomicU64;
 
 use rpi_core::Command;
 use rpi_image::image::Signal;
@@ -10,71 +11,76 @@ use rpi_sim::SimBank;
 use super::clock::{Clock, Pace};
 use super::cycle::{Bounds, Cycle, Flows, Watcher};
 use super::devices;
-use super::directory::Directory;
 use super::figures::Meter;
-use super::host::Host;
+use super::host::{Books, Desk, Host};
 use super::inputs;
 use super::job::{Failure, Job};
-use super::links::links;
 use super::samples::{Channel, Source, ring};
+use super::task::Task;
+use crate::control::{Options, open};
 
 /// The cycle's and the host's side of a job.
 pub(super) fn sides<'a>(job: &Job<'a>, tick_ns: u64) -> Result<(Cycle, Host<'a>), Failure> {
     let images: Vec<&Image> = job.images.iter().map(Arc::as_ref).collect();
     let sets = inputs::resolve(job.settings, &images).map_err(Failure::Setting)?;
-    let mut bank = SimBank::new(job.cell, tick_ns as f64 * 1e-9);
-    let directory = directory(job.images, &mut bank)?;
-    let (taps, mut channels) = devices::taps(job.cell, &mut bank);
+    let bank = || SimBank::new(job.cell, tick_ns as f64 * 1e-9);
+    let (mut plant, mut names) = (bank(), bank());
+    fits(job.images, &mut names)?;
+    let (taps, mut channels) = devices::taps(job.cell, &mut plant);
     let flows = flows(job.images, &mut channels);
     let types: Vec<Type> = channels.iter().map(|c| c.ty).collect();
     let (tap, drain) = ring(&types);
-    let (cycle_ends, host_ends) = links();
+    let options = Options {
+        tick_ns,
+        ..Options::default()
+    };
+    let (control, executive) = open(plant, Box::new(names), options);
     let bounds = Bounds {
         last: job.limits.ticks.unwrap_or(u64::MAX),
-        planning: job.limits.planning_ns / tick_ns,
         tick_ns,
     };
+    let now = Arc::new(AtomicU64::new(0));
+    let real = job.pace == Pace::Real;
     let cycle = Cycle::new(
-        bank,
-        (
-            Clock::start(job.pace, tick_ns),
-            Meter::new(job.pace == Pace::Real),
-        ),
-        cycle_ends,
+        executive,
+        (Clock::start(job.pace, tick_ns), Meter::new(real)),
         Watcher {
             tap,
             tick: 0,
             flows,
         },
         taps,
+        Arc::clone(&now),
         bounds,
     );
-    let host = Host {
+    let desk = Desk {
+        control,
         images: job.images,
         sets,
-        directory,
-        walk: Box::new(job.sequence.walk()),
-        ends: host_ends,
+        now,
+        planning: job.limits.planning_ns / tick_ns,
+        late: 0,
+    };
+    let host = Host {
+        desk,
+        tasks: job.plans.iter().map(Task::new).collect(),
         drain,
         channels,
-        commands: Vec::new(),
-        failed: None,
+        books: Books::new(job.images),
         last_tick: 0,
     };
     Ok((cycle, host))
 }
 
-/// Loads every command once to see that it fits, and learns the names of all ports by the way.
-fn directory(images: &[Arc<Image>], bank: &mut SimBank) -> Result<Directory, Failure> {
-    let mut directory = Directory::default();
-    for image in images {
-        let loaded = Command::load(Arc::clone(image), &mut directory.learn(bank));
-        loaded.map_err(|faults| Failure::Loading {
+/// Loads every command once to see that it fits.
+fn fits(images: &[Arc<Image>], names: &mut SimBank) -> Result<(), Failure> {
+    images.iter().try_for_each(|image| {
+        let loaded = Command::load(Arc::clone(image), names);
+        loaded.map(drop).map_err(|faults| Failure::Loading {
             command: image.name.clone(),
             faults,
-        })?;
-    }
-    Ok(directory)
+        })
+    })
 }
 
 /// What is sampled of each image: every port if it was lowered to be looked at, else what it exports.

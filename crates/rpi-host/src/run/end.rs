@@ -1,0 +1,78 @@
+//! How commands end, in words.
+
+use rpi_core::{Cause, Ending, Refused};
+use rpi_image::Image;
+use rpi_image::image::{End, EndKind, EndResult};
+use rpi_prims::FaultCode;
+
+use super::outcome::RunEnd;
+
+/// The named result by which a command has ended.
+pub(super) fn result_of(image: &Image, ending: Ending) -> Option<&EndResult> {
+    match (ending.cause, &image.end) {
+        (Cause::Result(k), End::Results(results)) => results.get(k),
+        _ => None,
+    }
+}
+
+/// How a command has ended.
+pub(super) fn of(image: &Image, ending: Ending) -> RunEnd {
+    let number = ending.error;
+    match ending.cause {
+        Cause::Aborted(_) | Cause::Stopped(_) => RunEnd::CutOff,
+        Cause::Fault(fault) => RunEnd::Fault {
+            what: fault_text(fault.code).to_owned(),
+            place: image
+                .place_of(fault.cell)
+                .map_or_else(String::new, |p| p.path.clone()),
+        },
+        Cause::Terminate if number == 0 => RunEnd::Terminated,
+        Cause::Terminate => RunEnd::Error { number, name: None },
+        Cause::Result(_) => result(result_of(image, ending), number),
+    }
+}
+
+fn result(result: Option<&EndResult>, number: i64) -> RunEnd {
+    let name = result.map_or_else(String::new, |r| r.name.clone());
+    match number {
+        0 => RunEnd::Result {
+            name,
+            moving: result.is_some_and(|r| r.kind == EndKind::Yield),
+        },
+        number => RunEnd::Error {
+            number,
+            name: Some(name),
+        },
+    }
+}
+
+/// Why the core did not start a command.
+pub(super) fn refused(why: Refused) -> String {
+    match why {
+        Refused::Unknown => "the core does not know it".to_owned(),
+        Refused::State(state) => format!("that does not fit the state {state:?}"),
+        Refused::Held { resource, .. } => format!("actuator {resource} is held by another command"),
+        Refused::Successor => "it would follow itself or start twice".to_owned(),
+        Refused::Never => "nothing can start it any more".to_owned(),
+        Refused::Condition => "its rule's condition is nested too deeply".to_owned(),
+        Refused::Period => "its period is no whole multiple of the tick".to_owned(),
+        Refused::Full => "the core's table is full".to_owned(),
+    }
+}
+
+/// A fault in words.
+pub(crate) fn fault_text(code: FaultCode) -> &'static str {
+    match code {
+        FaultCode::IntegerOverflow => "the result does not fit a 64-bit integer",
+        FaultCode::DivisionByZero => "integer division by zero",
+        FaultCode::LossyConversion => "this real has no integer value",
+        FaultCode::IndexOutOfRange => "the index lies outside of its array",
+        FaultCode::ShapeMismatch => "matrices or arrays whose shapes do not fit",
+        FaultCode::ConcurrentAccess => "two writers of one actuator in a cycle",
+        FaultCode::MissingSample => "a sensor had no sample",
+        FaultCode::DeviceFailed => "the device refuses its set-point or has failed",
+        FaultCode::SetPointMissing => "a moving actuator got no set-point and was stopped",
+        FaultCode::EmergencyStop => "an emergency stop was demanded",
+        FaultCode::AssertionFailed => "an assertion does not hold",
+    }
+}
