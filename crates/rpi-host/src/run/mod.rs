@@ -23,10 +23,9 @@ mod samples;
 mod sides;
 mod task;
 
-pub(crate) use host::fault_text;
+pub(crate) use end::fault_text;
 
 pub use clock::Pace;
-pub(crate) use end::fault_text;
 pub use figures::{Figures, Spread};
 pub use inputs::{BadSetting, Setting};
 pub use job::{Failure, Job, Limits, Progress, run};
