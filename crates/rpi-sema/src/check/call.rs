@@ -91,6 +91,7 @@ impl<'a> Body<'_, 'a> {
                 self.fault(span)
             }
             Callee::Special(special) => self.special(special, call, span),
+            Callee::Iterator("condact") => self.condact_of(call, span),
             Callee::Iterator(name) => {
                 match self.iteration(name, &call.callee.statics, call.callee.span) {
                     Some(iteration) => {
@@ -129,7 +130,7 @@ impl<'a> Body<'_, 'a> {
             && let NodeDef::Alias(callee) = &node.definition
         {
             let given = self.given(&call.args);
-            return match self.alias(id, callee) {
+            return match self.alias(id, callee, &call.callee.statics) {
                 Some(callable) => self.apply(&callable, given, activation, span),
                 None => self.fault(span),
             };
@@ -143,9 +144,20 @@ impl<'a> Body<'_, 'a> {
         self.apply_unit(id, bound.statics, given, activation, span)
     }
 
-    fn alias(&mut self, id: DeclId, callee: &'a ast::Callee) -> Option<Callable> {
+    /// What another name for a callable stands for; it may have static parameters of its own.
+    fn alias(
+        &mut self,
+        id: DeclId,
+        callee: &'a ast::Callee,
+        statics: &'a [StaticArg],
+    ) -> Option<Callable> {
+        let bound = self.bind(id, statics);
+        if bound.faulty {
+            return None;
+        }
         let module = self.c.program.decl(id).module;
         let mut body = Body::of_module(self.c, module);
+        body.statics = Rc::new(bound.statics);
         let callable = body.callable(&callee.name.name, &callee.statics, callee.span);
         body.leave();
         callable
@@ -256,7 +268,7 @@ impl<'a> Body<'_, 'a> {
                 if let DeclKind::Node(node) = self.c.program.decl(id).kind
                     && let NodeDef::Alias(callee) = &node.definition
                 {
-                    return self.alias(id, callee);
+                    return self.alias(id, callee, statics);
                 }
                 let bound = self.bind(id, statics);
                 let fixed = self.fixed_ports(&bound.ports)?;

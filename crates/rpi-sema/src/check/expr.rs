@@ -203,9 +203,24 @@ impl<'a> Body<'_, 'a> {
     }
 
     fn tuple(&mut self, elements: &'a [ast::Expr], span: Span) -> ExprId {
-        let elements: Vec<ExprId> = elements.iter().map(|e| self.expr(e)).collect();
+        let mut elements: Vec<ExprId> = elements.iter().map(|e| self.expr(e)).collect();
+        if !self.is_rpi() {
+            elements = self.flat(&elements);
+        }
         let ty = Ty::tuple(elements.iter().map(|id| self.ty_of(*id).clone()));
         self.add(Kind::Build(elements.into()), ty, span)
+    }
+
+    /// In Lustre a tuple in a tuple is the list of its elements.
+    fn flat(&mut self, elements: &[ExprId]) -> Vec<ExprId> {
+        let mut flat = Vec::with_capacity(elements.len());
+        for element in elements {
+            match self.ty_of(*element) {
+                Ty::Tuple(_) => flat.extend(self.parts_of(*element)),
+                _ => flat.push(*element),
+            }
+        }
+        flat
     }
 }
 

@@ -11,7 +11,7 @@
 //! | `types.rs`, `device.rs`, `consts.rs` | types and constants |
 //! | `body.rs`, `locals.rs`, `order.rs`, `statement.rs`, `targets.rs`, `definitions.rs`, `automaton.rs` | bodies, their flows and equations |
 //! | `expr.rs`, `names.rs`, `ops.rs`, `access.rs`, `compose.rs`, `clocked.rs` | expressions |
-//! | `call.rs`, `args.rs`, `prim.rs`, `special.rs`, `iterate.rs` | calls |
+//! | `call.rs`, `args.rs`, `prim.rs`, `special.rs`, `iterate.rs`, `condact.rs` | calls |
 //! | `report.rs` | words that several of them use |
 //! | `words.rs` | names that are there without a declaration, for others |
 
@@ -23,6 +23,7 @@ mod body;
 mod call;
 mod clocked;
 mod compose;
+mod condact;
 mod consts;
 mod definitions;
 mod device;
@@ -171,9 +172,16 @@ impl<'a> Checker<'a> {
         }
     }
 
+    fn is_lustre(&self, id: DeclId) -> bool {
+        let module = self.program.decl(id).module;
+        self.program.module(module).mode == rpi_syntax::Mode::Lustre
+    }
+
     /// Checks a declaration of the first module by itself; a callable that needs no static arguments gives a unit.
     fn declaration(&mut self, id: DeclId) -> Option<UnitId> {
         match self.program.decl(id).kind {
+            // In Lustre a constant may come from outside, as long as nobody needs it.
+            DeclKind::Const(def) if def.value.is_none() && self.is_lustre(id) => {}
             DeclKind::Const(_) => {
                 self.constant(id);
             }

@@ -137,7 +137,7 @@ impl<'u> Inference<'u> {
             }
             Kind::When { value, clock } => {
                 let of_flow = of(&self.flows, clock.flow);
-                self.all(*value, of_flow);
+                self.sampled(*value, of_flow);
                 self.terms.on(of_flow, *clock)
             }
             Kind::Merge { on, cases } => self.merge(*on, cases),
@@ -183,6 +183,14 @@ impl<'u> Inference<'u> {
                     self.meet(term, wanted, span);
                 }
             }
+        }
+    }
+
+    /// What is sampled has the clock of the flow that decides, or a faster one from which that is sampled.
+    fn sampled(&mut self, value: ExprId, of_flow: Term) {
+        match self.values[value.0 as usize].clone() {
+            Of::One(term) if !self.terms.is_open(term) && self.terms.leads_to(of_flow, term) => {}
+            _ => self.all(value, of_flow),
         }
     }
 

@@ -100,6 +100,13 @@ impl Terms {
         true
     }
 
+    /// Whether a clock is another, or one that it is sampled from.
+    pub(super) fn leads_to(&self, clock: Term, other: Term) -> bool {
+        let other = self.path(other);
+        let path = self.path(clock);
+        path.starts_with(&other)
+    }
+
     /// The way from all cycles of the unit to a clock; what is not known ticks in all.
     pub(super) fn path(&self, term: Term) -> Vec<ClockOn> {
         let mut path = Vec::new();

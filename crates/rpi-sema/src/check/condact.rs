@@ -1,0 +1,65 @@
+//! `condact<<node, default>>(c, x, ...)` of Lustre V6: the node runs when c; before the first time the default, then what
+//! it gave the last time.
+
+use super::args::Given;
+use super::body::Body;
+use super::call::Callable;
+use super::report::Wanted;
+use crate::ty::Ty;
+use crate::typed::{Activation, Each, ExprId, Kind};
+use rpi_diag::{Code, Finding, Span};
+use rpi_syntax::ast::{Call, StaticValue};
+
+impl<'a> Body<'_, 'a> {
+    /// A call of `condact`.
+    pub(super) fn condact_of(&mut self, call: &'a Call, span: Span) -> ExprId {
+        let given = self.given(&call.args);
+        let mut given = self.spread_tuples(given).into_iter();
+        let (Some(every), [callee, default]) = (given.next(), &call.callee.statics[..]) else {
+            let finding = Finding::new(Code::RPI1010, "`condact` lacks arguments")
+                .at(span, "not of the right form")
+                .help("write `condact<<node, default>>(condition, arguments)`");
+            return self.fault_with(finding, span);
+        };
+        let StaticValue::Expr(default) = &default.value else {
+            let finding = Finding::new(Code::RPI1010, "a value is expected here")
+                .at(default.span, "this is none");
+            return self.fault_with(finding, span);
+        };
+        let Some(callable) = self.static_callee(callee) else {
+            return self.fault(span);
+        };
+        self.expect(every.value, &Ty::Bool, &Wanted::Here);
+        let default = self.expr(default);
+        let rest = given.collect();
+        match callable {
+            Callable::Unit(..) => {
+                let activation = Activation::Condact {
+                    every: every.value,
+                    default: Some(default),
+                    restart: None,
+                };
+                self.apply(&callable, rest, activation, span)
+            }
+            _ => self.held(&callable, rest, [every.value, default], span),
+        }
+    }
+
+    /// An operator has no state: its value is there when the condition holds, and held else.
+    fn held(
+        &mut self,
+        callable: &Callable,
+        given: Vec<Given<'a>>,
+        [every, default]: [ExprId; 2],
+        span: Span,
+    ) -> ExprId {
+        self.has_state(span);
+        let value = self.apply(callable, given, Activation::Always, span);
+        let ty = self.ty_of(value).clone();
+        self.expect(default, &ty, &Wanted::Here);
+        let none = self.add(Kind::None, ty.clone(), span);
+        let there = Kind::Each(Each::If, [every, value, none].into());
+        let there = self.add(there, ty.clone(), span);
+        self.add(Kind::Each(Each::Hold, [there, default].into()), ty, span)
+    }
+}

@@ -1,0 +1,91 @@
+//! Our own Lustre programs with their tables: `tests/lustre/NAME.lus` gives `NAME.out.csv` from `NAME.in.csv`.
+
+use std::path::Path;
+use std::process::{Command, Output};
+
+use rpi_testkit::files_below;
+
+fn rpi(args: &[&str]) -> Output {
+    let mut command = Command::new(env!("CARGO_BIN_EXE_rpi"));
+    command.args(args).env("NO_COLOR", "1");
+    command.output().expect("it starts")
+}
+
+fn text(bytes: &[u8]) -> String {
+    String::from_utf8_lossy(bytes).into_owned()
+}
+
+#[test]
+fn every_program_gives_the_table_beside_it() {
+    let programs = files_below("tests/lustre", &[".lus"]);
+    assert!(!programs.is_empty(), "there are no programs");
+    let mut wrong = Vec::new();
+    for program in programs {
+        let (inputs, outputs) = (with(&program, "in.csv"), with(&program, "out.csv"));
+        let output = rpi(&["run", &program.display().to_string(), "--inputs", &inputs]);
+        let wanted = std::fs::read_to_string(&outputs).expect("a table stands beside it");
+        if text(&output.stdout) != wanted || output.status.code() != Some(0) {
+            let (out, err) = (text(&output.stdout), text(&output.stderr));
+            wrong.push(format!("{}\n{out}{err}", program.display()));
+        }
+    }
+    assert!(wrong.is_empty(), "{}", wrong.join("\n"));
+}
+
+fn with(program: &Path, extension: &str) -> String {
+    program.with_extension(extension).display().to_string()
+}
+
+/// Runs a program's text on a table; what it printed, what it said, and how it ended.
+fn run(program: &str, table: &str, more: &[&str]) -> (String, String, Option<i32>) {
+    let folder = tempfile::tempdir().expect("a folder");
+    let (path, inputs) = (folder.path().join("a.lus"), folder.path().join("a.csv"));
+    std::fs::write(&path, program).expect("it is written");
+    std::fs::write(&inputs, table).expect("it is written");
+    let (path, inputs) = (path.display().to_string(), inputs.display().to_string());
+    let output = rpi(&[&["run", &path, "--inputs", &inputs], more].concat());
+    (
+        text(&output.stdout),
+        text(&output.stderr),
+        output.status.code(),
+    )
+}
+
+#[test]
+fn a_fault_ends_the_run_and_is_told_with_code_cycle_and_place() {
+    let program = "node a (x, y: int) returns (z: int); let z = x * y; tel\n";
+    let (out, err, status) = run(program, "x,y\n2,3\n9223372036854775807,2\n1,1\n", &[]);
+    assert_eq!((out.as_str(), status), ("z\n6\n", Some(3)), "{err}");
+    assert!(err.contains("RPI9011") && err.contains("cycle 1"), "{err}");
+    assert!(err.contains("a.lus:1:46"), "{err}");
+}
+
+#[test]
+fn a_claim_that_does_not_hold_is_told_and_the_run_goes_on() {
+    let program = "node a (x: int) returns (y: int); let assert x > 0; y = x; tel\n";
+    let (out, err, status) = run(program, "x\n1\n0\n2\n", &[]);
+    assert_eq!((out.as_str(), status), ("y\n1\n0\n2\n", Some(0)), "{err}");
+    assert!(err.contains("RPI9012") && err.contains("cycle 1"), "{err}");
+}
+
+#[test]
+fn local_flows_and_numbers_of_enums_are_shown_if_asked_for() {
+    let program = "type m = enum { A, B };\nnode a (x: bool) returns (y: m); var n: bool;
+let n = not x; y = if n then A else B; tel\n";
+    let (out, err, status) = run(program, "x\ntrue\n", &["--locals", "--numbers"]);
+    assert_eq!((out.as_str(), status), ("y,n\n1,false\n", Some(0)), "{err}");
+}
+
+#[test]
+fn bad_tables_are_told_with_their_line() {
+    let program = "node a (x: int) returns (y: int); let y = x; tel\n";
+    let (_, err, status) = run(program, "x\n1\ntrue\n", &[]);
+    assert_eq!(status, Some(2), "{err}");
+    assert!(
+        err.contains("a.csv:3: x: `true` is not an integer"),
+        "{err}"
+    );
+    let (_, err, status) = run(program, "y\n1\n", &[]);
+    assert_eq!(status, Some(2), "{err}");
+    assert!(err.contains("no column is called `x`"), "{err}");
+}
