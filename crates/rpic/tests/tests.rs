@@ -107,17 +107,21 @@ fn fence<'p>(page: &'p str, info: &str) -> &'p str {
     rest.split_once("```").expect("it is closed").0
 }
 
-/// What the language means, said in the language.
+/// What the language means and what the library does, said in the language.
 #[test]
-fn what_programs_claim_of_the_language_holds() {
-    let folder = concat!(env!("CARGO_MANIFEST_DIR"), "/../../tests/meaning");
-    let entries = std::fs::read_dir(folder).unwrap();
-    let paths = entries.map(|entry| entry.unwrap().path().display().to_string());
-    let mut paths: Vec<String> = paths.collect();
+fn what_programs_claim_of_language_and_library_holds() {
+    let root = concat!(env!("CARGO_MANIFEST_DIR"), "/../..");
+    let mut paths = Vec::new();
+    for folder in ["tests/meaning", "stdlib"] {
+        let entries = std::fs::read_dir(format!("{root}/{folder}")).unwrap();
+        paths.extend(entries.map(|entry| entry.unwrap().path().display().to_string()));
+    }
     paths.sort();
     let paths: Vec<&str> = paths.iter().map(String::as_str).collect();
     let output = rpic(&[&["test"], &paths[..]].concat());
     let said = String::from_utf8_lossy(&output.stdout);
     let why = String::from_utf8_lossy(&output.stderr);
     assert_eq!(output.status.code(), Some(0), "{said}{why}");
+    let count = said.lines().filter(|line| line.starts_with("ok ")).count();
+    assert!(count >= 20, "only {count} tests");
 }

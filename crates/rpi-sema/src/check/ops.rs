@@ -395,11 +395,20 @@ impl<'a> Body<'_, 'a> {
         .at(self.span_of(right), format!("this is `{b}`"))
         .also(self.span_of(left), format!("this is `{a}`"));
         let finding = match (&a, &b) {
-            (Ty::Int, Ty::Real(_)) => finding.fix(convert("real ", self.span_of(left))),
-            (Ty::Real(_), Ty::Int) => finding.fix(convert("real ", self.span_of(right))),
+            (Ty::Int, Ty::Real(_)) => finding.fix(self.as_real(left)),
+            (Ty::Real(_), Ty::Int) => finding.fix(self.as_real(right)),
             _ => finding,
         };
         self.fault_with(finding, span)
+    }
+
+    /// A real in place of an integer: another literal, or a conversion.
+    fn as_real(&self, id: ExprId) -> rpi_diag::Fix {
+        let span = self.span_of(id);
+        match self.unit.expr(id).kind {
+            Kind::Literal(_) => rpi_diag::Fix::maybe("write a real").insert_after(span, ".0"),
+            _ => rpi_diag::Fix::maybe("convert the integer by `real`").insert_before(span, "real "),
+        }
     }
 }
 
@@ -410,10 +419,6 @@ fn is_chained(binary: &Binary) -> bool {
         ExprKind::Binary(inner) => single(binary.op) && single(inner.op),
         _ => false,
     }
-}
-
-fn convert(by: &str, span: Span) -> rpi_diag::Fix {
-    rpi_diag::Fix::maybe("convert the integer by `real`").insert_before(span, by)
 }
 
 /// The machine type for which operators are looked up: enums and results have none.

@@ -57,3 +57,18 @@ fn trees_without_text_read_back() {
         );
     }
 }
+
+/// Programs as they should look.
+#[test]
+fn formatted_programs_stay_as_they_are() {
+    let folder = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/formatted");
+    let mut count = 0;
+    for entry in std::fs::read_dir(folder).expect("the folder is there") {
+        let path = entry.expect("it can be listed").path();
+        let text = std::fs::read_to_string(&path).expect("it is UTF-8");
+        let mode = Mode::of_path(&path.display().to_string());
+        assert_same(&text, &formatted(&text, mode), "formatting changes it");
+        count += 1;
+    }
+    assert!(count > 0);
+}
