@@ -55,6 +55,7 @@ const EDGES: &[(&str, &[&str])] = &[
             "rpi-sim",
         ],
     ),
+    ("rpi-client", &[]),
     (
         "rpi-serve",
         &[

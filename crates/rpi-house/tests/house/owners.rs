@@ -38,7 +38,7 @@ const OWNERS: &[(&str, &[&str])] = &[
     ),
     ("tempfile", &["xtask"]),
     ("toml", &["rpi-sim"]),
-    ("tungstenite", &["rpi-serve"]),
+    ("tungstenite", &["rpi-client", "rpi-serve"]),
     ("assert_no_alloc", &["rpi-testkit"]),
 ];
 

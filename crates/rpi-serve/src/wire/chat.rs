@@ -1,6 +1,7 @@
 //! A conversation in messages: over a websocket (RFC 6455), or line by line over a Unix socket.
 
 use std::io::{self, Read, Write};
+use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Duration;
 
 use tungstenite::protocol::{Role, WebSocketConfig};
@@ -31,6 +32,7 @@ pub(crate) fn websocket(
     most: usize,
     front: &mut dyn Front,
     out: &Outgoing,
+    closing: &AtomicBool,
 ) {
     let config = WebSocketConfig::default()
         .max_message_size(Some(most))
@@ -46,7 +48,7 @@ pub(crate) fn websocket(
             Err(Error::Io(e)) if is_pause(&e) => false,
             _ => break,
         };
-        if out.is_over() || send(&mut socket, out, heard).is_err() {
+        if out.is_over() || is_closing(closing) || send(&mut socket, out, heard).is_err() {
             break;
         }
     }
@@ -70,10 +72,11 @@ pub(crate) fn lines(
     most: usize,
     front: &mut dyn Front,
     out: &Outgoing,
+    closing: &AtomicBool,
 ) {
     let mut waiting = Vec::new();
     let mut chunk = vec![0; 16 << 10];
-    while !out.is_over() {
+    while !out.is_over() && !is_closing(closing) {
         let heard = match stream.read(&mut chunk) {
             Ok(0) => return,
             Ok(read) => {
@@ -112,4 +115,8 @@ fn send_lines(stream: &mut dyn Write, out: &Outgoing, heard: bool) -> io::Result
         next = out.messages.try_recv().ok();
     }
     stream.flush()
+}
+
+fn is_closing(closing: &AtomicBool) -> bool {
+    closing.load(Ordering::Relaxed)
 }

@@ -117,7 +117,14 @@ impl Reception {
         );
         if agreed.and_then(|()| stream.flush()).is_ok() {
             let most = self.limits.message;
-            chat::websocket(stream, head.rest, most, &mut *front, &outgoing);
+            chat::websocket(
+                stream,
+                head.rest,
+                most,
+                &mut *front,
+                &outgoing,
+                &self.closing,
+            );
         }
     }
 
@@ -166,7 +173,13 @@ impl Reception {
                 let (out, outgoing) = outbox(reception.limits.outbox);
                 let mut front = RpcFront::new(reception.office.clone(), out);
                 let most = reception.limits.message;
-                chat::lines(Box::new(stream), most, &mut front, &outgoing);
+                chat::lines(
+                    Box::new(stream),
+                    most,
+                    &mut front,
+                    &outgoing,
+                    &reception.closing,
+                );
             });
         }
     }

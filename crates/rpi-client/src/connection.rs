@@ -1,0 +1,177 @@
+//! The connection: a thread that owns the websocket, requests that go to it, answers that come back.
+
+use std::collections::BTreeMap;
+use std::io::ErrorKind;
+use std::net::TcpStream;
+use std::sync::mpsc::{Receiver, Sender, TryRecvError, channel};
+use std::thread;
+use std::time::Duration;
+
+use serde_json::{Value, json};
+use tungstenite::client::IntoClientRequest;
+use tungstenite::http::HeaderValue;
+use tungstenite::{Message, WebSocket};
+
+use crate::error::Error;
+use crate::goal::{OnLoss, Session};
+
+/// How long the thread listens before it looks whether there is something to send.
+const TURN: Duration = Duration::from_millis(2);
+
+/// Takes what the server tells about a command.
+pub(crate) type Listener = Sender<Value>;
+
+/// What the thread is asked to do.
+enum Order {
+    Call(String, Value, Sender<Result<Value, Error>>),
+    Listen(String, Listener),
+}
+
+/// A control core.
+#[derive(Clone, Debug)]
+pub struct Core(Sender<Order>);
+
+impl Core {
+    /// Connects to a control core at `address:port`, showing a token if it wants one.
+    ///
+    /// # Errors
+    /// If there is none, or it does not let us in.
+    pub fn connect(address: &str, token: Option<&str>) -> Result<Core, Error> {
+        let stream = TcpStream::connect(address).map_err(Error::connection)?;
+        stream.set_nodelay(true).map_err(Error::connection)?;
+        let url = format!("ws://{address}/rpc");
+        let mut request = url.into_client_request().map_err(Error::connection)?;
+        if let Some(token) = token {
+            let shown = HeaderValue::try_from(format!("Bearer {token}"));
+            let shown = shown.map_err(Error::connection)?;
+            request.headers_mut().insert("Authorization", shown);
+        }
+        let (socket, _) = tungstenite::client(request, stream).map_err(Error::connection)?;
+        let turn = socket.get_ref().set_read_timeout(Some(TURN));
+        turn.map_err(Error::connection)?;
+        let (orders, todo) = channel();
+        let work = move || Talk::new(socket, todo).run();
+        let thread = thread::Builder::new().name("rpi-client".into());
+        thread.spawn(work).map_err(Error::connection)?;
+        Ok(Core(orders))
+    }
+
+    /// Calls a method of the server and waits for its result.
+    ///
+    /// # Errors
+    /// What the server has against it, or that there is no connection.
+    pub fn call(&self, method: &str, params: Value) -> Result<Value, Error> {
+        let (answer, result) = channel();
+        let order = Order::Call(method.to_owned(), params, answer);
+        self.0.send(order).map_err(Error::connection)?;
+        result.recv().map_err(Error::connection)?
+    }
+
+    /// Opens a session; `on_loss` says what becomes of its commands without us.
+    ///
+    /// # Errors
+    /// See [`call`](Self::call).
+    pub fn open_session(&self, name: &str, on_loss: OnLoss) -> Result<Session, Error> {
+        let params = json!({"name": name, "on_loss": on_loss.name()});
+        let opened = self.call("session.open", params)?;
+        Ok(Session::new(self.clone(), &opened["session"]))
+    }
+
+    pub(crate) fn listen(&self, command: &str, listener: Listener) -> Result<(), Error> {
+        let order = Order::Listen(command.to_owned(), listener);
+        self.0.send(order).map_err(Error::connection)
+    }
+}
+
+/// The thread's side.
+struct Talk {
+    socket: WebSocket<TcpStream>,
+    todo: Receiver<Order>,
+    last: u64,
+    waiting: BTreeMap<u64, Sender<Result<Value, Error>>>,
+    listeners: BTreeMap<String, Vec<Listener>>,
+}
+
+impl Talk {
+    fn new(socket: WebSocket<TcpStream>, todo: Receiver<Order>) -> Talk {
+        Talk {
+            socket,
+            todo,
+            last: 0,
+            waiting: BTreeMap::new(),
+            listeners: BTreeMap::new(),
+        }
+    }
+
+    /// Talks until nobody needs the connection any more, or it breaks; who still waits then learns so.
+    fn run(&mut self) {
+        while self.send() && self.hear() {}
+        let _ = self.socket.close(None);
+        let _ = self.socket.flush();
+    }
+
+    fn send(&mut self) -> bool {
+        loop {
+            match self.todo.try_recv() {
+                Ok(Order::Listen(command, listener)) => {
+                    self.listeners.entry(command).or_default().push(listener);
+                }
+                Ok(Order::Call(method, params, answer)) => {
+                    self.last += 1;
+                    self.waiting.insert(self.last, answer);
+                    let id = self.last;
+                    let request =
+                        json!({"jsonrpc": "2.0", "id": id, "method": method, "params": params});
+                    if self
+                        .socket
+                        .send(Message::text(request.to_string()))
+                        .is_err()
+                    {
+                        return false;
+                    }
+                }
+                Err(TryRecvError::Empty) => return true,
+                Err(TryRecvError::Disconnected) => return false,
+            }
+        }
+    }
+
+    fn hear(&mut self) -> bool {
+        match self.socket.read() {
+            Ok(Message::Text(text)) => {
+                if let Ok(message) = serde_json::from_str(&text) {
+                    self.take(&message);
+                }
+                true
+            }
+            Ok(Message::Close(_)) => false,
+            Ok(_) => true,
+            Err(tungstenite::Error::Io(e)) => {
+                matches!(e.kind(), ErrorKind::WouldBlock | ErrorKind::TimedOut)
+            }
+            Err(_) => false,
+        }
+    }
+
+    fn take(&mut self, message: &Value) {
+        if message["method"] == "update" {
+            let params = &message["params"];
+            let command = params["command"].as_str().unwrap_or_default();
+            if let Some(listeners) = self.listeners.get_mut(command) {
+                listeners.retain(|listener| listener.send(params.clone()).is_ok());
+            }
+            return;
+        }
+        let waiting = message["id"]
+            .as_u64()
+            .and_then(|id| self.waiting.remove(&id));
+        let result = match message.get("error") {
+            Some(error) => Err(Error::of(error)),
+            None => Ok(message["result"].clone()),
+        };
+        if let Some(answer) = waiting {
+            // Who has gone meanwhile does not want to know.
+            let _ = answer.send(result);
+        }
+    }
+}

@@ -1,0 +1,235 @@
+//! Commands with the shape of goal, feedback, result, preempt.
+
+use std::collections::BTreeMap;
+use std::sync::mpsc::{Receiver, channel};
+
+use serde_json::{Value, json};
+
+use crate::connection::Core;
+use crate::error::Error;
+
+/// What becomes of a session's commands when its connection ends.
+#[derive(Clone, Copy, PartialEq, Eq, Default, Debug)]
+pub enum OnLoss {
+    /// They are asked to end, on path.
+    #[default]
+    Cancel,
+    /// They run on.
+    RunOn,
+    /// They end at once.
+    Abort,
+}
+
+impl OnLoss {
+    pub(crate) const fn name(self) -> &'static str {
+        match self {
+            OnLoss::Cancel => "cancel",
+            OnLoss::RunOn => "run-on",
+            OnLoss::Abort => "abort",
+        }
+    }
+}
+
+/// A text with a command in it.
+#[derive(Clone, PartialEq, Debug)]
+pub struct Program {
+    /// The text.
+    pub text: String,
+    /// `rpi`, or `rpinet` for a net of the reference system.
+    pub language: &'static str,
+    /// Which command, if there are several.
+    pub command: Option<String>,
+    /// Its period in s; 0 for the server's tick.
+    pub period: f64,
+    /// Least time in s between two updates of what it exports.
+    pub feedback: f64,
+}
+
+impl Program {
+    /// A program with one command, in the server's tick, told about every 20 ms.
+    #[must_use]
+    pub fn rpi(text: impl Into<String>) -> Program {
+        Program {
+            text: text.into(),
+            language: "rpi",
+            command: None,
+            period: 0.0,
+            feedback: 0.02,
+        }
+    }
+}
+
+/// Owns commands.
+#[derive(Clone, Debug)]
+pub struct Session {
+    core: Core,
+    name: String,
+}
+
+impl Session {
+    pub(crate) fn new(core: Core, name: &Value) -> Session {
+        let name = name.as_str().unwrap_or_default().to_owned();
+        Session { core, name }
+    }
+
+    /// Loads a command; it waits to be started.
+    ///
+    /// # Errors
+    /// Every reason why it cannot run.
+    pub fn load(&self, program: &Program) -> Result<Goal, Error> {
+        let params = json!({
+            "session": self.name,
+            "text": program.text,
+            "language": program.language,
+            "command": program.command,
+            "period": program.period,
+        });
+        let loaded = self.core.call("command.load", params)?;
+        let name = loaded["command"].as_str().unwrap_or_default().to_owned();
+        let (listener, updates) = channel();
+        self.core.listen(&name, listener)?;
+        let params = json!({"command": name, "period": program.feedback});
+        self.core.call("watch.command", params)?;
+        Ok(Goal {
+            core: self.core.clone(),
+            name,
+            updates,
+        })
+    }
+
+    /// Ends all its commands by force.
+    ///
+    /// # Errors
+    /// If there is no connection.
+    pub fn close(self) -> Result<(), Error> {
+        let params = json!({"session": self.name});
+        self.core.call("session.close", params).map(drop)
+    }
+}
+
+/// What a command exports, as texts that keep every bit, and where it is in its life.
+#[derive(Clone, PartialEq, Eq, Default, Debug)]
+pub struct Feedback {
+    /// `ready`, `scheduled`, `running`, `cancelling`, `terminated`.
+    pub state: String,
+    /// By key.
+    pub values: BTreeMap<String, String>,
+}
+
+/// How a command has ended.
+#[derive(Clone, PartialEq, Eq, Debug)]
+pub struct Ending {
+    /// `result`, `terminate`, `fault`, `aborted`, or that a rule stopped it.
+    pub cause: String,
+    /// The name of its result.
+    pub result: Option<String>,
+    /// Its error number, 0 for none.
+    pub error: i64,
+    /// Number of its cycles.
+    pub cycles: u64,
+}
+
+/// A loaded command.
+#[derive(Debug)]
+pub struct Goal {
+    core: Core,
+    name: String,
+    updates: Receiver<Value>,
+}
+
+impl Goal {
+    /// Its name at the server.
+    #[must_use]
+    pub fn name(&self) -> &str {
+        &self.name
+    }
+
+    fn ask(&self, method: &str, more: &Value) -> Result<(), Error> {
+        let mut params = json!({"command": self.name});
+        for (key, value) in more.as_object().into_iter().flatten() {
+            params[key] = value.clone();
+        }
+        self.core.call(method, params).map(drop)
+    }
+
+    /// Starts it.
+    ///
+    /// # Errors
+    /// If something that it needs is held by another command.
+    pub fn start(&self) -> Result<(), Error> {
+        self.ask("command.start", &Value::Null)
+    }
+
+    /// Lets it run in the cycle after the last one of `after`: by any regular end, or by one of these results.
+    ///
+    /// # Errors
+    /// If it needs what others hold.
+    pub fn follow(&self, after: &Goal, results: &[&str]) -> Result<(), Error> {
+        let more = json!({"after": after.name, "results": results});
+        self.ask("command.schedule", &more)
+    }
+
+    /// Sets an input; the text is a value in the notation of nets.
+    ///
+    /// # Errors
+    /// If there is no such input, or the text is no value of its type.
+    pub fn set(&self, key: &str, value: &str) -> Result<(), Error> {
+        self.ask("command.set", &json!({"values": {key: value}}))
+    }
+
+    /// Asks it to end, in its own way and on its path.
+    ///
+    /// # Errors
+    /// If it does not run.
+    pub fn preempt(&self) -> Result<(), Error> {
+        self.ask("command.cancel", &Value::Null)
+    }
+
+    /// Ends it at once; devices stop on their own limits.
+    ///
+    /// # Errors
+    /// If it does not run.
+    pub fn abort(&self) -> Result<(), Error> {
+        self.ask("command.abort", &Value::Null)
+    }
+
+    /// What it tells, until it has ended or the connection has.
+    pub fn feedback(&self) -> impl Iterator<Item = Feedback> + '_ {
+        let mut known = Feedback::default();
+        let mut over = false;
+        std::iter::from_fn(move || {
+            if over {
+                return None;
+            }
+            let update = self.updates.recv().ok()?;
+            over = update.get("ending").is_some();
+            if let Some(state) = update["state"].as_str() {
+                state.clone_into(&mut known.state);
+            }
+            for (key, value) in update["values"].as_object().into_iter().flatten() {
+                let text = value.as_str().unwrap_or_default().to_owned();
+                known.values.insert(key.clone(), text);
+            }
+            Some(known.clone())
+        })
+    }
+
+    /// Waits for its end.
+    ///
+    /// # Errors
+    /// If the connection ends before.
+    pub fn result(&self) -> Result<Ending, Error> {
+        self.feedback().for_each(drop);
+        let params = json!({"command": self.name});
+        let told = self.core.call("command.describe", params)?;
+        let ending = &told["ending"];
+        let cause = ending["cause"].as_str();
+        let cause = cause.ok_or_else(|| Error::connection("it has not ended"))?;
+        Ok(Ending {
+            cause: cause.to_owned(),
+            result: ending["result"].as_str().map(str::to_owned),
+            error: ending["error"].as_i64().unwrap_or_default(),
+            cycles: ending["cycles"].as_u64().unwrap_or_default(),
+        })
+    }
+}

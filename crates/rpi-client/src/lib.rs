@@ -1,0 +1,25 @@
+//! Client of the control core (`rpi serve`), with the shape of goal, feedback, result, preempt.
+//!
+//! ```no_run
+//! use rpi_client::{Core, OnLoss, Program};
+//!
+//! let core = Core::connect("127.0.0.1:9000", None)?;
+//! let session = core.open_session("demo", OnLoss::Cancel)?;
+//! let goal = session.load(&Program::rpi("command Wait () let finish done when time >= 1[s]; tel"))?;
+//! goal.start()?;
+//! for feedback in goal.feedback() {
+//!     println!("{} {:?}", feedback.state, feedback.values);
+//! }
+//! println!("{:?}", goal.result()?);
+//! # Ok::<(), rpi_client::Error>(())
+//! ```
+//! It speaks JSON-RPC 2.0 over the server's websocket, on one thread of its own per connection; calls wait for their answer.
+//! This crate must not know how the server does anything.
+
+mod connection;
+mod error;
+mod goal;
+
+pub use connection::Core;
+pub use error::Error;
+pub use goal::{Ending, Feedback, Goal, OnLoss, Program, Session};
