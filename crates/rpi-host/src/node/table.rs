@@ -161,7 +161,7 @@ mod tests {
             let reader = Reader::new(&columns, header).unwrap();
             assert_eq!(
                 reader.row(2, "true,-3,?").unwrap(),
-                [vec![-3i64.cast_unsigned()], vec![1]]
+                [vec![(-3i64).cast_unsigned()], vec![1]]
             );
         }
     }
