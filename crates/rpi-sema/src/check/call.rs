@@ -494,7 +494,8 @@ fn result_type(header: &Header) -> Ty {
 
 /// An operator by the name that Lustre V6 gives it: `Lustre::plus`.
 fn operator(name: &str) -> Option<StaticOp> {
-    let name = name.strip_prefix("Lustre::")?;
+    let plain = name.strip_prefix("Lustre::");
+    let name = plain.or_else(|| matches!(name, "int2real" | "real2int").then_some(name))?;
     let binary = |op| Some(StaticOp::Binary(op));
     match name {
         "plus" | "iplus" | "rplus" => binary(BinaryOp::Add),
