@@ -29,7 +29,7 @@ pub(crate) fn rows(table: &mut Table) {
         for size in SIZES {
             let row = format!("interpreter, {name}, {size}");
             let largest = SIZES.iter().rfind(|s| **s < MOST_FOR_GCC) == Some(&size);
-            if !table.wants(&row) && !(largest && gcc_is_needed(table, name)) {
+            if !(table.wants(&row) || largest && gcc_is_needed(table, name)) {
                 continue;
             }
             let net = make(size);

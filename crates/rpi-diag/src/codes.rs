@@ -160,6 +160,11 @@ impl Code {
         self.row().title
     }
 
+    /// Whether it is about text that does nothing, which editors show faded.
+    pub fn is_about_needless_text(self) -> bool {
+        matches!(self, Code::RPI3002 | Code::RPI3101)
+    }
+
     /// How much it weighs.
     pub fn severity(self) -> Severity {
         self.row().severity

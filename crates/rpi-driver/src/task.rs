@@ -216,7 +216,7 @@ impl Builder<'_> {
     /// The parameters of a command.
     fn command(&self, name: &str) -> Result<&[VarDecl], String> {
         let found = self.file.items.iter().find_map(|item| match &item.kind {
-            ItemKind::Command(command) if command.name.name.to_string() == name => {
+            ItemKind::Command(command) if *command.name.name == *name => {
                 Some(command.params.as_slice())
             }
             _ => None,
@@ -292,10 +292,15 @@ mod tests {
         tasks(&parsed.file).pop().expect("there is a task").plan
     }
 
-    fn run(
-        plan: &TaskPlan,
-        at: Target,
-    ) -> (&str, &[(String, Target)], Option<Target>, Option<Target>) {
+    /// A command that is run, where its named results lead, and `fail` and all others.
+    type Step<'p> = (
+        &'p str,
+        &'p [(String, Target)],
+        Option<Target>,
+        Option<Target>,
+    );
+
+    fn run(plan: &TaskPlan, at: Target) -> Step<'_> {
         match &plan.nodes[at.expect("it goes on")] {
             TaskNode::Run {
                 command,

@@ -14,9 +14,6 @@ use crate::places::Places;
 use crate::world::World;
 use crate::{shelf, uri};
 
-/// Findings about text that does nothing, which clients show faded.
-const NEEDLESS: &[Code] = &[Code::RPI3002, Code::RPI3101];
-
 /// What was found about a program, by file; the program's own file is always among them.
 pub(crate) fn by_file(
     world: &World,
@@ -48,8 +45,9 @@ fn diagnostic(world: &World, places: &Places<'_>, finding: &Finding) -> Diagnost
         source: Some("rpic".to_owned()),
         message: message(finding),
         related_information: Some(related.collect()),
-        tags: NEEDLESS
-            .contains(&finding.code)
+        tags: finding
+            .code
+            .is_about_needless_text()
             .then(|| vec![DiagnosticTag::UNNECESSARY]),
         data: None,
     }

@@ -166,7 +166,7 @@ const COMPILER: &[&str] = &[
 ];
 
 /// Third-party crates that the real-time side may use; all of them work without `std`.
-const NO_STD_THIRD_PARTY: &[&str] = &["libm", "nalgebra"];
+const NO_STD_THIRD_PARTY: &[&str] = &["libm", "nalgebra", "smallvec"];
 
 #[test]
 fn edges_are_as_drawn() {

@@ -11,6 +11,7 @@ const OWNERS: &[(&str, &[&str])] = &[
     ("clap_complete", &["rpi", "rpic"]),
     ("clap_mangen", &["rpi", "rpic"]),
     ("flate2", &["rpi-driver", "rpi-host", "rpi-testkit"]),
+    ("hashbrown", &["rpi-lower", "rpi-net"]),
     ("hdrhistogram", &["rpi-host"]),
     ("lalrpop", &["rpi-syntax"]),
     ("lalrpop-util", &["rpi-syntax"]),
@@ -27,6 +28,7 @@ const OWNERS: &[(&str, &[&str])] = &[
     (
         "serde_json",
         &[
+            "rpi-client",
             "rpi-diag",
             "rpi-host",
             "rpi-house",
@@ -36,6 +38,7 @@ const OWNERS: &[(&str, &[&str])] = &[
             "xtask",
         ],
     ),
+    ("smallvec", &["rpi-image", "rpi-lower", "rpi-net"]),
     ("tempfile", &["xtask"]),
     ("toml", &["rpi-sim"]),
     ("tungstenite", &["rpi-client", "rpi-serve"]),

@@ -50,6 +50,7 @@ const ROOT: &[&str] = &[
     ".ci",
     ".gitignore",
     "ARCHITECTURE.md",
+    ".gitattributes",
     "CHANGELOG.md",
     "CONTRIBUTING.md",
     "Cargo.lock",
