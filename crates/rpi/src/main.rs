@@ -6,6 +6,7 @@
 mod args;
 mod exit;
 mod node;
+mod output;
 mod program;
 mod random;
 mod replay;

@@ -7,6 +7,7 @@ use rpi_host::trace::Trace;
 
 use crate::args::ReplayArgs;
 use crate::exit::{Exit, Outcome};
+use crate::output;
 use crate::program;
 
 /// Replays and prints the report.
@@ -20,11 +21,10 @@ pub(crate) fn replay(args: &ReplayArgs) -> Outcome {
         ..Options::default()
     };
     let report = rpi_host::replay::replay(net, &trace, &options)?;
-    if args.json {
-        println!("{}", report.to_json());
-    } else {
-        print!("{report}");
-    }
+    output::put(&match args.json {
+        true => format!("{}\n", report.to_json()),
+        false => report.to_string(),
+    })?;
     Ok(if report.agrees() {
         Exit::Good
     } else {

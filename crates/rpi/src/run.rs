@@ -1,5 +1,6 @@
 //! `rpi run`: commands against a cell.
 
+use std::error::Error;
 use std::fs::File;
 use std::io::{BufWriter, IsTerminal, Write};
 use std::path::Path;
@@ -11,6 +12,7 @@ use rpi_host::run::{self, CommandEnd, Job, Limits, Outcome, Pace, Several, Sink,
 
 use crate::args::RunArgs;
 use crate::exit::{self, Exit};
+use crate::output;
 use crate::program;
 use crate::target::{self, Script};
 
@@ -20,7 +22,14 @@ pub(crate) fn run(args: &RunArgs) -> exit::Outcome {
     let script = target::script(&compiled, &args.target, |net, period| {
         rpi_driver::lower_to_run(net, period)
     })?;
-    let mut rows = args.record.as_deref().map(recording).transpose()?;
+    let record = args.record.as_deref();
+    let mut rows = record
+        .map(|path| recording(path, &args.program))
+        .transpose()?;
+    let plot = args.plot.as_deref();
+    let mut picture = plot
+        .map(|path| output::create(path, &args.program))
+        .transpose()?;
     let mut motion = args.plot.as_ref().map(|_| Motion::default());
     let mut several = Several::default();
     several
@@ -33,18 +42,18 @@ pub(crate) fn run(args: &RunArgs) -> exit::Outcome {
     if let Some(rows) = rows {
         rows.finish()?;
     }
-    if let (Some(motion), Some(path)) = (motion, &args.plot) {
+    if let (Some(motion), Some(picture)) = (motion, &mut picture) {
         let title = args
             .program
             .file_name()
             .unwrap_or_default()
             .to_string_lossy();
-        std::fs::write(path, plot::draw(&motion.picture(&title, &outcome)))?;
+        picture.write_all(plot::draw(&motion.picture(&title, &outcome)).as_bytes())?;
     }
-    match args.json {
-        true => println!("{}", outcome.to_json()),
-        false => print!("{outcome}"),
-    }
+    output::put(&match args.json {
+        true => format!("{}\n", outcome.to_json()),
+        false => outcome.to_string(),
+    })?;
     Ok(exit(&outcome))
 }
 
@@ -52,7 +61,7 @@ fn execute(
     args: &RunArgs,
     script: &Script,
     sink: &mut dyn Sink,
-) -> Result<Outcome, Box<dyn std::error::Error>> {
+) -> Result<Outcome, Box<dyn Error>> {
     let cell = target::cell(&args.program, &args.target)?;
     let tick_ns = script.images.first().map_or(1, |image| image.period_ns);
     let mut progress = ProgressLine::default();
@@ -79,9 +88,10 @@ fn execute(
     Ok(outcome?)
 }
 
-fn recording(path: &Path) -> std::io::Result<Rows<BufWriter<File>>> {
+fn recording(path: &Path, program: &Path) -> Result<Rows<BufWriter<File>>, Box<dyn Error>> {
     let form = Form::of(&path.to_string_lossy());
-    Ok(Rows::new(BufWriter::new(File::create(path)?), form))
+    let file = output::create(path, program)?;
+    Ok(Rows::new(BufWriter::new(file), form))
 }
 
 fn exit(outcome: &Outcome) -> Exit {

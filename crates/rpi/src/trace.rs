@@ -1,6 +1,5 @@
 //! `rpi trace`: all ports of a run, or rows of a recording.
 
-use std::fs::File;
 use std::io::{BufWriter, Write};
 
 use rpi_driver::Kind;
@@ -9,6 +8,7 @@ use rpi_host::run::{self, Job, Limits, Pace};
 
 use crate::args::TraceArgs;
 use crate::exit::{Exit, Outcome};
+use crate::output;
 use crate::program;
 use crate::target;
 
@@ -55,12 +55,12 @@ fn pick(args: &TraceArgs, text: &str) -> Outcome {
         cycles: args.from..args.to.saturating_add(1),
     };
     let mut out: Box<dyn Write> = match &args.output {
-        Some(path) => Box::new(BufWriter::new(File::create(path)?)),
+        Some(path) => Box::new(BufWriter::new(output::create(path, &args.source)?)),
         None => Box::new(BufWriter::new(std::io::stdout())),
     };
-    let rows = copy(text, &filter, &mut out)?;
-    out.flush()?;
-    if rows == 0 && !args.flow.is_empty() {
+    let rows = copy(text, &filter, &mut out);
+    let rows = output::quietly(rows.and_then(|rows| out.flush().map(|()| rows)))?;
+    if rows == Some(0) && !args.flow.is_empty() {
         eprintln!("no row fits");
     }
     Ok(Exit::Good)

@@ -125,3 +125,44 @@ fn a_bad_period_is_told() {
     assert_eq!(output.status.code(), Some(2));
     assert!(err(&output).contains("units"), "{}", err(&output));
 }
+
+#[test]
+fn a_reader_that_closes_the_pipe_early_is_no_fault() {
+    let dir = folder();
+    let mut child = Command::new(env!("CARGO_BIN_EXE_rpi"))
+        .args(["replay", &path(&dir, "small.rpinet"), "--trace"])
+        .arg(path(&dir, "small.trace"))
+        .stdout(std::process::Stdio::piped())
+        .stderr(std::process::Stdio::piped())
+        .spawn()
+        .unwrap();
+    drop(child.stdout.take());
+    let output = child.wait_with_output().unwrap();
+    assert_eq!(output.status.code(), Some(0), "{}", err(&output));
+    assert_eq!(err(&output), "");
+}
+
+#[test]
+fn results_never_replace_the_program() {
+    let dir = folder();
+    let net = path(&dir, "small.rpinet");
+    for option in ["--record", "--plot"] {
+        let output = rpi(&["run", &net, option, &net]);
+        assert_eq!(output.status.code(), Some(2), "{}", err(&output));
+        assert!(
+            err(&output).contains("this is the input"),
+            "{}",
+            err(&output)
+        );
+        assert_eq!(std::fs::read_to_string(&net).unwrap(), NET);
+    }
+}
+
+#[test]
+fn a_file_that_cannot_be_written_is_named() {
+    let dir = folder();
+    let target = path(&dir, "nowhere/rows.csv");
+    let output = rpi(&["run", &path(&dir, "small.rpinet"), "--record", &target]);
+    assert_eq!(output.status.code(), Some(2), "{}", err(&output));
+    assert!(err(&output).contains(&target), "{}", err(&output));
+}
