@@ -14,7 +14,9 @@ use alloc::vec::Vec;
 pub enum LoadFault {
     /// The image does not hold what it must hold.
     Broken(VerifyError),
-    /// The cell has no such port.
+    /// The cell has no such device.
+    Device(String),
+    /// The device has no such port.
     Port {
         /// `device.port[index]: type`.
         port: String,
@@ -29,8 +31,10 @@ impl fmt::Display for LoadFault {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             LoadFault::Broken(error) => write!(f, "broken image: {error}"),
+            LoadFault::Device(device) => write!(f, "the cell has no device `{device}`"),
             LoadFault::Port { port, kind, error } => {
                 let reason = match error {
+                    // Told as a fault of its own.
                     ResolveError::NoDevice => "the cell has no such device",
                     ResolveError::NoPort => "the device has no such port",
                     ResolveError::NoIndex => "its index is out of range",
@@ -70,11 +74,18 @@ pub(crate) fn resolve(
         ty: port.ty,
     };
     bank.resolve(&name).unwrap_or_else(|error| {
-        faults.push(LoadFault::Port {
-            port: alloc::format!("{port}"),
-            kind,
-            error,
-        });
+        let fault = match error {
+            ResolveError::NoDevice => LoadFault::Device(port.device.clone()),
+            error => LoadFault::Port {
+                port: alloc::format!("{port}"),
+                kind,
+                error,
+            },
+        };
+        // One missing device would else be told for each of its ports.
+        if !faults.contains(&fault) {
+            faults.push(fault);
+        }
         PortId(u32::MAX)
     })
 }

@@ -59,13 +59,26 @@ impl Input {
     /// # Errors
     /// If it is not UTF-8, with the line.
     pub fn text(&self) -> Result<&str, InputError> {
-        std::str::from_utf8(&self.bytes).map_err(|e| {
-            let before = &self.bytes[..e.valid_up_to()];
-            let line = 1 + before.iter().filter(|b| **b == b'\n').count();
-            let message = format!("line {line} is no text (not UTF-8)");
-            InputError::new(&self.path, message)
-        })
+        utf8(&self.path, &self.bytes)
     }
+}
+
+/// The marks with which texts in UTF-16 begin.
+const UTF16: [&[u8]; 2] = [&[0xff, 0xfe], &[0xfe, 0xff]];
+
+/// The content of a file as text.
+///
+/// # Errors
+/// If it is not UTF-8, with the line.
+pub fn utf8<'b>(path: &Path, bytes: &'b [u8]) -> Result<&'b str, InputError> {
+    std::str::from_utf8(bytes).map_err(|e| {
+        if UTF16.iter().any(|mark| bytes.starts_with(mark)) {
+            return InputError::new(path, "this is UTF-16; save it as UTF-8");
+        }
+        let before = &bytes[..e.valid_up_to()];
+        let line = 1 + before.iter().filter(|b| **b == b'\n').count();
+        InputError::new(path, format!("line {line} is no text (not UTF-8)"))
+    })
 }
 
 /// Why a file cannot be used, and what to do about it.

@@ -21,7 +21,7 @@ mod violation;
 
 pub use compile::{Compiled, Program, compile, lower_to_look, lower_to_run};
 pub use files::{Disk, Files};
-pub use input::{Input, InputError, Kind, read};
+pub use input::{Input, InputError, Kind, read, utf8};
 pub use inspect::{Inspected, inspect};
 pub use modules::{library_modules, library_text};
 pub use node::{Node, NodeCompiled, compile_node};

@@ -3,7 +3,7 @@
 use std::net::SocketAddr;
 use std::path::PathBuf;
 
-use clap::{Args, Parser, Subcommand};
+use clap::{Args, Parser, Subcommand, value_parser};
 use clap_complete::Shell;
 use rpi_host::run::Setting;
 use rpi_serve::OnLoss;
@@ -71,7 +71,7 @@ pub(crate) struct Target {
     #[arg(long, value_parser = rpi_driver::parse_period, value_name = "TIME")]
     pub(crate) period: Option<u64>,
     /// Stop after so many cycles.
-    #[arg(long, value_name = "N", conflicts_with = "time")]
+    #[arg(long, value_name = "N", conflicts_with = "time", value_parser = value_parser!(u64).range(1..))]
     pub(crate) cycles: Option<u64>,
     /// Stop after so long (of the cell's time).
     #[arg(long, value_parser = rpi_driver::parse_period, value_name = "TIME")]
@@ -131,6 +131,12 @@ pub(crate) struct ServeArgs {
     /// What becomes of a client's commands when it is gone and has not said so itself.
     #[arg(long, value_name = "POLICY", value_parser = on_loss, default_value = "cancel")]
     pub(crate) on_loss: OnLoss,
+}
+
+fn tolerance(text: &str) -> Result<f64, String> {
+    let number = text.parse().ok();
+    let usable = number.filter(|n: &f64| n.is_finite() && *n >= 0.0);
+    usable.ok_or_else(|| "a number from 0 up is needed".to_owned())
 }
 
 fn on_loss(name: &str) -> Result<OnLoss, String> {
@@ -210,7 +216,7 @@ pub(crate) struct ReplayArgs {
     #[arg(long, default_value = "25ms", value_parser = rpi_driver::parse_period)]
     pub(crate) period: u64,
     /// How far apart equal values may be, absolute up to 1 and relative beyond.
-    #[arg(long, default_value_t = 1e-9)]
+    #[arg(long, default_value_t = 1e-9, value_parser = tolerance)]
     pub(crate) tolerance: f64,
     /// Print the report as JSON.
     #[arg(long)]

@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use rpi_diag::{Style, render};
-use rpi_driver::Compiled;
+use rpi_driver::{Compiled, Task};
 use rpi_net::Net;
 
 /// Compiles a file and shows what was found; an error if it cannot run.
@@ -17,9 +17,18 @@ pub(crate) fn load(path: &Path) -> Result<Compiled, Box<dyn std::error::Error>> 
     Ok(compiled)
 }
 
-/// The command of this name, or the only one.
-pub(crate) fn choose<'a>(nets: &'a [Net], name: Option<&str>) -> Result<&'a Net, String> {
-    let names = || nets.iter().map(|n| n.name.as_str());
+/// The command of this name, or the only one; `tasks` could have been named, too.
+pub(crate) fn choose<'a>(
+    nets: &'a [Net],
+    tasks: &[Task],
+    name: Option<&str>,
+) -> Result<&'a Net, String> {
+    let commands = nets.iter().map(|n| n.name.as_str());
+    let names = || {
+        commands
+            .clone()
+            .chain(tasks.iter().map(|t| t.name.as_str()))
+    };
     match (nets, name) {
         ([], _) => Err("there is no command in it".to_owned()),
         ([only], None) => Ok(only),
@@ -33,7 +42,7 @@ pub(crate) fn choose<'a>(nets: &'a [Net], name: Option<&str>) -> Result<&'a Net,
                 .map(|m| format!("; did you mean {m}?"))
                 .unwrap_or_default();
             format!(
-                "there is no command {name}, there are {}{meant}",
+                "there is no command or task {name}, there are {}{meant}",
                 list(names())
             )
         }),

@@ -13,7 +13,7 @@ use crate::program;
 /// Replays and prints the report.
 pub(crate) fn replay(args: &ReplayArgs) -> Outcome {
     let compiled = program::load(&args.net)?;
-    let net = program::choose(compiled.nets(), args.command.as_deref())?;
+    let net = program::choose(compiled.nets(), &[], args.command.as_deref())?;
     let trace = joined(&args.trace)?;
     let options = Options {
         period_ns: args.period,

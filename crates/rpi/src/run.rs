@@ -22,11 +22,13 @@ pub(crate) fn run(args: &RunArgs) -> exit::Outcome {
     let script = target::script(&compiled, &args.target, |net, period| {
         rpi_driver::lower_to_run(net, period)
     })?;
-    let record = args.record.as_deref();
+    let (record, plot) = (args.record.as_deref(), args.plot.as_deref());
+    if record.is_some() && record == plot {
+        return Err("--record and --plot need a file each".into());
+    }
     let mut rows = record
         .map(|path| recording(path, &args.program))
         .transpose()?;
-    let plot = args.plot.as_deref();
     let mut picture = plot
         .map(|path| output::create(path, &args.program))
         .transpose()?;
@@ -62,7 +64,7 @@ fn execute(
     script: &Script,
     sink: &mut dyn Sink,
 ) -> Result<Outcome, Box<dyn Error>> {
-    let cell = target::cell(&args.program, &args.target)?;
+    let cell = target::cell(&args.program, &args.target, script)?;
     let tick_ns = script.images.first().map_or(1, |image| image.period_ns);
     let mut progress = ProgressLine::default();
     let mut tell = |command: &CommandEnd, elapsed: Duration| progress.show(command, elapsed);

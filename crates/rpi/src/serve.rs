@@ -28,15 +28,12 @@ pub(crate) fn serve(args: &ServeArgs) -> exit::Outcome {
 
 fn cell(path: Option<&Path>) -> Result<Cell, String> {
     let Some(path) = path else {
-        return Ok(Cell {
-            name: String::new(),
-            seed: 0,
-            devices: Vec::new(),
-        });
+        return Ok(Cell::default());
     };
     let name = path.display().to_string();
-    let text = std::fs::read_to_string(path).map_err(|e| format!("{name}: {e}"))?;
-    Cell::parse(&name, &text).map_err(|errors| format!("the cell is wrong\n{errors}"))
+    let bytes = std::fs::read(path).map_err(|e| format!("{name}: {e}"))?;
+    let text = rpi_driver::utf8(path, &bytes).map_err(|e| e.to_string())?;
+    Cell::parse(&name, text).map_err(|errors| format!("the cell is wrong\n{errors}"))
 }
 
 fn token(path: &Path) -> Result<String, String> {

@@ -26,6 +26,16 @@ pub(crate) struct Script {
     pub(crate) plans: Vec<Plan>,
 }
 
+impl Script {
+    fn needs_devices(&self) -> bool {
+        let needs = |image: &Arc<Image>| {
+            let ports = image.sensors.len() + image.actuators.len() + image.functions.len();
+            ports > 0
+        };
+        self.images.iter().any(needs)
+    }
+}
+
 /// Makes images of what is to be run: the command or task that was named, else the only task, else the only command.
 pub(crate) fn script(compiled: &Compiled, target: &Target, lower: Lower) -> Result<Script, String> {
     if let Program::Image(image) = &compiled.program {
@@ -35,7 +45,7 @@ pub(crate) fn script(compiled: &Compiled, target: &Target, lower: Lower) -> Resu
     if let Some(task) = task(&compiled.tasks, target.command.as_deref()) {
         return of_task(task, nets, |net| lower(net, period));
     }
-    let net = program::choose(nets, target.command.as_deref())?;
+    let net = program::choose(nets, &compiled.tasks, target.command.as_deref())?;
     once(lower(net, period)?)
 }
 
@@ -122,12 +132,13 @@ fn of_image(image: &Image, target: &Target) -> Result<Image, String> {
     }
 }
 
-/// The cell that was named, or the one beside the program.
-pub(crate) fn cell(program: &Path, target: &Target) -> Result<Cell, String> {
+/// The cell that was named, or the one beside the program; one without devices for what needs none.
+pub(crate) fn cell(program: &Path, target: &Target, script: &Script) -> Result<Cell, String> {
     let beside = program.with_file_name("cell.toml");
     let path = match &target.cell {
         Some(path) => path.as_path(),
         None if beside.is_file() => beside.as_path(),
+        None if !script.needs_devices() => return Ok(Cell::default()),
         None => {
             return Err(
                 "which cell? There is no cell.toml beside the program; say --cell FILE".into(),
@@ -135,8 +146,9 @@ pub(crate) fn cell(program: &Path, target: &Target) -> Result<Cell, String> {
         }
     };
     let name = path.display().to_string();
-    let text = std::fs::read_to_string(path).map_err(|e| format!("{name}: {e}"))?;
-    Cell::parse(&name, &text).map_err(|errors| format!("the cell is wrong\n{errors}"))
+    let bytes = std::fs::read(path).map_err(|e| format!("{name}: {e}"))?;
+    let text = rpi_driver::utf8(path, &bytes).map_err(|e| e.to_string())?;
+    Cell::parse(&name, text).map_err(|errors| format!("the cell is wrong\n{errors}"))
 }
 
 /// Ticks after which a run is cut off.

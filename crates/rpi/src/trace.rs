@@ -27,7 +27,7 @@ fn record(args: &TraceArgs) -> Outcome {
     let script = target::script(&compiled, &args.target, |net, period| {
         rpi_driver::lower_to_look(net, period)
     })?;
-    let cell = target::cell(&args.source, &args.target)?;
+    let cell = target::cell(&args.source, &args.target, &script)?;
     let tick_ns = script.images.first().map_or(1, |image| image.period_ns);
     let mut text = Vec::new();
     let mut traced = Traced::new(&mut text, 0)?;

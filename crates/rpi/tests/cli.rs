@@ -73,6 +73,63 @@ fn a_replay_that_differs_ends_with_1_and_says_where() {
 }
 
 #[test]
+fn what_needs_no_device_needs_no_cell() {
+    let dir = folder();
+    let file = path(&dir, "alone.rpi");
+    let text = "command Alone () let finish done when true; tel\n";
+    std::fs::write(&file, text).unwrap();
+    let output = rpi(&["run", &file]);
+    assert_eq!(output.status.code(), Some(0), "{}", err(&output));
+    let output = rpi(&["run", &file, "--command", "Alne"]);
+    assert!(err(&output).contains("Alone"), "{}", err(&output));
+}
+
+#[test]
+fn a_missing_device_is_told_once_with_those_that_are_there() {
+    let dir = folder();
+    let examples = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../examples/first");
+    let described = std::fs::read_to_string(examples.join("cell.toml")).unwrap();
+    let cell = path(&dir, "other.toml");
+    std::fs::write(&cell, described.replace("[devices.arm]", "[devices.lwr]")).unwrap();
+    let program = examples.join("first.rpi").display().to_string();
+    let said = err(&rpi(&["run", &program, "--cell", &cell]));
+    assert_eq!(said.matches("no device `arm`").count(), 1, "{said}");
+    assert!(said.contains("the cell has lwr"), "{said}");
+}
+
+#[test]
+fn options_that_mean_nothing_are_refused() {
+    let (dir, trace) = (folder(), "small.trace");
+    let net = path(&dir, "small.rpinet");
+    for tolerance in ["nan", "inf", "-1", "x"] {
+        let flag = format!("--tolerance={tolerance}");
+        let output = rpi(&["replay", &net, "--trace", &path(&dir, trace), &flag]);
+        assert_eq!(output.status.code(), Some(2), "{tolerance}");
+    }
+    assert_eq!(rpi(&["run", &net, "--cycles", "0"]).status.code(), Some(2));
+    let both = rpi(&["run", &net, "--record", "both.csv", "--plot", "both.csv"]);
+    assert!(err(&both).contains("a file each"), "{}", err(&both));
+}
+
+#[test]
+fn what_is_no_text_is_named() {
+    let dir = folder();
+    let net = path(&dir, "small.rpinet");
+    let binary = path(&dir, "binary.trace");
+    std::fs::write(&binary, [0xff, 0xfe, b'a', 0]).unwrap();
+    let trace = err(&rpi(&["replay", &net, "--trace", &binary]));
+    assert!(
+        trace.contains("binary.trace") && trace.contains("no text"),
+        "{trace}"
+    );
+    let cell = err(&rpi(&["run", &net, "--cell", &binary]));
+    assert!(
+        cell.contains("binary.trace") && cell.contains("UTF-16"),
+        "{cell}"
+    );
+}
+
+#[test]
 fn the_period_matters() {
     let dir = folder();
     let args = [

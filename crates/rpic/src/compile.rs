@@ -8,7 +8,7 @@ use rpi_net::Net;
 
 use crate::args::{CompileArgs, Drawing, Form, GraphArgs, ImportArgs};
 use crate::check::{has_errors, show};
-use crate::outcome::{Exit, Outcome, put};
+use crate::outcome::{Exit, Outcome, put_result};
 
 /// Writes an image, or shows a form.
 pub(crate) fn compile(args: &CompileArgs) -> Outcome {
@@ -20,7 +20,7 @@ pub(crate) fn compile(args: &CompileArgs) -> Outcome {
         _ => None,
     };
     if let Some(text) = text {
-        put(args.output.as_deref(), text.as_bytes())?;
+        put_result(&args.file, args.output.as_deref(), text.as_bytes())?;
         return Ok(Exit::Good);
     }
     let compiled = rpi_driver::compile(&input)?;
@@ -57,14 +57,14 @@ fn show_form(form: Form, net: &Net, compiled: &Compiled, args: &CompileArgs) -> 
         // Shown before there is a net.
         Form::Tokens | Form::Ast | Form::Typed => String::new(),
     };
-    put(args.output.as_deref(), text.as_bytes())?;
+    put_result(&args.file, args.output.as_deref(), text.as_bytes())?;
     Ok(Exit::Good)
 }
 
 fn write_image(net: &Net, input: &Input, args: &CompileArgs) -> Outcome {
     let image = rpi_driver::lower_to_run(net, args.period)?;
     let path = args.output.clone().unwrap_or_else(|| beside(input, "rpib"));
-    put(Some(&path), &image.to_bytes())?;
+    put_result(&args.file, Some(&path), &image.to_bytes())?;
     eprintln!("wrote {}", path.display());
     Ok(Exit::Good)
 }
@@ -108,7 +108,7 @@ pub(crate) fn import(args: &ImportArgs) -> Outcome {
         return Ok(Exit::Found);
     }
     let text = rpi_driver::import::to_program(one(&compiled, None)?);
-    put(args.output.as_deref(), text.as_bytes())?;
+    put_result(&args.file, args.output.as_deref(), text.as_bytes())?;
     Ok(Exit::Good)
 }
 
@@ -124,6 +124,6 @@ pub(crate) fn graph(args: &GraphArgs) -> Outcome {
         Drawing::Dot => draw::dot(net),
         Drawing::Mermaid => draw::mermaid(net),
     };
-    put(args.output.as_deref(), text.as_bytes())?;
+    put_result(&args.file, args.output.as_deref(), text.as_bytes())?;
     Ok(Exit::Good)
 }

@@ -29,6 +29,21 @@ impl From<Exit> for ExitCode {
 /// A task's end; the error text is for people.
 pub(crate) type Outcome = Result<Exit, Box<dyn std::error::Error>>;
 
+/// Writes what was made of `source` like [`put`]; refuses to overwrite it.
+pub(crate) fn put_result(
+    source: &Path,
+    output: Option<&Path>,
+    bytes: &[u8],
+) -> Result<(), Box<dyn std::error::Error>> {
+    if let Some(path) = output
+        && let (Ok(old), Ok(new)) = (source.canonicalize(), path.canonicalize())
+        && old == new
+    {
+        return Err(format!("{}: this is the input; it would be lost", path.display()).into());
+    }
+    put(output, bytes)
+}
+
 /// Writes to a file, or to standard output without one. A reader that closes the pipe early is no error.
 pub(crate) fn put(output: Option<&Path>, bytes: &[u8]) -> Result<(), Box<dyn std::error::Error>> {
     match output {

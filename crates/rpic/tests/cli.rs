@@ -71,6 +71,30 @@ fn a_ring_is_drawn_and_ends_with_1() {
 }
 
 #[test]
+fn a_result_does_not_replace_what_it_is_made_of() {
+    let (_dir, path) = file("late.rpi", PROGRAM);
+    for args in [
+        ["compile", "--emit=ast", &path, "-o", &path],
+        ["compile", "--emit=tokens", &path, "-o", &path],
+    ] {
+        let output = rpic(&args);
+        assert_eq!(output.status.code(), Some(2));
+        assert!(
+            err(&output).contains("this is the input"),
+            "{}",
+            err(&output)
+        );
+    }
+    let (_dir, net) = file("clock.rpinet", NET);
+    for task in ["compile", "import", "graph"] {
+        let output = rpic(&[task, &net, "-o", &net]);
+        assert_eq!(output.status.code(), Some(2), "{task}: {}", err(&output));
+    }
+    assert_eq!(std::fs::read_to_string(&path).unwrap(), PROGRAM);
+    assert_eq!(std::fs::read_to_string(&net).unwrap(), NET);
+}
+
+#[test]
 fn findings_come_in_the_form_that_was_asked_for() {
     let (_dir, path) = file("ring.rpi", WRONG);
     let form = |name| out(&rpic(&["check", "--format", name, &path]));

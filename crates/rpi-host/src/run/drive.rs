@@ -104,7 +104,12 @@ fn outcome(
 ) -> Result<Outcome, Failure> {
     host.listen(listener.sink);
     if let Some((command, faults)) = host.books.failed {
-        return Err(Failure::Loading { command, faults });
+        return Err(Failure::Loading {
+            command,
+            faults,
+            // None is missing, or the run would not have begun.
+            devices: Vec::new(),
+        });
     }
     Ok(Outcome {
         commands: host

@@ -48,6 +48,9 @@ pub struct Limits {
     pub planning_ns: u64,
 }
 
+/// The most faults that are printed for a command: a device of a wrong kind lacks every port that is used.
+const MAX_FAULTS: usize = 8;
+
 /// Why a run could not begin.
 #[derive(Debug)]
 pub enum Failure {
@@ -65,6 +68,8 @@ pub enum Failure {
         command: String,
         /// Every reason.
         faults: Vec<LoadFault>,
+        /// The devices that the cell has.
+        devices: Vec<String>,
     },
 }
 
@@ -75,11 +80,30 @@ impl fmt::Display for Failure {
             Failure::Periods => f.write_str("commands that follow one another need one period"),
             Failure::Plan(what) => f.write_str(what),
             Failure::Setting(bad) => write!(f, "{bad}"),
-            Failure::Loading { command, faults } => {
+            Failure::Loading {
+                command,
+                faults,
+                devices,
+            } => {
                 write!(f, "{command} cannot run in this cell:")?;
-                faults.iter().try_for_each(|fault| write!(f, "\n  {fault}"))
+                let mut shown = faults.iter().take(MAX_FAULTS);
+                shown.try_for_each(|fault| write!(f, "\n  {fault}"))?;
+                if let Some(more @ 1..) = faults.len().checked_sub(MAX_FAULTS) {
+                    write!(f, "\n  and {more} more")?;
+                }
+                match faults.iter().any(|f| matches!(f, LoadFault::Device(_))) {
+                    true => write!(f, "\n{}", has(devices)),
+                    false => Ok(()),
+                }
             }
         }
+    }
+}
+
+fn has(devices: &[String]) -> String {
+    match devices {
+        [] => "the cell has no devices".to_owned(),
+        devices => format!("the cell has {}", devices.join(", ")),
     }
 }
 

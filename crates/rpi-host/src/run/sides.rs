@@ -25,7 +25,7 @@ pub(super) fn sides<'a>(job: &Job<'a>, tick_ns: u64) -> Result<(Cycle, Host<'a>)
     let sets = inputs::resolve(job.settings, &images).map_err(Failure::Setting)?;
     let bank = || SimBank::new(job.cell, tick_ns as f64 * 1e-9);
     let (mut plant, mut names) = (bank(), bank());
-    fits(job.images, &mut names)?;
+    fits(job, &mut names)?;
     let (taps, mut channels) = devices::taps(job.cell, &mut plant);
     let flows = flows(job.images, &mut channels);
     let types: Vec<Type> = channels.iter().map(|c| c.ty).collect();
@@ -73,12 +73,13 @@ pub(super) fn sides<'a>(job: &Job<'a>, tick_ns: u64) -> Result<(Cycle, Host<'a>)
 }
 
 /// Loads every command once to see that it fits.
-fn fits(images: &[Arc<Image>], names: &mut SimBank) -> Result<(), Failure> {
-    images.iter().try_for_each(|image| {
+fn fits(job: &Job<'_>, names: &mut SimBank) -> Result<(), Failure> {
+    job.images.iter().try_for_each(|image| {
         let loaded = Command::load(Arc::clone(image), names);
         loaded.map(drop).map_err(|faults| Failure::Loading {
             command: image.name.clone(),
             faults,
+            devices: job.cell.devices.iter().map(|d| d.name.clone()).collect(),
         })
     })
 }

@@ -1,7 +1,7 @@
 //! A trace in memory: rows that point into one text.
 
 use std::collections::BTreeMap;
-use std::io::Read;
+use std::io::{ErrorKind, Read};
 use std::ops::Range;
 use std::path::Path;
 
@@ -184,7 +184,10 @@ pub fn read_text(path: &Path) -> Result<String, ReadError> {
     let failed = |e: std::io::Error| ReadError {
         path: path.to_owned(),
         line: None,
-        message: e.to_string(),
+        message: match e.kind() {
+            ErrorKind::InvalidData => "this is no text (not UTF-8)".to_owned(),
+            _ => e.to_string(),
+        },
     };
     let bytes = std::fs::read(path).map_err(failed)?;
     let mut text = String::new();

@@ -24,14 +24,20 @@ impl<'a> Checker<'a> {
             }
             None => {}
         }
-        self.constants.insert(id, Lazy::Busy);
         let decl = self.program.decl(id);
         let DeclKind::Const(def) = decl.kind else {
             return None;
         };
-        let mut body = Body::of_module(self, decl.module);
-        let constant = body.constant_def(def);
-        body.leave();
+        if !self.may_nest("constant", decl.span) {
+            return None;
+        }
+        self.constants.insert(id, Lazy::Busy);
+        let constant = self.nested(|checker| {
+            let mut body = Body::of_module(checker, decl.module);
+            let constant = body.constant_def(def);
+            body.leave();
+            constant
+        });
         self.constants.insert(id, Lazy::Done(constant.clone()));
         constant
     }

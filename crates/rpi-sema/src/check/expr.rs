@@ -12,6 +12,13 @@ use rpi_syntax::ast::{self, Among, ExprKind, Number, Quantity};
 impl<'a> Body<'_, 'a> {
     /// Checks an expression.
     pub(super) fn expr(&mut self, expr: &'a ast::Expr) -> ExprId {
+        self.c.nesting += 1;
+        let id = self.expr_of_kind(expr);
+        self.c.nesting -= 1;
+        id
+    }
+
+    fn expr_of_kind(&mut self, expr: &'a ast::Expr) -> ExprId {
         let span = expr.span;
         match &expr.kind {
             ExprKind::Bool(value) => self.add(Kind::Literal(Leaf::bool(*value)), Ty::Bool, span),

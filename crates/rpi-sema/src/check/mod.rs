@@ -12,6 +12,7 @@
 //! | `body.rs`, `locals.rs`, `order.rs`, `statement.rs`, `targets.rs`, `definitions.rs`, `automaton.rs` | bodies, their flows and equations |
 //! | `expr.rs`, `names.rs`, `ops.rs`, `access.rs`, `compose.rs`, `clocked.rs` | expressions |
 //! | `call.rs`, `args.rs`, `prim.rs`, `special.rs`, `iterate.rs`, `condact.rs` | calls |
+//! | `nesting.rs` | how deep declarations may need one another |
 //! | `report.rs` | words that several of them use |
 //! | `words.rs` | names that are there without a declaration, for others |
 
@@ -32,6 +33,7 @@ mod header;
 mod iterate;
 mod locals;
 mod names;
+mod nesting;
 mod ops;
 mod order;
 mod prim;
@@ -154,6 +156,9 @@ struct Checker<'a> {
     types: Map<String, Lazy<Ty>>,
     headers: Map<String, Option<Rc<Header>>>,
     findings: Vec<Finding>,
+    /// How many expressions and declarations are being checked, each for the sake of the one before.
+    nesting: u32,
+    too_deep: bool,
 }
 
 impl<'a> Checker<'a> {
@@ -169,6 +174,8 @@ impl<'a> Checker<'a> {
             types: Map::default(),
             headers: Map::default(),
             findings: Vec::new(),
+            nesting: 0,
+            too_deep: false,
         }
     }
 

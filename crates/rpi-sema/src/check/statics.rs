@@ -300,9 +300,11 @@ impl<'a> Body<'_, 'a> {
 impl<'a> Checker<'a> {
     /// The declared type of a static value parameter; that of its default where none is declared.
     pub(super) fn static_ty(&mut self, id: DeclId, def: &'a ConstDef, statics: &Statics) -> Ty {
-        let module = self.program.decl(id).module;
-        let unit = crate::typed::Unit::new("".into(), crate::typed::UnitKind::Constant, Span::NONE);
-        let mut body = Body::new(self, module, Rc::new(statics.clone()), unit);
+        self.ty_among(id, def, &Rc::new(statics.clone()))
+    }
+
+    fn ty_among(&mut self, id: DeclId, def: &'a ConstDef, statics: &Rc<Statics>) -> Ty {
+        let mut body = self.signature_body(id, statics);
         body.in_signature = true;
         match (&def.ty, &def.value) {
             (Some(ty), _) => body.ty(ty),
@@ -312,6 +314,13 @@ impl<'a> Checker<'a> {
             }
             (None, None) => Ty::Unknown,
         }
+    }
+
+    /// For what stands in the signature of a declaration, with the static parameters known so far.
+    fn signature_body(&mut self, id: DeclId, statics: &Rc<Statics>) -> Body<'_, 'a> {
+        let module = self.program.decl(id).module;
+        let unit = crate::typed::Unit::new("".into(), crate::typed::UnitKind::Constant, Span::NONE);
+        Body::new(self, module, statics.clone(), unit)
     }
 
     /// Adds defaults for what is not given. The names that are still open are returned.
@@ -324,7 +333,10 @@ impl<'a> Checker<'a> {
             }
             match param {
                 Param::Value(_, def) => {
-                    let value = self.default_static(id, def, statics);
+                    // Lent out, not copied: each default may need all before it.
+                    let known = Rc::new(std::mem::take(statics));
+                    let value = self.default_static(id, def, &known);
+                    *statics = Rc::unwrap_or_clone(known);
                     if value.is_none() && def.value.is_none() {
                         open.push(name.clone());
                     }
@@ -344,14 +356,18 @@ impl<'a> Checker<'a> {
         &mut self,
         id: DeclId,
         def: &'a ConstDef,
-        statics: &Statics,
+        statics: &Rc<Statics>,
     ) -> Option<Static> {
-        let ty = self.static_ty(id, def, statics);
+        let decl = self.program.decl(id);
+        let ty = self.ty_among(id, def, statics);
         let value = def.value.as_ref().filter(|_| tells_apart(&ty))?;
-        let module = self.program.decl(id).module;
-        let unit = crate::typed::Unit::new("".into(), crate::typed::UnitKind::Constant, Span::NONE);
-        let mut body = Body::new(self, module, Rc::new(statics.clone()), unit);
-        let leaves = body.constant_of(value, &ty)?;
+        if !self.may_nest("static parameter", decl.span) {
+            return None;
+        }
+        let leaves = self.nested(|checker| {
+            let mut body = checker.signature_body(id, statics);
+            body.constant_of(value, &ty)
+        })?;
         Some(Static::Value(Constant { ty, leaves }))
     }
 }

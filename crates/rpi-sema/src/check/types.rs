@@ -2,6 +2,7 @@
 
 use super::body::Body;
 use super::locals::Local;
+use super::nesting::is_workable;
 use super::report::{did_you_mean, not_a, unknown};
 use super::statics::Static;
 use super::{Checker, Lazy};
@@ -273,8 +274,11 @@ impl<'a> Checker<'a> {
             }
             None => {}
         }
+        if !self.may_nest("type", self.program.decl(id).span) {
+            return Ty::Unknown;
+        }
         self.types.insert(key.clone(), Lazy::Busy);
-        let ty = self.type_def(id);
+        let ty = self.nested(|checker| checker.type_def(id));
         self.types.insert(key, Lazy::Done(Some(ty.clone())));
         ty
     }
@@ -309,13 +313,26 @@ impl<'a> Body<'_, 'a> {
                 name,
                 values: values.iter().map(|v| v.name.name.clone()).collect(),
             })),
-            Some((TypeKind::Struct(fields), _)) => Ty::Struct(Rc::new(StructTy {
-                name,
-                fields: self.fields(fields),
-                defaults: self.field_defaults(fields),
-            })),
+            Some((TypeKind::Struct(fields), _)) => self.struct_meaning(def, fields),
             Some((_, ty)) => self.ty(ty),
         }
+    }
+
+    fn struct_meaning(&mut self, def: &'a TypeDef, fields: &'a [VarDecl]) -> Ty {
+        let known = self.fields(fields);
+        if !is_workable(&known) {
+            let finding = Finding::new(Code::RPI0011, "the struct is too large").at(
+                def.name.span,
+                "structs in it nest too deeply, or it has too many parts",
+            );
+            self.report(finding);
+            return Ty::Unknown;
+        }
+        Ty::Struct(Rc::new(StructTy {
+            name: def.name.name.clone(),
+            fields: known,
+            defaults: self.field_defaults(fields),
+        }))
     }
 
     fn fields(&mut self, decls: &'a [VarDecl]) -> Vec<Member> {

@@ -4,7 +4,7 @@ use super::expr::leaf_scalars;
 use super::families::Family;
 use super::scope::{Scope, State};
 use super::signal::{Signal, Wire};
-use super::{At, Elab, MAX_DEPTH, Mode, NotConstant};
+use super::{At, Elab, MAX_CALLS, MAX_DEPTH, Mode, NotConstant};
 use crate::typed::{Activation, BlockId, Call, ExprId, Unit, UnitId, UnitKind};
 use rpi_diag::{Code, Finding, Span};
 use rpi_image::{Scalar, Value};
@@ -182,14 +182,18 @@ impl<'u> Elab<'u> {
         span: Span,
     ) -> Wire {
         let unit = &self.units[id.0 as usize];
-        if self.depth >= MAX_DEPTH {
-            return self.too_deep(unit, span);
+        if self.calling.len() >= MAX_DEPTH {
+            return self.too_deep(id, span);
         }
-        self.depth += 1;
+        if self.calls >= MAX_CALLS {
+            return self.too_many_calls(span);
+        }
+        self.calls += 1;
+        self.calling.push(id);
         let outer = (std::mem::take(&mut self.name), self.serial, self.top);
         let result = self.inlined_here(unit, id, args, at, path, span);
         (self.name, self.serial, self.top) = outer;
-        self.depth -= 1;
+        self.calling.pop();
         result
     }
 
@@ -268,17 +272,35 @@ impl<'u> Elab<'u> {
         }
     }
 
-    fn too_deep(&mut self, unit: &Unit, span: Span) -> Wire {
+    /// Calls are nested too deeply: one instance calls itself, or there are too many one in the other.
+    fn too_deep(&mut self, id: UnitId, span: Span) -> Wire {
+        let unit = &self.units[id.0 as usize];
+        let message = match self.calling.contains(&id) {
+            true => format!("`{}` calls itself without end", unit.name),
+            false => format!("calls are nested more than {MAX_DEPTH} deep"),
+        };
+        let finding = Finding::new(Code::RPI1011, message)
+            .at(span, format!("`{}` is called here", unit.name))
+            .also(unit.span, "declared here")
+            .help("a recursion over static parameters ends by `with`");
+        self.refuse(finding, span)
+    }
+
+    fn too_many_calls(&mut self, span: Span) -> Wire {
+        let message = format!("more than {MAX_CALLS} calls are written out for this");
+        let finding = Finding::new(Code::RPI1011, message)
+            .at(span, "one more here")
+            .help("each call has a copy of its own: give a value that is used twice a name");
+        self.refuse(finding, span)
+    }
+
+    /// Reports why there is no net, or no constant; the first reason counts.
+    fn refuse(&mut self, finding: Finding, span: Span) -> Wire {
+        if self.mode == Mode::Constant {
+            return self.fail(NotConstant::Fault(span, finding.message));
+        }
         if self.failure.is_none() {
-            self.findings.push(
-                Finding::new(
-                    Code::RPI1011,
-                    format!("`{}` calls itself without end", unit.name),
-                )
-                .at(span, "called again here")
-                .also(unit.span, "declared here")
-                .help("a recursion over static parameters ends by `with`"),
-            );
+            self.findings.push(finding);
         }
         self.fail(NotConstant::Faulty)
     }

@@ -43,7 +43,7 @@ pub use root::{
 
 use crate::facts::Facts;
 use crate::hash::Map;
-use crate::typed::{ExprId, Leaf, Unit};
+use crate::typed::{ExprId, Leaf, Unit, UnitId};
 use rpi_diag::{Finding, Span};
 use rpi_image::Scalar;
 use rpi_net::{FragmentId, Net, PortRef};
@@ -148,8 +148,10 @@ struct Elab<'u> {
     top: Option<ExprId>,
     /// Number of nodes made for it.
     serial: u32,
-    /// How deep calls are nested.
-    depth: u32,
+    /// The calls that are being written out, each in the one before.
+    calling: Vec<UnitId>,
+    /// How many calls have been written out.
+    calls: usize,
     /// What the test that is elaborated expects.
     expectations: Vec<Expectation>,
     findings: Vec<Finding>,
@@ -159,8 +161,12 @@ struct Elab<'u> {
     watched: Vec<rpi_net::ExportPort>,
 }
 
-/// The deepest nesting of calls; more can only be a recursion without end.
-const MAX_DEPTH: u32 = 400;
+/// The deepest nesting of calls: each level costs stack.
+const MAX_DEPTH: usize = 400;
+
+/// The most calls that are written out for a net or a constant: what only folds makes no nodes, and may still have no
+/// end in sight.
+const MAX_CALLS: usize = 1 << 21;
 
 /// The most nodes of a net.
 const MAX_NODES: usize = 20_000_000;
@@ -184,7 +190,8 @@ impl<'u> Elab<'u> {
             failure: None,
             name: String::new(),
             serial: 0,
-            depth: 0,
+            calling: Vec::new(),
+            calls: 0,
             expectations: Vec::new(),
             findings: Vec::new(),
             watches_claims: false,

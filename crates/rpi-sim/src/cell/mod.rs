@@ -20,7 +20,7 @@ use reader::{Faults, Reader};
 use toml::de::DeTable;
 
 /// The devices of a cell and what they have in common.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Default)]
 pub struct Cell {
     /// What people call it; empty if it was not said.
     pub name: String,

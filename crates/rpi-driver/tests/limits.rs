@@ -1,0 +1,106 @@
+//! Programs that no one writes by hand: whatever their size, they are told so or compile; nothing overflows or hangs.
+
+use std::fmt::Write;
+
+use rpi_diag::Code;
+use rpi_driver::{Input, Kind, compile};
+
+/// The codes of what is found in a program, each once, with the messages.
+fn found(text: &str) -> Vec<(Code, String)> {
+    let input = Input {
+        path: "limits.rpi".into(),
+        kind: Kind::Rpi,
+        bytes: text.as_bytes().to_vec(),
+    };
+    let compiled = compile(&input).expect("programs are read");
+    let said = compiled.findings.into_iter();
+    said.map(|finding| (finding.code, finding.message))
+        .collect()
+}
+
+/// `n` declarations in a row.
+fn row(n: usize, one: impl Fn(usize) -> String) -> String {
+    (0..n).fold(String::new(), |mut text, k| {
+        let _ = writeln!(text, "{}", one(k));
+        text
+    })
+}
+
+/// The messages have one code, and few of them are given.
+fn is_said(text: &str, code: Code) {
+    let found = found(text);
+    assert!((1..20).contains(&found.len()), "{} findings", found.len());
+    assert_eq!(found[0].0, code, "{found:?}");
+}
+
+#[test]
+fn constants_in_reverse_order_cost_no_stack() {
+    let few = row(100, |k| format!("const c{k}: int = c{} + 1;", k + 1)) + "const c100 = 1;\n";
+    assert_eq!(found(&few), []);
+    let many =
+        row(20_000, |k| format!("const c{k}: int = c{} + 1;", k + 1)) + "const c20000 = 1;\n";
+    is_said(&many, Code::RPI0011);
+}
+
+#[test]
+fn constants_in_order_may_be_many() {
+    let many = row(5_000, |k| format!("const c{}: int = c{k} + 1;", k + 1));
+    assert_eq!(found(&format!("const c0 = 1;\n{many}")), []);
+}
+
+#[test]
+fn types_in_reverse_order_cost_no_stack() {
+    let aliases = row(50_000, |k| format!("type T{k} = T{};", k + 1)) + "type T50000 = int;\n";
+    is_said(&aliases, Code::RPI0011);
+}
+
+#[test]
+fn structs_do_not_nest_without_end() {
+    let reverse = row(50_000, |k| {
+        format!("type T{k} = struct {{ a: T{} }};", k + 1)
+    });
+    is_said(&(reverse + "type T50000 = int;\n"), Code::RPI0011);
+    let ordered = row(2_000, |k| {
+        format!("type T{} = struct {{ a: T{k} }};", k + 1)
+    });
+    is_said(&format!("type T0 = int;\n{ordered}"), Code::RPI0011);
+    let doubled = row(60, |k| {
+        format!("type T{} = struct {{ a: T{k}; b: T{k} }};", k + 1)
+    });
+    is_said(&format!("type T0 = int;\n{doubled}"), Code::RPI0011);
+}
+
+#[test]
+fn calls_that_double_are_counted_although_all_folds() {
+    let functions = row(30, |k| {
+        let next = k + 1;
+        format!("function f{k} (x: int) returns (y: int) let y = f{next}(x) + f{next}(x); tel")
+    });
+    let last = "function f30 (x: int) returns (y: int) let y = x; tel\nconst c: int = f0(1);\n";
+    is_said(&(functions + last), Code::RPI2010);
+}
+
+#[test]
+fn calls_in_a_long_row_are_too_deep_and_not_endless() {
+    let nodes = row(500, |k| {
+        let next = k + 1;
+        format!("node f{k} (x: int) returns (y: int) let y = f{next}(x); tel")
+    });
+    let text = nodes
+        + "node f500 (x: int) returns (y: int) let y = x; tel\n\
+           command C () let y = f0(1); export y; finish done when true; tel\n";
+    let found = found(&text);
+    let deep = "calls are nested more than 400 deep";
+    assert!(
+        found.iter().any(|(_, message)| message == deep),
+        "{found:?}"
+    );
+}
+
+#[test]
+fn static_parameters_may_be_many() {
+    let params = row(2_000, |k| format!("; p{}: int = p{k} + 1", k + 1));
+    let node =
+        format!("node f <<p0: int = 1{params}>> (x: int) returns (y: int) let y = x + p2000; tel");
+    assert_eq!(found(&node), []);
+}
