@@ -39,7 +39,7 @@ fn constants_in_reverse_order_cost_no_stack() {
     assert_eq!(found(&few), []);
     let many =
         row(20_000, |k| format!("const c{k}: int = c{} + 1;", k + 1)) + "const c20000 = 1;\n";
-    is_said(&many, Code::RPI0011);
+    is_said(&many, Code::RPI1011);
 }
 
 #[test]
@@ -51,7 +51,7 @@ fn constants_in_order_may_be_many() {
 #[test]
 fn types_in_reverse_order_cost_no_stack() {
     let aliases = row(50_000, |k| format!("type T{k} = T{};", k + 1)) + "type T50000 = int;\n";
-    is_said(&aliases, Code::RPI0011);
+    is_said(&aliases, Code::RPI1011);
 }
 
 #[test]
@@ -59,15 +59,15 @@ fn structs_do_not_nest_without_end() {
     let reverse = row(50_000, |k| {
         format!("type T{k} = struct {{ a: T{} }};", k + 1)
     });
-    is_said(&(reverse + "type T50000 = int;\n"), Code::RPI0011);
+    is_said(&(reverse + "type T50000 = int;\n"), Code::RPI1011);
     let ordered = row(2_000, |k| {
         format!("type T{} = struct {{ a: T{k} }};", k + 1)
     });
-    is_said(&format!("type T0 = int;\n{ordered}"), Code::RPI0011);
+    is_said(&format!("type T0 = int;\n{ordered}"), Code::RPI2009);
     let doubled = row(60, |k| {
         format!("type T{} = struct {{ a: T{k}; b: T{k} }};", k + 1)
     });
-    is_said(&format!("type T0 = int;\n{doubled}"), Code::RPI0011);
+    is_said(&format!("type T0 = int;\n{doubled}"), Code::RPI2009);
 }
 
 #[test]

@@ -24,6 +24,7 @@ const OWNERS: &[(&str, &[&str])] = &[
     ("nalgebra", &["rpi-kin", "rpi-prims", "rpi-sim"]),
     ("petgraph", &["rpi-net", "rpi-sema"]),
     ("rtrb", &["rpi-host", "rpi-serve"]),
+    ("rustc-hash", &["rpi-lower", "rpi-net"]),
     ("serde", &["rpi-diag", "rpi-host"]),
     (
         "serde_json",

@@ -22,7 +22,7 @@ impl Checker<'_> {
         if !may && !std::mem::replace(&mut self.too_deep, true) {
             self.findings.push(
                 Finding::new(
-                    Code::RPI0011,
+                    Code::RPI1011,
                     format!("too many declarations in a row need one another to know this {what}"),
                 )
                 .at(span, "needed at the end of the row")

@@ -321,7 +321,7 @@ impl<'a> Body<'_, 'a> {
     fn struct_meaning(&mut self, def: &'a TypeDef, fields: &'a [VarDecl]) -> Ty {
         let known = self.fields(fields);
         if !is_workable(&known) {
-            let finding = Finding::new(Code::RPI0011, "the struct is too large").at(
+            let finding = Finding::new(Code::RPI2009, "the struct is too large").at(
                 def.name.span,
                 "structs in it nest too deeply, or it has too many parts",
             );
