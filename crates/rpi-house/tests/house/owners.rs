@@ -25,6 +25,7 @@ const OWNERS: &[(&str, &[&str])] = &[
     ("petgraph", &["rpi-net", "rpi-sema"]),
     ("rtrb", &["rpi-host", "rpi-serve"]),
     ("rustc-hash", &["rpi-lower", "rpi-net"]),
+    ("rustix", &["rpi-bench"]),
     ("serde", &["rpi-diag", "rpi-host"]),
     (
         "serde_json",
