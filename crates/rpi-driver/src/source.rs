@@ -13,7 +13,7 @@ use rpi_sema::{Checked, check};
 
 use crate::files::Disk;
 use crate::modules::Modules;
-use crate::tests::{Test, branches};
+use crate::tests::{Test, branches, fragments};
 use crate::violation;
 
 /// What became of a program.
@@ -130,6 +130,7 @@ fn test(unit: &Unit, made: Elaborated) -> Test {
         title: unit.name.to_string(),
         span: unit.span,
         branches: branches(&made.net),
+        fragments: fragments(&made.net),
         net: made.net,
         expectations: made.expectations,
     }

@@ -1,9 +1,9 @@
 //! The tests of a program: what is run for each, and what is watched meanwhile.
 
-use std::collections::BTreeSet;
+use std::collections::{BTreeMap, BTreeSet};
 
 use rpi_diag::Span;
-use rpi_net::{Input, Net};
+use rpi_net::{FragmentId, Input, Net};
 use rpi_sema::elab::Expectation;
 
 /// A test, ready to be run.
@@ -19,6 +19,8 @@ pub struct Test {
     pub expectations: Vec<Expectation>,
     /// The choices that may go either way.
     pub branches: Vec<Branch>,
+    /// Where the fragments of the net stand in the text, by their paths.
+    pub fragments: BTreeMap<String, Span>,
 }
 
 /// An `if` whose condition is not known before the test runs.
@@ -50,4 +52,15 @@ pub(crate) fn branches(net: &Net) -> Vec<Branch> {
         })
         .collect();
     branches.into_iter().collect()
+}
+
+/// Where the fragments of a net stand in the text, by their paths.
+pub(crate) fn fragments(net: &Net) -> BTreeMap<String, Span> {
+    let inner = net.fragment_ids().skip(1);
+    let place = |id| {
+        let fragment = net.fragment(id);
+        let parent = fragment.parent.unwrap_or(FragmentId::ROOT);
+        (net.path(parent, &fragment.name), fragment.origin.span)
+    };
+    inner.map(place).collect()
 }

@@ -174,14 +174,17 @@ fn span(range: TextRange) -> Span {
 /// What all tests of a file together have seen.
 #[derive(Default)]
 struct Seen {
-    fragments: BTreeMap<String, bool>,
+    /// By their places in the text: a path, and whether any instance was active.
+    fragments: BTreeMap<Span, (String, bool)>,
     branches: BTreeMap<Span, [bool; 2]>,
 }
 
 impl Seen {
     fn add(&mut self, test: &Test, report: &Report) {
         for (path, active) in &report.coverage.fragments {
-            *self.fragments.entry(path.clone()).or_default() |= active;
+            let place = test.fragments.get(path).copied().unwrap_or(Span::NONE);
+            let seen = self.fragments.entry(place);
+            seen.or_insert((path.clone(), false)).1 |= active;
         }
         for (branch, ways) in test.branches.iter().zip(&report.coverage.branches) {
             let seen = self.branches.entry(branch.span).or_default();
@@ -190,14 +193,14 @@ impl Seen {
     }
 
     fn text(&self, sources: &SourceMap) -> String {
-        let active = self.fragments.values().filter(|active| **active).count();
+        let active = self.fragments.values().filter(|seen| seen.1).count();
         let ways: usize = self.branches.values().flatten().filter(|way| **way).count();
         let mut text = format!(
             "coverage: {active} of {} fragments, {ways} of {} branches\n",
             self.fragments.len(),
             2 * self.branches.len()
         );
-        for (path, _) in self.fragments.iter().filter(|(_, active)| !**active) {
+        for (path, _) in self.fragments.values().filter(|seen| !seen.1) {
             text.push_str(&format!("  never active: {path}\n"));
         }
         for (span, ways) in &self.branches {

@@ -55,7 +55,7 @@ fn tests_are_chosen_by_title() {
 fn coverage_names_what_was_not_seen() {
     let (_, all) = run(LAMP, &["--coverage"]);
     assert!(
-        all.contains("coverage: 2 of 2 fragments, 2 of 2 branches"),
+        all.contains("coverage: 2 of 2 fragments, 6 of 6 branches"),
         "{all}"
     );
     let (_, part) = run(LAMP, &["--coverage", "--filter", "goes out"]);

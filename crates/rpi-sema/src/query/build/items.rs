@@ -57,8 +57,14 @@ impl<'a> Builder<'a> {
             ItemKind::Task(task) => self.task(at, task),
             ItemKind::Test(test) => {
                 let def = self.define(at, &test.title, DefKind::Test);
+                let results = self.inner(at, def);
                 let body = self.inner(at, def);
                 self.body(body, &test.body);
+                let at = At {
+                    scope: results,
+                    ..at
+                };
+                self.results(at, &test.body);
             }
             ItemKind::Broken(names) => {
                 for declared in names {
