@@ -84,6 +84,9 @@ fn preview(fix: &Fix, sources: &SourceMap, style: Style) -> String {
     out
 }
 
+/// Lines longer than this are not shown again with a fix.
+const LONGEST: u32 = 4000;
+
 /// Whole lines around an edit.
 struct Region {
     span: Span,
@@ -110,6 +113,9 @@ impl Region {
     }
 
     fn draw(&self, edits: &[&Edit], sources: &SourceMap, style: Style) -> String {
+        if self.span.end - self.span.start > LONGEST {
+            return String::new();
+        }
         let old = sources.slice(self.span);
         let new = self.edited(edits, sources);
         let lost = edits.iter().any(|edit| !edit.span.is_empty());

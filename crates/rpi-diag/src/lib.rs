@@ -18,6 +18,7 @@
 
 mod apply;
 mod codes;
+mod cut;
 mod finding;
 mod footer;
 mod format;

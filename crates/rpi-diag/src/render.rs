@@ -1,18 +1,27 @@
 //! Findings for people: headline, snippets, then help, notes and fixes.
 
 use crate::footer::{self, plural};
-use crate::{Finding, Severity, SourceMap, Style, snippet};
+use crate::{Finding, Severity, SourceMap, Style, cut, snippet};
+
+/// Findings that are shown; whoever has more reads the others once these are mended.
+const MOST: usize = 100;
 
 /// Renders findings one after another, and says at the end how many there were.
 ///
 /// One finding reads: `error RPI0001: what is wrong`, the lines of source with the places marked,
-/// then what to do. The order is the caller's.
+/// then what to do. The order is the caller's. Of very many findings the first are shown.
 pub fn render(findings: &[Finding], sources: &SourceMap, style: Style) -> String {
     let mut out = String::new();
-    for finding in findings {
-        out.push_str(&snippet::draw(finding, sources, style));
+    for finding in findings.iter().take(MOST) {
+        out.push_str(&match cut::is_needed(finding, sources) {
+            true => cut::draw(finding, sources, style),
+            false => snippet::draw(finding, sources, style),
+        });
         out.push_str(&footer::draw(finding, sources, style));
         out.push('\n');
+    }
+    if findings.len() > MOST {
+        out.push_str(&format!("and {} more\n\n", findings.len() - MOST));
     }
     out.push_str(&summary(findings));
     out

@@ -280,3 +280,37 @@ fn unknown_forms_are_refused_with_the_known_ones() {
         "{refusal}"
     );
 }
+
+#[test]
+fn of_a_line_without_end_only_what_matters_is_shown() {
+    let text = format!(
+        "{}broken{}",
+        "a = b; ".repeat(100_000),
+        " c = d;".repeat(100_000)
+    );
+    let (sources, file) = source("net.rpinet", &text);
+    let at = find(&sources, file, "broken", 0);
+    let finding = Finding::new(Code::RPI0001, "expected an equation")
+        .at(at, "found this")
+        .fix(Fix::maybe("leave it out").replace(at, ""));
+    let shown = human((sources, vec![finding]));
+    assert!(shown.len() < 600, "{} bytes", shown.len());
+    for part in [
+        "a = b; broken c = d;",
+        "^^^^^^ found this",
+        "net.rpinet:1:700001",
+        "leave it out",
+    ] {
+        assert!(shown.contains(part), "{part} in {shown}");
+    }
+}
+
+#[test]
+fn of_very_many_findings_the_first_are_shown() {
+    let (sources, file) = source("a.rpi", "x");
+    let finding = Finding::new(Code::RPI0001, "again").at(Span::new(file, 0, 1), "here");
+    let shown = human((sources, vec![finding; 250]));
+    assert_eq!(shown.matches("error RPI0001: again").count(), 100);
+    assert!(shown.contains("and 150 more"), "{shown}");
+    assert!(shown.contains("250 errors"), "{shown}");
+}

@@ -1,0 +1,79 @@
+//! Places in lines that are too long to be shown whole: a window around each place, with an ellipsis where text is left
+//! out.
+
+use crate::{Finding, Label, SourceMap, Style};
+
+/// Snippets up to this many bytes are drawn by whole lines.
+const WHOLE: usize = 4000;
+
+/// Characters shown before a place, of it, and behind it.
+const AROUND: usize = 30;
+
+/// Whether what a snippet of the finding shows, a line before and after each place included, is too long.
+pub(crate) fn is_needed(finding: &Finding, sources: &SourceMap) -> bool {
+    let too_long = |label: &Label| {
+        let bytes = sources.text(label.span.file).as_bytes();
+        let (start, end) = sources.clamp(label.span);
+        let before = two_lines(bytes[..start].iter().rev());
+        end - start + before + two_lines(bytes[end..].iter()) > WHOLE
+    };
+    finding.labels.iter().any(too_long)
+}
+
+/// The bytes of two lines, counted no further than it matters.
+fn two_lines<'b>(bytes: impl Iterator<Item = &'b u8>) -> usize {
+    let mut ends = 0;
+    let within = |byte: &&u8| {
+        ends += usize::from(**byte == b'\n');
+        ends < 2
+    };
+    bytes.take(WHOLE + 1).take_while(within).count()
+}
+
+/// The headline, then each place with some of the text around it; each line ended.
+pub(crate) fn draw(finding: &Finding, sources: &SourceMap, style: Style) -> String {
+    let (severity, code) = (finding.severity().as_str(), finding.code);
+    let mut out = format!("{severity} {code}: {}\n", finding.message);
+    for label in finding.labels.iter().filter(|label| !label.span.is_none()) {
+        let name = sources.name(label.span.file);
+        let at = sources.line_col(label.span);
+        out.push_str(&format!(
+            "  [{name}:{at}]\n{}",
+            window(label, sources, style)
+        ));
+    }
+    out
+}
+
+/// The text around a place, and below it the mark with the label's words.
+fn window(label: &Label, sources: &SourceMap, style: Style) -> String {
+    let text = sources.text(label.span.file);
+    let (start, end) = sources.clamp(label.span);
+    let dots = if style.unicode { "…" } else { "..." };
+    let (before, more) = part(text[..start].chars().rev());
+    let lead: String = before.chars().rev().collect();
+    let lead = format!("{}{lead}", if more { dots } else { "" });
+    let (here, cut) = part(text[start..end].chars());
+    let (after, more) = if cut {
+        (String::new(), true)
+    } else {
+        part(text[end..].chars())
+    };
+    let tail = if more { dots } else { "" };
+    let indent = lead.chars().count();
+    let marks = "^".repeat(here.chars().count().max(1));
+    let marked = format!("    {:indent$}{marks} {}", "", label.text);
+    format!("    {lead}{here}{after}{tail}\n{}\n", marked.trim_end())
+}
+
+/// Some characters up to the end of the line, and whether it goes on; what cannot be shown is replaced.
+fn part(chars: impl Iterator<Item = char>) -> (String, bool) {
+    let mut line = chars.take_while(|c| *c != '\n');
+    let shown = line.by_ref().take(AROUND).map(|c| match c {
+        '\t' => ' ',
+        c if c.is_control() => char::REPLACEMENT_CHARACTER,
+        c => c,
+    });
+    let shown = shown.collect();
+    (shown, line.next().is_some())
+}
