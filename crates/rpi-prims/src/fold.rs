@@ -3,7 +3,7 @@
 use crate::cx::{Clock, Cx, FaultCode};
 use crate::registry::PrimId;
 use alloc::vec::Vec;
-use rpi_device::{DeviceBank, PortId, PortName, Refusal, ResolveError};
+use rpi_device::NoDevices;
 use rpi_image::{Role, State, Type, Value};
 
 /// The out-ports of a primitive whose in-ports are all constant. `outputs` are their types, sizes resolved.
@@ -109,35 +109,6 @@ fn results(mut cells: &[u64], outputs: &[Type]) -> Vec<Value> {
         cells = rest;
     }
     values
-}
-
-/// A cell without devices.
-struct NoDevices;
-
-impl DeviceBank for NoDevices {
-    fn resolve(&mut self, _: &PortName<'_>) -> Result<PortId, ResolveError> {
-        Err(ResolveError::NoDevice)
-    }
-    fn resource(&self, _: PortId) -> u32 {
-        0
-    }
-    fn read(&mut self, _: PortId, _: &mut [u64]) -> bool {
-        false
-    }
-    fn check(&mut self, _: PortId, _: &[u64]) -> Refusal {
-        Refusal::DEVICE_FAILED
-    }
-    fn error(&self, _: PortId) -> i64 {
-        0
-    }
-    fn write(&mut self, _: PortId, _: &[u64]) {}
-    fn call(&mut self, _: PortId, _: &[u64], _: &mut [u64]) -> bool {
-        false
-    }
-    fn moving(&self, _: u32) -> bool {
-        false
-    }
-    fn stop(&mut self, _: u32) {}
 }
 
 #[cfg(test)]

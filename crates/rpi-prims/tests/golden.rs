@@ -3,41 +3,14 @@
 
 mod common;
 
-use common::{DT, Rig, get, near, of, reals};
-use rpi_image::{Scalar, Type, Value};
+use common::golden::check;
+use common::{DT, Rig, get, of};
+use rpi_image::Value;
 use rpi_prims::FaultCode;
 use rpi_prims::flow::{Pose, Rotation, Time, Twist, Vector, Wrench};
 use rpi_prims::geometry;
 
 rpi_testkit::trap_allocations!();
-
-/// One line: primitive, inputs, outputs.
-type Line<'a> = (&'a str, &'a [Value], &'a [Value]);
-
-fn check(lines: &[Line<'_>]) {
-    for (name, inputs, outputs) in lines {
-        let mut rig = Rig::new(name, &[]);
-        let given = rig.give(inputs);
-        assert_eq!(rig.fault, None, "{name}");
-        same(name, &given, outputs);
-    }
-}
-
-#[track_caller]
-fn same(name: &str, given: &[Value], wanted: &[Value]) {
-    assert_eq!(given.len(), wanted.len(), "{name}");
-    for (given, wanted) in given.iter().zip(wanted) {
-        assert_eq!(given.ty(), wanted.ty(), "{name}");
-        match wanted.ty() {
-            Some(
-                Type::One(Scalar::Bool | Scalar::Int | Scalar::Time) | Type::Array(Scalar::Bool, _),
-            ) => {
-                assert_eq!(given, wanted, "{name}");
-            }
-            _ => near(&reals(given), &reals(wanted)),
-        }
-    }
-}
 
 #[test]
 fn reals_and_their_functions() {

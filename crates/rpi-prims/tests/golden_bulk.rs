@@ -2,38 +2,11 @@
 
 mod common;
 
-use common::{Rig, array, get, matrix, near, of, reals};
+use common::golden::{check, same};
+use common::{Rig, array, get, matrix, of, reals};
 use rpi_image::{Scalar, Type, Value};
 
 rpi_testkit::trap_allocations!();
-
-/// One line: primitive, inputs, outputs.
-type Line<'a> = (&'a str, &'a [Value], &'a [Value]);
-
-fn check(lines: &[Line<'_>]) {
-    for (name, inputs, outputs) in lines {
-        let mut rig = Rig::new(name, &[]);
-        let given = rig.give(inputs);
-        assert_eq!(rig.fault, None, "{name}");
-        same(name, &given, outputs);
-    }
-}
-
-#[track_caller]
-fn same(name: &str, given: &[Value], wanted: &[Value]) {
-    assert_eq!(given.len(), wanted.len(), "{name}");
-    for (given, wanted) in given.iter().zip(wanted) {
-        assert_eq!(given.ty(), wanted.ty(), "{name}");
-        match wanted.ty() {
-            Some(
-                Type::One(Scalar::Bool | Scalar::Int | Scalar::Time) | Type::Array(Scalar::Bool, _),
-            ) => {
-                assert_eq!(given, wanted, "{name}");
-            }
-            _ => near(&reals(given), &reals(wanted)),
-        }
-    }
-}
 
 const A: [[f64; 3]; 3] = [[2.0, 1.0, 0.0], [1.0, 3.0, 1.0], [0.0, 1.0, 4.0]];
 

@@ -2,7 +2,7 @@
 #![allow(dead_code, unreachable_pub)]
 
 use rpi_core::{Machine, Moment};
-use rpi_device::{DeviceBank, PortId, PortName, Refusal, ResolveError};
+pub use rpi_device::NoDevices;
 use rpi_diag::Span;
 use rpi_image::{Image, Need, Type, Value, desc::ShapeArgs};
 use rpi_lower::LowerOptions;
@@ -10,35 +10,6 @@ use rpi_net::{
     Absent, Activation, Fragment, FragmentId, Input, Net, Node, NodeId, Origin, PortRef, Restart,
 };
 use rpi_prims::PrimId;
-
-/// A cell without devices.
-pub struct NoDevices;
-
-impl DeviceBank for NoDevices {
-    fn resolve(&mut self, _: &PortName<'_>) -> Result<PortId, ResolveError> {
-        Err(ResolveError::NoDevice)
-    }
-    fn resource(&self, _: PortId) -> u32 {
-        0
-    }
-    fn read(&mut self, _: PortId, _: &mut [u64]) -> bool {
-        false
-    }
-    fn check(&mut self, _: PortId, _: &[u64]) -> Refusal {
-        Refusal::NONE
-    }
-    fn error(&self, _: PortId) -> i64 {
-        0
-    }
-    fn write(&mut self, _: PortId, _: &[u64]) {}
-    fn call(&mut self, _: PortId, _: &[u64], _: &mut [u64]) -> bool {
-        false
-    }
-    fn moving(&self, _: u32) -> bool {
-        false
-    }
-    fn stop(&mut self, _: u32) {}
-}
 
 /// A net under construction.
 pub struct Build {

@@ -3,12 +3,11 @@
 // Each test binary uses its part of this.
 #![allow(dead_code)]
 
-mod bank;
+pub(crate) mod golden;
 
-use bank::NoDevices;
 use rpi_image::{ParamType, PortType, Presence, Scalar, ShapeArgs, SizeArgs, State, Type, Value};
 use rpi_prims::operand::Flow;
-use rpi_prims::{Clock, Cx, FaultCode, Prim, PrimId};
+use rpi_prims::{Clock, Cx, FaultCode, NoDevices, Prim, PrimId};
 
 /// Period of the bench, seconds.
 pub(crate) const DT: f64 = 0.01;

@@ -1,8 +1,6 @@
 //! Every primitive against the recorded traces of the reference system, one by one: each node of each recorded net is
 //! fed with the recorded values of its sources and must give the recorded values of its out-ports.
 
-#[path = "../common/bank.rs"]
-mod bank;
 mod bench;
 mod compare;
 mod graph;

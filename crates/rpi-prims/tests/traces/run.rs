@@ -1,6 +1,5 @@
 //! Runs a laid-out net cycle by cycle and compares.
 
-use crate::bank::NoDevices;
 use crate::bench::{Bench, Node, Out, PERIOD, Slot};
 use crate::judge::{Around, judge};
 use crate::report::Report;
@@ -8,7 +7,7 @@ use crate::text;
 use crate::trace::Trace;
 use rpi_image::{CommandFlow, Presence, Role};
 use rpi_prims::differences;
-use rpi_prims::{Clock, Cx, RunFn};
+use rpi_prims::{Clock, Cx, NoDevices, RunFn};
 
 /// What one node remembers besides its state.
 #[derive(Default)]

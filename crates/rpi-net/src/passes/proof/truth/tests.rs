@@ -2,39 +2,9 @@
 
 use super::*;
 use crate::net::{FragmentId, Input, Origin};
-use rpi_device::{DeviceBank, PortId, PortName, Refusal, ResolveError};
 use rpi_diag::Span;
 use rpi_image::{PrimDesc, State};
-use rpi_prims::{Clock, Cx, Prim, PrimId};
-
-/// A bank without devices.
-struct NoDevices;
-
-impl DeviceBank for NoDevices {
-    fn resolve(&mut self, _: &PortName<'_>) -> Result<PortId, ResolveError> {
-        Err(ResolveError::NoDevice)
-    }
-    fn resource(&self, _: PortId) -> u32 {
-        0
-    }
-    fn read(&mut self, _: PortId, _: &mut [u64]) -> bool {
-        false
-    }
-    fn check(&mut self, _: PortId, _: &[u64]) -> Refusal {
-        Refusal::NONE
-    }
-    fn error(&self, _: PortId) -> i64 {
-        0
-    }
-    fn write(&mut self, _: PortId, _: &[u64]) {}
-    fn call(&mut self, _: PortId, _: &[u64], _: &mut [u64]) -> bool {
-        false
-    }
-    fn moving(&self, _: u32) -> bool {
-        false
-    }
-    fn stop(&mut self, _: u32) {}
-}
+use rpi_prims::{Clock, Cx, NoDevices, Prim, PrimId};
 
 /// A primitive with cells of its own: inputs, parameters, output, state, each with its presence behind it.
 struct Bench {

@@ -1,0 +1,33 @@
+//! Primitives by example: lines of inputs and what must come out.
+
+use super::{Rig, near, reals};
+use rpi_image::{Scalar, Type, Value};
+
+/// One line: primitive, inputs, outputs.
+pub(crate) type Line<'a> = (&'a str, &'a [Value], &'a [Value]);
+
+/// Runs each line on a bench of its own.
+pub(crate) fn check(lines: &[Line<'_>]) {
+    for (name, inputs, outputs) in lines {
+        let mut rig = Rig::new(name, &[]);
+        let given = rig.give(inputs);
+        assert_eq!(rig.fault, None, "{name}");
+        same(name, &given, outputs);
+    }
+}
+
+#[track_caller]
+pub(crate) fn same(name: &str, given: &[Value], wanted: &[Value]) {
+    assert_eq!(given.len(), wanted.len(), "{name}");
+    for (given, wanted) in given.iter().zip(wanted) {
+        assert_eq!(given.ty(), wanted.ty(), "{name}");
+        match wanted.ty() {
+            Some(
+                Type::One(Scalar::Bool | Scalar::Int | Scalar::Time) | Type::Array(Scalar::Bool, _),
+            ) => {
+                assert_eq!(given, wanted, "{name}");
+            }
+            _ => near(&reals(given), &reals(wanted)),
+        }
+    }
+}
