@@ -96,22 +96,30 @@ fn marks(svg: &mut Svg, points: &[(f64, (f64, f64))], spells: &[Spell], frame: &
         return;
     };
     let pixel = |p: &(f64, (f64, f64))| frame.at(p.1.0, p.1.1);
+    let mut labelled = Vec::new();
     for (k, spell) in spells.iter().enumerate().skip(1) {
         let at = points.partition_point(|p| p.0 < spell.from);
         let at = pixel(&points[at.min(points.len() - 1)]);
         svg.dot(at, 5.0, hue(k), PAPER);
-        label(
-            svg,
-            frame,
-            at,
-            (-7.0, SOFT_INK),
-            &format!("switch {:.3} s", spell.from),
-        );
+        if is_free(&labelled, at) {
+            let text = format!("switch {:.3} s", spell.from);
+            label(svg, frame, at, (-7.0, SOFT_INK), &text);
+            labelled.push(at);
+        }
     }
     for (point, name) in [(first, "start"), (last, "end")] {
         svg.dot(pixel(point), 4.5, INK, PAPER);
         label(svg, frame, pixel(point), (14.0, INK), name);
     }
+}
+
+/// Whether a text at this point covers none of those before: rounds switch at the same places again and again.
+fn is_free(labelled: &[(f64, f64)], at: (f64, f64)) -> bool {
+    /// Width and height of a text.
+    const TEXT: (f64, f64) = (110.0, 13.0);
+    let apart =
+        |other: &(f64, f64)| (other.0 - at.0).abs() >= TEXT.0 || (other.1 - at.1).abs() >= TEXT.1;
+    labelled.iter().all(apart)
 }
 
 /// A text beside a point, on the side where there is more room.
@@ -154,6 +162,15 @@ mod tests {
         let parts = parts(&points, &[spell(0.0, 3.0), spell(3.0, 6.0)]);
         assert_eq!(parts[0], points[0..3]);
         assert_eq!(parts[1], points[2..6]);
+    }
+
+    #[test]
+    fn texts_do_not_cover_each_other() {
+        let labelled = [(100.0, 100.0)];
+        assert!(!is_free(&labelled, (100.0, 100.0)));
+        assert!(!is_free(&labelled, (150.0, 95.0)));
+        assert!(is_free(&labelled, (100.0, 130.0)));
+        assert!(is_free(&labelled, (300.0, 100.0)));
     }
 
     #[test]
