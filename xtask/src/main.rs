@@ -1,5 +1,6 @@
 //! Chores of the repository: `cargo xtask CHORE`.
 
+mod fuzz;
 mod lustre;
 
 use std::process::ExitCode;
@@ -16,6 +17,11 @@ const CHORES: &[Chore] = &[
         "gen",
         "write the files that are made from the project's tables",
         generate,
+    ),
+    (
+        "fuzz",
+        "fuzz an entry (checker, image, importer, parser, lexer): ENTRY [--seconds N]",
+        fuzz::fuzz,
     ),
     (
         "lustre-corpus",

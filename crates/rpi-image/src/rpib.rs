@@ -20,6 +20,14 @@ pub const VERSION: u16 = 1;
 /// Magic, version and checksum.
 const HEADER: usize = MAGIC.len() + size_of::<u16>() + size_of::<u64>();
 
+/// Writes the checksum that fits the content into the header, if there is a header: for who makes files by other means.
+pub fn seal(file: &mut [u8]) {
+    if let Some((header, content)) = file.split_at_mut_checked(HEADER) {
+        let checksum = Fnv::new().bytes(content).finish();
+        header[MAGIC.len() + size_of::<u16>()..].copy_from_slice(&checksum.to_le_bytes());
+    }
+}
+
 impl Image {
     /// The bytes of a `.rpib` file.
     #[must_use]

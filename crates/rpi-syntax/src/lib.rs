@@ -42,7 +42,7 @@ pub use name::Name;
 pub use parse::parse;
 pub use pieces::{Piece, PieceKind, pieces};
 pub use print::{format, head, print};
-pub use token::{KEYWORDS, Keyword, Place, is_name};
+pub use token::{KEYWORDS, Keyword, Place, is_name, signs};
 
 use rpi_diag::Finding;
 

@@ -117,6 +117,11 @@ macro_rules! tokens {
     (@in_lustre Rpi) => { false };
 }
 
+/// How the signs of the language are written.
+pub fn signs() -> impl Iterator<Item = &'static str> {
+    SIGNS.iter().map(|(_, text)| *text)
+}
+
 tokens! {
     words {
         And       "and"       Both Reserved     "conjunction";

@@ -132,6 +132,19 @@ const EDGES: &[(&str, &[&str])] = &[
         ],
     ),
     (
+        "rpi-fuzz",
+        &[
+            "rpi-core",
+            "rpi-diag",
+            "rpi-driver",
+            "rpi-image",
+            "rpi-net",
+            "rpi-sim",
+            "rpi-syntax",
+            "rpi-testkit",
+        ],
+    ),
+    (
         "rpi-house",
         &[
             "rpi-diag",
@@ -231,7 +244,7 @@ fn the_real_time_side_is_no_std() {
 
 #[test]
 fn only_tests_use_the_test_kit() {
-    let tools = ["rpi-bench", "rpi-house", "xtask"];
+    let tools = ["rpi-bench", "rpi-fuzz", "rpi-house", "xtask"];
     for package in packages()
         .iter()
         .filter(|p| !tools.contains(&p.name.as_str()))

@@ -7,6 +7,7 @@ use rpi_house::packages;
 /// Who uses what in the product. nalgebra's types are the one vocabulary that crosses crates, and
 /// libm the one arithmetic; serde and clap are derives that name no type of theirs in an interface.
 const OWNERS: &[(&str, &[&str])] = &[
+    ("cap", &["rpi-fuzz"]),
     ("clap", &["rpi", "rpic"]),
     ("clap_complete", &["rpi", "rpic"]),
     ("clap_mangen", &["rpi", "rpic"]),
@@ -25,7 +26,7 @@ const OWNERS: &[(&str, &[&str])] = &[
     ("petgraph", &["rpi-net", "rpi-sema"]),
     ("rtrb", &["rpi-host", "rpi-serve"]),
     ("rustc-hash", &["rpi-lower", "rpi-net"]),
-    ("rustix", &["rpi-bench"]),
+    ("rustix", &["rpi-bench", "rpi-fuzz"]),
     ("serde", &["rpi-diag", "rpi-host"]),
     (
         "serde_json",

@@ -65,6 +65,7 @@ const ROOT: &[&str] = &[
     "docs",
     "editor-support",
     "examples",
+    "fuzz",
     "grammar",
     "stdlib",
     "tests",

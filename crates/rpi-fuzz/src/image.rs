@@ -1,0 +1,42 @@
+//! Compiled images: loader.
+
+use rpi_core::{Machine, Moment, catalogue};
+use rpi_image::print::print;
+use rpi_image::{Image, rpib, verify};
+use rpi_sim::{Cell, SimBank};
+
+/// Cycles that an image runs which was accepted.
+const CYCLES: usize = 8;
+
+/// Reads an image, once as it is and once with a checksum that fits, and runs it if it is accepted.
+pub(crate) fn load(input: &[u8]) {
+    let _ = Image::from_bytes(input);
+    let mut sealed = input.to_vec();
+    rpib::seal(&mut sealed);
+    if let Ok(image) = Image::from_bytes(&sealed) {
+        let again = Image::from_bytes(&image.to_bytes());
+        assert_eq!(again.as_ref(), Ok(&image), "written and read again");
+        if verify(&image, &catalogue).is_ok() {
+            assert!(!print(&image, &catalogue).is_empty());
+            run(image);
+        }
+    }
+}
+
+/// What the verifier accepts runs: it may fault, but neither panic nor hang.
+fn run(image: Image) {
+    let Ok(cell) = Cell::parse("cell.toml", "") else {
+        return;
+    };
+    let mut bank = SimBank::new(&cell, 1e-3);
+    let Ok(mut machine) = Machine::load(image, &mut bank) else {
+        return;
+    };
+    for _ in 0..CYCLES {
+        machine.read(&mut bank, &Moment::default());
+        machine.evaluate(&mut bank);
+        machine.commit();
+        machine.hand_over(&mut bank);
+        let _ = machine.verdict(&[]);
+    }
+}

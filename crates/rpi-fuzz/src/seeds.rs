@@ -1,0 +1,110 @@
+//! Inputs to begin with, made from every program of the project: stored once, there.
+
+use std::fs;
+use std::path::Path;
+
+use rpi_driver::{Input, Kind, compile, compile_node, emit, lower_to_run};
+use rpi_net::Net;
+use rpi_testkit::{files_below, workspace_root};
+
+use crate::texts::LUSTRE;
+
+/// An input to begin with.
+#[derive(Clone, Debug)]
+pub struct Seed {
+    /// Where it is from, as a file name.
+    pub name: String,
+    /// The input.
+    pub bytes: Vec<u8>,
+}
+
+/// Folders with programs.
+const FOLDERS: &[&str] = &["examples", "stdlib", "tests", "crates/rpi-diag/pages"];
+/// Folder of the inputs that fuzzers found, one folder for each entry.
+const FOUND: &str = "tests/fuzz";
+/// Larger images slow a fuzzer down and teach it nothing more.
+const LARGEST: usize = 1 << 14;
+
+/// The programs of the project and those on the pages of findings, right and wrong ones.
+pub(crate) fn texts() -> Vec<Seed> {
+    let files = |extension| {
+        let below = |folder: &&str| files_below(folder, &[extension]);
+        FOLDERS.iter().flat_map(below).collect::<Vec<_>>()
+    };
+    let mut seeds: Vec<Seed> = files(".rpi").iter().filter_map(|p| text(p, "")).collect();
+    seeds.extend(files(".lus").iter().filter_map(|p| text(p, LUSTRE)));
+    for page in files(".md").iter().filter_map(|path| text(path, "")) {
+        seeds.extend(blocks(&page));
+    }
+    seeds
+}
+
+/// The nets of all programs that compile, in text form.
+pub(crate) fn nets() -> Vec<Seed> {
+    made(|net| emit::rpinet(net).0.into_bytes())
+}
+
+/// The images of all programs that compile.
+pub(crate) fn images() -> Vec<Seed> {
+    made(|net| lower_to_run(net, 1_000_000).map_or(Vec::new(), |image| image.to_bytes()))
+}
+
+/// Inputs that a fuzzer found, kept for ever.
+#[must_use]
+pub fn found(entry: &str) -> Vec<Seed> {
+    let paths = files_below(&format!("{FOUND}/{entry}"), &[""]);
+    paths.iter().filter_map(|path| text(path, "")).collect()
+}
+
+fn text(path: &Path, before: &str) -> Option<Seed> {
+    let name = path.strip_prefix(workspace_root()).unwrap_or(path);
+    let name = name.display().to_string().replace('/', "-");
+    let mut bytes = before.as_bytes().to_vec();
+    bytes.extend(fs::read(path).ok()?);
+    Some(Seed { name, bytes })
+}
+
+/// The programs between fences on a page.
+fn blocks(page: &Seed) -> Vec<Seed> {
+    let text = String::from_utf8_lossy(&page.bytes).into_owned();
+    let parts = text.split("\n```").skip(1).step_by(2);
+    let code = parts.filter_map(|part| part.split_once('\n'));
+    let seed = |(k, (_, code)): (usize, (&str, &str))| Seed {
+        name: format!("{}-{k}", page.name),
+        bytes: code.as_bytes().to_vec(),
+    };
+    code.enumerate().map(seed).collect()
+}
+
+fn made(form: impl Fn(&Net) -> Vec<u8>) -> Vec<Seed> {
+    let mut seeds = Vec::new();
+    for text in texts() {
+        for (k, net) in nets_of(&text).iter().enumerate() {
+            let (name, bytes) = (format!("{}-{k}", text.name), form(net));
+            if (1..LARGEST).contains(&bytes.len()) {
+                seeds.push(Seed { name, bytes });
+            }
+        }
+    }
+    seeds
+}
+
+fn nets_of(seed: &Seed) -> Vec<Net> {
+    let kind = match seed.bytes.starts_with(LUSTRE.as_bytes()) {
+        true => Kind::Lustre,
+        false => Kind::Rpi,
+    };
+    let input = Input {
+        path: seed.name.clone().into(),
+        kind,
+        bytes: seed.bytes.clone(),
+    };
+    let commands = compile(&input).map_or(Vec::new(), |made| made.nets().to_vec());
+    let node = compile_node(&input, None, false)
+        .ok()
+        .and_then(|made| made.node);
+    commands
+        .into_iter()
+        .chain(node.map(|node| node.net))
+        .collect()
+}
