@@ -1,5 +1,6 @@
 //! A machine with a life: its state, what it holds, how it has ended.
 
+use crate::continuity::Continuity;
 use crate::id::RuleId;
 use crate::lifecycle::{Event, Next, State};
 use crate::load::LoadFault;
@@ -28,6 +29,7 @@ pub struct Command {
     /// What it is told in the current cycle.
     pub(crate) moment: Moment,
     pub(crate) ending: Option<Ending>,
+    pub(crate) continuity: Continuity,
 }
 
 /// An actuator that a command needs.
@@ -63,6 +65,8 @@ pub enum Why {
     EmergencyStop,
     /// Its owner has disappeared.
     ClientLost,
+    /// Another command took over with a jump, which was to stop everything.
+    Discontinuity,
 }
 
 /// How a command has ended.
@@ -120,6 +124,7 @@ impl Command {
             covered: vec![false; results].into(),
             moment: Moment::default(),
             ending: None,
+            continuity: Continuity::default(),
         })
     }
 
@@ -215,6 +220,7 @@ impl Command {
 
     /// Hands its set-points over. A moving actuator that got none is a fault, unless the command ends here anyway.
     pub(crate) fn hand_over(&mut self, bank: &mut dyn DeviceBank) {
+        self.watch_switch();
         if !self.machine.hand_over(bank) && self.ends().is_none() {
             self.machine.lose_control();
         }

@@ -3,9 +3,9 @@
 use crate::load::{LoadFault, check};
 use crate::ports::Ports;
 use crate::program::{Op, Program, copy};
-use rpi_device::DeviceBank;
+use rpi_device::{DeviceBank, Jump};
 use rpi_image::CommandFlow;
-use rpi_image::image::{Cells, End, EndKind, Fragment, Image, Signal, TRUE};
+use rpi_image::image::{Actuator, Cells, End, EndKind, Fragment, Image, Signal, TRUE};
 use rpi_prims::{Clock, Cx, Fault, FaultCode};
 
 use alloc::boxed::Box;
@@ -210,8 +210,28 @@ impl Machine {
 
     /// Makes a missing set-point the fault of this cycle.
     pub(crate) fn lose_control(&mut self) {
-        let code = FaultCode::SetPointMissing;
-        self.fault.get_or_insert(Fault { code, cell: 0 });
+        self.fail(FaultCode::SetPointMissing, 0);
+    }
+
+    /// Lets the first set-points be held against those of who went before.
+    pub(crate) fn join(&mut self) {
+        self.ports.joins = true;
+    }
+
+    /// The set-point of this cycle that does not join, if there is one: by its actuator.
+    pub(crate) fn jump(&self) -> Option<&Actuator> {
+        let (actuator, _) = self.ports.jump?;
+        self.image.actuators.get(actuator)
+    }
+
+    /// As [`Machine::jump`], asked once: what does not join.
+    pub(crate) fn take_jump(&mut self) -> Option<Jump> {
+        self.ports.jump.take().map(|(_, jump)| jump)
+    }
+
+    /// Makes this the fault of this cycle if there is none yet.
+    pub(crate) fn fail(&mut self, code: FaultCode, cell: u32) {
+        self.fault.get_or_insert(Fault { code, cell });
     }
 
     /// Last phase: whether and how it ends with this cycle. `covered` tells for each result whether a successor is

@@ -4,6 +4,8 @@ use crate::command::Ending;
 use crate::commands::Refused;
 use crate::id::{CommandId, RuleId};
 
+use rpi_device::Jump;
+
 use alloc::boxed::Box;
 use alloc::vec;
 
@@ -50,6 +52,13 @@ pub enum Notice {
         command: CommandId,
         /// The actuator.
         resource: u32,
+    },
+    /// The first set-points of a command that took over do not join those before.
+    Jumped {
+        /// Who took over.
+        command: CommandId,
+        /// Where, and by how much.
+        jump: Jump,
     },
     /// A rule is over.
     Rule {

@@ -1,7 +1,8 @@
 //! The device ports of a command: sensors, actuators with their staged set-points, functions.
 
+use crate::continuity::JOINING;
 use crate::load::{LoadFault, resolve};
-use rpi_device::{DeviceBank, PortId, PortKind, Refusal};
+use rpi_device::{DeviceBank, Jump, PortId, PortKind, Refusal};
 use rpi_image::Answer;
 use rpi_image::image::{Actuator, Cells, Image, TRUE};
 use rpi_prims::{Cx, FaultCode};
@@ -18,6 +19,10 @@ pub(crate) struct Ports {
     actuators: Box<[Set]>,
     held: Box<[Held]>,
     buffer: Box<[u64]>,
+    /// Its first set-points follow those of another command.
+    pub(crate) joins: bool,
+    /// The first set-point of this cycle that does not join, with its actuator.
+    pub(crate) jump: Option<(usize, Jump)>,
 }
 
 /// An actuator port of the image.
@@ -69,6 +74,8 @@ impl Ports {
             actuators: Box::default(),
             held: Box::default(),
             buffer: Box::default(),
+            joins: false,
+            jump: None,
         };
         if faults.is_empty() {
             loading.actuators(image, &ports, bank);
@@ -138,6 +145,10 @@ impl Ports {
         let (actuator, set) = (&image.actuators[index], &self.actuators[index]);
         let value = &mut self.buffer[set.at..set.at + set.len];
         gather(cx.cells, &actuator.inputs, value);
+        if self.joins && cx.clock.cycle < JOINING && self.jump.is_none() {
+            let jump = cx.devices.jump(set.port, value);
+            self.jump = jump.map(|jump| (index, jump));
+        }
         let held = &mut self.held[set.moves.clone()];
         let mut refusal = cx.devices.check(set.port, value);
         if held.iter().any(|h| h.claimed) {
@@ -211,7 +222,7 @@ impl Ports {
 }
 
 /// The cell by which messages find an actuator: its first answer, or else its first input.
-fn place(actuator: &Actuator) -> u32 {
+pub(crate) fn place(actuator: &Actuator) -> u32 {
     let answer = actuator.answers.first().map(|a| a.1);
     answer
         .or(actuator.inputs.first().map(|c| c.at))

@@ -105,6 +105,7 @@ impl Core {
         };
         self.begin(place, due, Event::Fire, bank);
         if let Some(entry) = self.entries[place].as_mut() {
+            entry.command.machine.join();
             entry.command.moment.predecessor = predecessor;
         }
     }

@@ -1,10 +1,12 @@
 //! The cycle.
 
-use crate::command::Command;
+use crate::command::{Command, Why};
 use crate::commands::{Core, Entry};
+use crate::continuity::Continuity;
 use crate::id::CommandId;
 use crate::lifecycle::State;
 use crate::machine::Moment;
+use crate::notice::Notice;
 use rpi_device::DeviceBank;
 
 /// Who looks at a command at the end of each of its cycles: recording, publishing, figures.
@@ -77,17 +79,26 @@ impl Core {
     /// Decides once what comes next: who has ended, then which rules fire.
     fn decide(&mut self, bank: &mut dyn DeviceBank) {
         let now = self.tick;
+        let mut stop = false;
         for place in 0..self.entries.len() {
+            let command = self.id(place);
             let entry = self.entries[place].as_mut();
             let Some(entry) = entry.filter(|e| is_due(e, now)) else {
                 continue;
             };
             entry.due += entry.ticks;
+            if let Some(jump) = entry.command.machine.take_jump() {
+                self.notices.push(Notice::Jumped { command, jump });
+                stop |= entry.command.continuity == Continuity::Stop;
+            }
             if let Some(ending) = entry.command.ends() {
                 self.leave(place, ending);
             }
         }
-        self.fire_all(now + 1, bank);
+        match stop {
+            true => self.stop_all(Why::Discontinuity, bank),
+            false => self.fire_all(now + 1, bank),
+        }
     }
 }
 

@@ -2,10 +2,10 @@
 
 mod support;
 
-use rpi_core::{Cause, Refused, State, Why};
+use rpi_core::{Cause, Command, Continuity, Notice, Refused, State, Why};
 use rpi_net::ResultKind;
 use rpi_prims::FaultCode;
-use support::{Axes, ROOT, core, follow, load, mover, mover_flow, over, ticks};
+use support::{Axes, ROOT, core, follow, leaper, load, mover, mover_flow, over, ticks};
 
 rpi_testkit::trap_allocations!();
 
@@ -251,4 +251,54 @@ fn an_empty_net_runs_for_ever() {
     core.start(ids[0], &mut bank).unwrap();
     ticks(&mut core, &mut bank, 100);
     assert_eq!(core.command(ids[0]).unwrap().state(), State::Running);
+}
+
+/// What becomes of a mover on axis 1 and a leaper that takes axis 0 over in motion from tick 4 on, at this tick.
+fn leap(guard: Continuity) -> (Axes, [Option<Cause>; 2], Vec<Notice>) {
+    let mut bank = Axes::new();
+    let nets = [mover(0, 9, 4), mover(1, 50, 100), leaper(0)];
+    let (mut core, ids) = core(&nets, &mut bank);
+    core.command_mut(ids[2]).unwrap().guard(guard);
+    core.start(ids[0], &mut bank).unwrap();
+    core.start(ids[1], &mut bank).unwrap();
+    follow(&mut core, ids[2], ids[0], true, &mut bank).unwrap();
+    while core.next_notice().is_some() {}
+    ticks(&mut core, &mut bank, 5);
+    let cause = |c: &Command| c.ending().map(|e| e.cause);
+    let causes = [ids[2], ids[1]].map(|id| cause(core.command(id).unwrap()));
+    let jumps = std::iter::from_fn(|| core.next_notice());
+    let jumps = jumps
+        .filter(|n| matches!(n, Notice::Jumped { command, .. } if *command == ids[2]))
+        .collect();
+    (bank, causes, jumps)
+}
+
+/// J2: none of its set-points is handed over, the device stops, others run on.
+#[test]
+fn a_successor_that_jumps_is_refused() {
+    let (bank, causes, jumps) = leap(Continuity::Refuse);
+    let Some(Cause::Fault(fault)) = causes[0] else {
+        panic!("{causes:?}");
+    };
+    assert_eq!(fault.code, FaultCode::Discontinuity);
+    assert_eq!((causes[1], jumps.len()), (None, 1));
+    assert_eq!(steps(&bank, 0), [1, 1, 1]);
+    assert_eq!(bank.stops, [1, 0, 0, 0]);
+}
+
+/// J3: everything is stopped.
+#[test]
+fn a_jump_can_stop_everything() {
+    let (bank, causes, jumps) = leap(Continuity::Stop);
+    assert!(matches!(causes[0], Some(Cause::Fault(_))), "{causes:?}");
+    assert_eq!(causes[1], Some(Cause::Aborted(Why::Discontinuity)));
+    assert_eq!((bank.stops, jumps.len()), ([1, 1, 0, 0], 1));
+}
+
+/// J4: it is told, and the device decides.
+#[test]
+fn a_jump_can_be_allowed() {
+    let (bank, causes, jumps) = leap(Continuity::Allow);
+    assert_eq!((causes, jumps.len()), ([None, None], 1));
+    assert_eq!(steps(&bank, 0), [1, 1, 1, 500]);
 }

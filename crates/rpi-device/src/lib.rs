@@ -77,6 +77,30 @@ impl Refusal {
     }
 }
 
+/// What does not join where a set-point follows another one: by backward differences over the actuator's period.
+#[derive(Clone, Copy, PartialEq, Eq, Hash, Debug)]
+pub enum Quantity {
+    /// The position leaves its range.
+    Position,
+    /// The first difference.
+    Velocity,
+    /// The second difference.
+    Acceleration,
+}
+
+/// A set-point that does not join those before it within the limits of its device.
+#[derive(Clone, Copy, PartialEq, Debug)]
+pub struct Jump {
+    /// The actuator.
+    pub resource: u32,
+    /// What breaks its limit.
+    pub quantity: Quantity,
+    /// Its value with this set-point; SI units.
+    pub value: f64,
+    /// The limit of the device; SI units.
+    pub limit: f64,
+}
+
 /// All devices of a cell, as the cycle sees them.
 ///
 /// Values are cells as [`rpi_image::Scalar`] lays them out. Every call is bounded, allocation-free and cannot panic.
@@ -108,6 +132,13 @@ pub trait DeviceBank {
 
     /// Asks whether a set-point would be accepted now, without handing it over.
     fn check(&mut self, port: PortId, value: &[u64]) -> Refusal;
+
+    /// Where this set-point would not join those that the device was given before, within its limits of position,
+    /// velocity and acceleration; whether the device enforces them itself does not matter.
+    fn jump(&self, port: PortId, value: &[u64]) -> Option<Jump> {
+        let _ = (port, value);
+        None
+    }
 
     /// Error code of the device behind a port; 0 if it is well.
     fn error(&self, port: PortId) -> i64;

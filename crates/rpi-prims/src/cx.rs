@@ -36,6 +36,8 @@ pub enum FaultCode {
     DeviceFailed,
     /// A moving actuator got no set-point and was stopped.
     SetPointMissing,
+    /// The first set-point after a switch does not join those before it.
+    Discontinuity,
     /// An assertion or contract does not hold.
     AssertionFailed,
     /// The command itself has asked for an emergency stop.

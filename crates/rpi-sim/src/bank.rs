@@ -10,7 +10,7 @@ use crate::force::ForceSensor;
 use crate::gripper::Gripper;
 use crate::io::Io;
 use core::ops::Range;
-use rpi_device::{DeviceBank, PortId, PortName, Refusal, ResolveError};
+use rpi_device::{DeviceBank, Jump, PortId, PortName, Refusal, ResolveError};
 
 /// The simulated devices of a cell, and the cell's time.
 ///
@@ -72,6 +72,11 @@ fn port(number: PortId) -> (usize, Slot) {
 /// The first number of the actuators of the device in a place: 2^16 for each.
 fn first_resource(place: usize) -> u32 {
     (place as u32) << 16
+}
+
+/// The place of a device and the actuator within it, behind an actuator's number.
+pub(crate) fn split(resource: u32) -> (usize, u32) {
+    ((resource >> 16) as usize, resource & 0xffff)
 }
 
 /// How a device does.
@@ -174,13 +179,15 @@ impl SimBank {
 
     /// The device that an actuator belongs to, and the actuator's number within it.
     fn owner(&self, resource: u32) -> Option<(&dyn Device, u32)> {
-        let part = self.devices.get((resource >> 16) as usize)?.as_ref()?;
-        Some((&*part.device, resource & 0xffff))
+        let (place, own) = split(resource);
+        let part = self.devices.get(place)?.as_ref()?;
+        Some((&*part.device, own))
     }
 
     fn owner_mut(&mut self, resource: u32) -> Option<(&mut dyn Device, u32)> {
-        let part = self.devices.get_mut((resource >> 16) as usize)?.as_mut()?;
-        Some((&mut *part.device, resource & 0xffff))
+        let (place, own) = split(resource);
+        let part = self.devices.get_mut(place)?.as_mut()?;
+        Some((&mut *part.device, own))
     }
 }
 
@@ -232,6 +239,13 @@ impl DeviceBank for SimBank {
             .map_or(Refusal::DEVICE_FAILED, |(device, slot)| {
                 device.check(slot, value)
             })
+    }
+
+    fn jump(&self, number: PortId, value: &[u64]) -> Option<Jump> {
+        let (device, slot) = self.at(number)?;
+        let jump = device.jump(slot, value)?;
+        let resource = first_resource(port(number).0) + jump.resource;
+        Some(Jump { resource, ..jump })
     }
 
     fn error(&self, port: PortId) -> i64 {

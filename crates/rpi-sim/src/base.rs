@@ -7,7 +7,7 @@ use crate::cell::BaseSpec;
 use crate::code::Code;
 use crate::device::{Device, Line, Put, Report, Slot, find, is_actuator, tell, within};
 use core::ops::Range;
-use rpi_device::{PortName, Refusal, ResolveError};
+use rpi_device::{Jump, PortName, Quantity, Refusal, ResolveError};
 use rpi_image::Scalar;
 use rpi_kin::Pose;
 
@@ -231,6 +231,21 @@ impl Device for Base {
                 Refusal::ILLEGAL_VALUE
             }
         }
+    }
+
+    fn jump(&self, _slot: Slot, value: &[u64]) -> Option<Jump> {
+        let (code, value, limit) = self.judge(value).err()?;
+        let quantity = match code {
+            Code::VELOCITY => Quantity::Velocity,
+            Code::ACCELERATION => Quantity::Acceleration,
+            _ => return None,
+        };
+        Some(Jump {
+            resource: 0,
+            quantity,
+            value,
+            limit,
+        })
     }
 
     fn error(&self, _slot: Slot) -> i64 {

@@ -3,7 +3,7 @@
 use crate::code::Code;
 use crate::fault::Fault;
 use core::ops::Range;
-use rpi_device::{PortKind, PortName, Refusal, ResolveError};
+use rpi_device::{Jump, PortKind, PortName, Refusal, ResolveError};
 use rpi_image::{Scalar, Type};
 
 /// A port of one device: its line in the device's table, and which of several equal ones.
@@ -25,6 +25,11 @@ pub(crate) trait Device: Send {
     fn read(&self, slot: Slot, value: &mut [u64]) -> bool;
     /// See [`rpi_device::DeviceBank::check`].
     fn check(&mut self, slot: Slot, value: &[u64]) -> Refusal;
+    /// See [`rpi_device::DeviceBank::jump`].
+    fn jump(&self, slot: Slot, value: &[u64]) -> Option<Jump> {
+        let _ = (slot, value);
+        None
+    }
     /// See [`rpi_device::DeviceBank::error`].
     fn error(&self, slot: Slot) -> i64;
     /// See [`rpi_device::DeviceBank::write`].

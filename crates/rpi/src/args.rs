@@ -3,7 +3,7 @@
 use std::net::SocketAddr;
 use std::path::PathBuf;
 
-use clap::{Args, Parser, Subcommand, value_parser};
+use clap::{Args, Parser, Subcommand, ValueEnum, value_parser};
 use clap_complete::Shell;
 use rpi_host::run::Setting;
 use rpi_serve::OnLoss;
@@ -99,6 +99,9 @@ pub(crate) struct RunArgs {
     /// How long it takes to have the next command ready once one has started.
     #[arg(long, value_parser = rpi_driver::parse_period, value_name = "TIME")]
     pub(crate) planning_time: Option<u64>,
+    /// What happens if a command takes over with a jump of position, velocity or acceleration.
+    #[arg(long, value_name = "POLICY", default_value = "refuse")]
+    pub(crate) on_jump: OnJump,
     /// Record exports and devices: cycle, flow, value; JSON lines for .jsonl, else comma-separated.
     #[arg(long, value_name = "FILE")]
     pub(crate) record: Option<PathBuf>,
@@ -108,6 +111,27 @@ pub(crate) struct RunArgs {
     /// Print what happened as JSON.
     #[arg(long)]
     pub(crate) json: bool,
+}
+
+/// What happens if the first set-points of a command that takes over do not join those before.
+#[derive(ValueEnum, Clone, Copy, PartialEq, Eq, Debug)]
+pub(crate) enum OnJump {
+    /// It ends with a fault before it moves anything; the device stops.
+    Refuse,
+    /// Everything is stopped.
+    Stop,
+    /// It is told; the device may still refuse the set-point.
+    Allow,
+}
+
+impl From<OnJump> for rpi_core::Continuity {
+    fn from(policy: OnJump) -> Self {
+        match policy {
+            OnJump::Refuse => Self::Refuse,
+            OnJump::Stop => Self::Stop,
+            OnJump::Allow => Self::Allow,
+        }
+    }
 }
 
 /// Options of `rpi serve`.

@@ -78,6 +78,7 @@ fn execute(
         } else {
             Pace::Simulated
         },
+        continuity: args.on_jump.into(),
         limits: Limits {
             ticks: target::ticks(&args.target, tick_ns),
             planning_ns: args.planning_time.unwrap_or(0),

@@ -2,6 +2,7 @@
 
 use std::io::{BufWriter, Write};
 
+use rpi_core::Continuity;
 use rpi_driver::Kind;
 use rpi_host::record::{Filter, Traced, copy};
 use rpi_host::run::{self, Job, Limits, Pace};
@@ -36,6 +37,7 @@ fn record(args: &TraceArgs) -> Outcome {
         plans: &script.plans,
         cell: &cell,
         pace: Pace::Simulated,
+        continuity: Continuity::Allow,
         limits: Limits {
             ticks: target::ticks(&args.target, tick_ns),
             planning_ns: 0,

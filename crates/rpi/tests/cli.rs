@@ -223,3 +223,20 @@ fn a_file_that_cannot_be_written_is_named() {
     assert_eq!(output.status.code(), Some(2), "{}", err(&output));
     assert!(err(&output).contains(&target), "{}", err(&output));
 }
+
+/// A command that takes over with a leap is refused, and the message has the figures; where that is allowed, the arm decides.
+#[test]
+fn a_leap_at_a_switch_is_refused_with_its_figures() {
+    let here = Path::new(env!("CARGO_MANIFEST_DIR"));
+    let program = here.join("tests/programs/jump.rpi").display().to_string();
+    let cell = here.join("../../examples/blending/cell.toml");
+    let cell = cell.display().to_string();
+    let leap = "velocity of arm[0] would be 500.0000/s where 1.9635/s is the limit";
+    let refused = rpi(&["run", &program, "--cell", &cell]);
+    assert_eq!(refused.status.code(), Some(3));
+    assert!(out(&refused).contains(leap), "{}", out(&refused));
+    let allowed = rpi(&["run", &program, "--cell", &cell, "--on-jump", "allow"]);
+    let lost = "a moving actuator got no set-point and was stopped";
+    assert!(out(&allowed).contains(leap), "{}", out(&allowed));
+    assert!(out(&allowed).contains(lost), "{}", out(&allowed));
+}

@@ -1,8 +1,8 @@
 //! Four axes and the commands of the histories: what each does in a cycle is set from outside.
 
 use rpi_bench::{Build, twin};
-use rpi_core::Command;
-use rpi_device::{DeviceBank, PortId, PortName, Refusal, ResolveError};
+use rpi_core::{Command, Continuity};
+use rpi_device::{DeviceBank, Jump, PortId, PortName, Quantity, Refusal, ResolveError};
 use rpi_image::{Image, Value};
 use rpi_lower::LowerOptions;
 use rpi_net::{FragmentId, Input, PortRef, ResultKind};
@@ -23,11 +23,16 @@ pub(crate) const KINDS: [(&[u32], u64); 8] = [
     (&[0], 2),
 ];
 
+/// Steps of an axis that differ by more do not join.
+pub(crate) const STEADY: f64 = 1.0;
+
 /// Axes that a history can make fail.
 #[derive(Clone, PartialEq, Debug)]
 pub(crate) struct Axes {
     pub(crate) positions: [f64; AXES],
     pub(crate) moving: [bool; AXES],
+    /// How far each went with its last set-point.
+    pub(crate) steps: [f64; AXES],
     pub(crate) failed: [bool; AXES],
     pub(crate) stops: [u32; AXES],
 }
@@ -37,6 +42,7 @@ impl Axes {
         Axes {
             positions: [0.0; AXES],
             moving: [false; AXES],
+            steps: [0.0; AXES],
             failed: [false; AXES],
             stops: [0; AXES],
         }
@@ -60,12 +66,24 @@ impl DeviceBank for Axes {
             false => Refusal::NONE,
         }
     }
+    fn jump(&self, port: PortId, value: &[u64]) -> Option<Jump> {
+        let axis = port.0 as usize;
+        let step = f64::from_bits(value[0]) - self.positions[axis];
+        let change = step - self.steps[axis];
+        (change.abs() > STEADY).then_some(Jump {
+            resource: port.0,
+            quantity: Quantity::Acceleration,
+            value: change,
+            limit: STEADY,
+        })
+    }
     fn error(&self, port: PortId) -> i64 {
         i64::from(self.failed[port.0 as usize])
     }
     fn write(&mut self, port: PortId, value: &[u64]) {
         let (axis, position) = (port.0 as usize, f64::from_bits(value[0]));
         self.moving[axis] = position != self.positions[axis];
+        self.steps[axis] = position - self.positions[axis];
         self.positions[axis] = position;
     }
     fn call(&mut self, _: PortId, _: &[u64], _: &mut [u64]) -> bool {
@@ -76,6 +94,7 @@ impl DeviceBank for Axes {
     }
     fn stop(&mut self, resource: u32) {
         self.moving[resource as usize] = false;
+        self.steps[resource as usize] = 0.0;
         self.stops[resource as usize] += 1;
     }
 }
@@ -144,9 +163,11 @@ fn drive(b: &mut Build, axis: u32, speed: PortRef) {
     );
 }
 
-pub(crate) fn load(image: &Arc<Image>, bank: &mut Axes) -> Box<Command> {
+pub(crate) fn load(image: &Arc<Image>, guard: Continuity, bank: &mut Axes) -> Box<Command> {
     let loaded = Command::load(Arc::clone(image), bank);
-    Box::new(loaded.unwrap_or_else(|faults| panic!("{faults:?}")))
+    let mut command = loaded.unwrap_or_else(|faults| panic!("{faults:?}"));
+    command.guard(guard);
+    Box::new(command)
 }
 
 /// Sets an input by its key.

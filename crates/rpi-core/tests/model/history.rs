@@ -4,7 +4,9 @@ use std::collections::BTreeMap;
 use std::sync::{Arc, OnceLock};
 
 use proptest::prelude::*;
-use rpi_core::{CommandId, Core, Fact, Notice, Outcome, Places, Refused, Rule, RuleId, State, Why};
+use rpi_core::{
+    CommandId, Continuity, Core, Fact, Notice, Outcome, Places, Refused, Rule, RuleId, State, Why,
+};
 use rpi_image::Image;
 use rpi_testkit::no_alloc;
 
@@ -18,7 +20,7 @@ const ROOM: usize = 8;
 /// A step of a history. Numbers choose among what there is.
 #[derive(Clone, Debug)]
 pub(crate) enum Op {
-    Load(usize),
+    Load(usize, Continuity),
     Start(usize),
     Schedule(Draft),
     Withdraw(usize),
@@ -102,10 +104,18 @@ fn draft() -> impl Strategy<Value = Draft> {
         })
 }
 
+fn guard() -> impl Strategy<Value = Continuity> {
+    prop_oneof![
+        4 => Just(Continuity::Refuse),
+        1 => Just(Continuity::Stop),
+        4 => Just(Continuity::Allow),
+    ]
+}
+
 pub(crate) fn op() -> impl Strategy<Value = Op> {
     let one = 0usize..6;
     prop_oneof![
-        8 => (0..KINDS.len()).prop_map(Op::Load),
+        8 => (0..KINDS.len(), guard()).prop_map(|(kind, guard)| Op::Load(kind, guard)),
         6 => one.clone().prop_map(Op::Start),
         12 => draft().prop_map(Op::Schedule),
         1 => (0usize..4).prop_map(Op::Withdraw),
@@ -132,6 +142,7 @@ pub(crate) struct Tally {
     failed_rules: u32,
     braked: u32,
     refused: u32,
+    jumped: u32,
 }
 
 impl Tally {
@@ -143,6 +154,7 @@ impl Tally {
         self.failed_rules += other.failed_rules;
         self.braked += other.braked;
         self.refused += other.refused;
+        self.jumped += other.jumped;
     }
 
     /// Of two hundred histories.
@@ -154,6 +166,7 @@ impl Tally {
             && self.failed_rules > 3
             && self.braked > 100
             && self.refused > 500
+            && self.jumped > 10
     }
 }
 
@@ -198,7 +211,7 @@ impl Pair {
 
     pub(crate) fn carry_out(&mut self, op: &Op) {
         match op {
-            Op::Load(kind) => self.load(*kind),
+            Op::Load(kind, guard) => self.load(*kind, *guard),
             Op::Schedule(draft) => self.schedule(draft),
             Op::Ticks(count) => (0..*count).for_each(|_| self.tick()),
             Op::Device { axis, failed } => {
@@ -278,13 +291,13 @@ impl Pair {
         }
     }
 
-    fn load(&mut self, kind: usize) {
+    fn load(&mut self, kind: usize, guard: Continuity) {
         let Some(id) = self.places.take() else {
             return;
         };
-        let command = cell::load(&images()[kind], &mut self.bank);
+        let command = cell::load(&images()[kind], guard, &mut self.bank);
         assert!(self.core.insert_as(id, command).is_ok());
-        self.model.insert(id, kind);
+        self.model.insert(id, kind, guard);
         self.ids.push(id);
     }
 
@@ -356,6 +369,7 @@ impl Pair {
             Notice::Ended { .. } => tally.ended += 1,
             Notice::Orphaned { .. } => tally.given_up += 1,
             Notice::Braked { .. } => tally.braked += 1,
+            Notice::Jumped { .. } => tally.jumped += 1,
             Notice::Rule {
                 outcome: Outcome::Fired,
                 ..

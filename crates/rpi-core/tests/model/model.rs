@@ -4,9 +4,9 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 
-use rpi_core::{Cause, CommandId, Fact, Refused, RuleId, State, Why};
+use rpi_core::{Cause, CommandId, Continuity, Fact, Refused, RuleId, State, Why};
 
-use crate::cell::{Axes, KINDS, end};
+use crate::cell::{Axes, KINDS, STEADY, end};
 use crate::expr::{Expr, Known};
 
 /// How a command has ended.
@@ -43,6 +43,9 @@ impl From<Cause> for How {
 #[derive(Clone, Debug)]
 pub(crate) struct Cmd {
     pub(crate) kind: usize,
+    pub(crate) guard: Continuity,
+    /// It was started by a rule.
+    pub(crate) joins: bool,
     pub(crate) state: State,
     pub(crate) holds: BTreeSet<u32>,
     pub(crate) kept: bool,
@@ -94,6 +97,8 @@ pub(crate) struct Model {
     pub(crate) rules: Vec<(RuleId, Law, Vec<CommandId>)>,
     pub(crate) axes: Axes,
     pub(crate) tick: u64,
+    /// A jump in this tick stops everything.
+    stops: bool,
     pub(crate) room: usize,
     /// Given up for good, to be taken out.
     pub(crate) gone: BTreeSet<CommandId>,
@@ -108,14 +113,17 @@ impl Model {
             rules: Vec::new(),
             axes: Axes::new(),
             tick: 0,
+            stops: false,
             room,
             gone: BTreeSet::new(),
         }
     }
 
-    pub(crate) fn insert(&mut self, id: CommandId, kind: usize) {
+    pub(crate) fn insert(&mut self, id: CommandId, kind: usize, guard: Continuity) {
         let cmd = Cmd {
             kind,
+            guard,
+            joins: false,
             state: State::Ready,
             holds: BTreeSet::new(),
             kept: false,
@@ -225,9 +233,13 @@ impl Model {
 
     /// B5
     pub(crate) fn emergency_stop(&mut self) {
+        self.stop_all(Why::EmergencyStop);
+    }
+
+    fn stop_all(&mut self, why: Why) {
         self.rules.clear();
         for id in self.running() {
-            self.leave(id, How::Aborted(Why::EmergencyStop), -1);
+            self.leave(id, How::Aborted(why), -1);
         }
         self.close();
     }
@@ -451,7 +463,10 @@ impl Model {
             .filter_map(|id| self.commands.get(&id))
             .filter(|c| c.leaving);
         let due = ending.map(|c| c.due).min().unwrap_or(next);
-        law.start.iter().for_each(|s| self.begin(*s, due));
+        for start in &law.start {
+            self.begin(*start, due);
+            self.change(*start, |c| c.joins = true);
+        }
     }
 
     /// S3
@@ -579,6 +594,9 @@ impl Model {
         for id in &due {
             self.ends(*id);
         }
+        if std::mem::take(&mut self.stops) {
+            self.stop_all(Why::Discontinuity);
+        }
         let fires: Vec<RuleId> = self
             .rules
             .iter()
@@ -632,13 +650,16 @@ impl Model {
     /// One cycle up to the hand-over: B3, B4.
     fn cycle(&mut self, id: CommandId, accepted: [bool; 4]) {
         let cmd = self.commands[&id].clone();
-        let fault = cmd.how == end::FAULT;
+        let jumps = self.jumps(&cmd);
+        self.stops |= jumps && cmd.guard == Continuity::Stop;
+        let fault = cmd.how == end::FAULT || jumps && cmd.guard != Continuity::Allow;
         let mut lost = false;
         for &r in cmd.needs() {
             let axis = r as usize;
             if !fault && accepted[axis] {
                 let target = self.axes.positions[axis] + cmd.speed;
                 self.axes.moving[axis] = target != self.axes.positions[axis];
+                self.axes.steps[axis] = target - self.axes.positions[axis];
                 self.axes.positions[axis] = target;
             } else if self.axes.moving[axis] {
                 brake(&mut self.axes, r);
@@ -655,6 +676,13 @@ impl Model {
             // Marked here, ended in the decision.
             self.change(id, |c| c.how = end::FAULT);
         }
+    }
+
+    /// J1
+    fn jumps(&self, cmd: &Cmd) -> bool {
+        let change = |r: &u32| cmd.speed - self.axes.steps[*r as usize];
+        let joining = cmd.joins && cmd.cycles < 2;
+        joining && cmd.needs().iter().any(|r| change(r).abs() > STEADY)
     }
 
     fn verdict(&self, id: CommandId) -> Option<(How, i64)> {
@@ -683,6 +711,7 @@ impl Model {
 
 fn brake(axes: &mut Axes, resource: u32) {
     axes.moving[resource as usize] = false;
+    axes.steps[resource as usize] = 0.0;
     axes.stops[resource as usize] += 1;
 }
 

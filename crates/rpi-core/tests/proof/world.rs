@@ -3,7 +3,7 @@
 use std::hash::{Hash, Hasher};
 use std::sync::{Arc, OnceLock};
 
-use rpi_core::{Cause, CommandId, Core, Notice, Outcome, Rule, State, Why};
+use rpi_core::{Cause, CommandId, Continuity, Core, Notice, Outcome, Rule, State, Why};
 use rpi_image::Image;
 
 use crate::cell::{self, Axes, TICK_NS, end};
@@ -91,7 +91,7 @@ impl World {
     pub(crate) fn new() -> World {
         let (mut core, mut bank) = (Core::with_capacity(COMMANDS, TICK_NS), Axes::new());
         let ids = [0, 1, 2].map(|k| {
-            let command = cell::load(&images()[k], &mut bank);
+            let command = cell::load(&images()[k], Continuity::Refuse, &mut bank);
             core.insert(command)
                 .map_err(|e| e.1)
                 .expect("there is room")

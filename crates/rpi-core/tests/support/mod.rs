@@ -3,7 +3,7 @@
 
 use rpi_bench::{Build, build, twin};
 use rpi_core::{Command, CommandId, Core, Refused, Rule};
-use rpi_device::{DeviceBank, PortId, PortName, Refusal, ResolveError};
+use rpi_device::{DeviceBank, Jump, PortId, PortName, Quantity, Refusal, ResolveError};
 use rpi_image::Value;
 use rpi_lower::LowerOptions;
 use rpi_net::{FragmentId, Input, Net, PortRef, ResultKind};
@@ -16,6 +16,8 @@ pub const ROOT: FragmentId = FragmentId::ROOT;
 pub struct Axes {
     pub positions: [f64; 4],
     pub moving: [bool; 4],
+    /// How far each went with its last set-point.
+    pub steps: [f64; 4],
     /// Set-points by axis, in order, as far as there is room.
     pub log: Vec<(u32, f64)>,
     pub stops: [u32; 4],
@@ -61,12 +63,25 @@ impl DeviceBank for Axes {
             _ => Refusal::NONE,
         }
     }
+    /// A step that differs by more than 2 mm from the one before does not join.
+    fn jump(&self, port: PortId, value: &[u64]) -> Option<Jump> {
+        let axis = port.0 as usize;
+        let step = f64::from_bits(value[0]) - self.positions[axis];
+        let change = step - self.steps[axis];
+        (change.abs() > 2e-3).then_some(Jump {
+            resource: port.0,
+            quantity: Quantity::Acceleration,
+            value: change,
+            limit: 2e-3,
+        })
+    }
     fn error(&self, _: PortId) -> i64 {
         i64::from(self.failed)
     }
     fn write(&mut self, port: PortId, value: &[u64]) {
         let (axis, position) = (port.0 as usize, f64::from_bits(value[0]));
         self.moving[axis] = position != self.positions[axis];
+        self.steps[axis] = position - self.positions[axis];
         self.positions[axis] = position;
         if self.log.len() < self.log.capacity() {
             self.log.push((port.0, position));
@@ -80,6 +95,7 @@ impl DeviceBank for Axes {
     }
     fn stop(&mut self, resource: u32) {
         self.moving[resource as usize] = false;
+        self.steps[resource as usize] = 0.0;
         self.stops[resource as usize] += 1;
     }
 }
@@ -93,6 +109,25 @@ pub fn mover(axis: i64, cycles: u32, yields: u32) -> Net {
     let early = over(&mut b, steps, f64::from(yields) - 0.5);
     b.result("done", ResultKind::Finish, done);
     b.result("early", ResultKind::Yield, early);
+    b.net
+}
+
+/// A command that puts one axis half a metre from where it is, in one step.
+pub fn leaper(axis: i64) -> Net {
+    let mut b = Build::new("Leaper");
+    let params = [
+        ("Robot", Value::Str("arm".into())),
+        ("Axis", Value::int(axis)),
+    ];
+    let place = b.add_with(ROOT, "RobotArm::JointMonitor", &[], &params);
+    let inputs = [Input::Port(place), build::real(0.5)];
+    let target = b.add(ROOT, "Core::DoubleAdd", &inputs);
+    b.add_with(
+        ROOT,
+        "RobotArm::JointPosition",
+        &[Input::Port(target)],
+        &params,
+    );
     b.net
 }
 

@@ -1,6 +1,6 @@
 //! The queues between host and cycle: bounded, and nobody ever waits at them.
 
-use rpi_core::{Command, CommandId, Rule, RuleId, Why};
+use rpi_core::{Command, CommandId, Continuity, Rule, RuleId, Why};
 use rtrb::{Consumer, Producer, RingBuffer};
 
 use super::event::{Event, Ticket};
@@ -17,6 +17,8 @@ pub struct Options {
     pub requests: usize,
     /// Requests that are carried out in one tick at most, so that no flood of them makes a tick long.
     pub requests_per_tick: usize,
+    /// What happens if a command takes over with a jump.
+    pub continuity: Continuity,
 }
 
 impl Default for Options {
@@ -26,6 +28,7 @@ impl Default for Options {
             commands: 64,
             requests: 256,
             requests_per_tick: 16,
+            continuity: Continuity::default(),
         }
     }
 }

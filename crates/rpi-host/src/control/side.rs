@@ -3,7 +3,9 @@
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
-use rpi_core::{Command, CommandId, Ending, Fact, Notice, Places, Rule, RuleId, State, Why};
+use rpi_core::{
+    Command, CommandId, Continuity, Ending, Fact, Notice, Places, Rule, RuleId, State, Why,
+};
 use rpi_device::DeviceBank;
 use rpi_image::image::End;
 use rpi_image::{Image, Scalar, Type};
@@ -39,6 +41,7 @@ pub struct Control {
     /// Rules that are with the cycle.
     rules: usize,
     most_rules: usize,
+    continuity: Continuity,
     buffer: Vec<u64>,
     samples_lost: u64,
 }
@@ -58,6 +61,7 @@ impl Control {
             tickets: 0,
             rules: 0,
             most_rules: options.rules(),
+            continuity: options.continuity,
             buffer: Vec::new(),
             samples_lost: 0,
         }
@@ -68,7 +72,8 @@ impl Control {
     /// # Errors
     /// If it cannot run in this cell, with every reason, or there is no room.
     pub fn load(&mut self, image: Arc<Image>) -> Result<CommandId, Rejected> {
-        let command = Command::load(image, &mut *self.names).map_err(Rejected::Loading)?;
+        let mut command = Command::load(image, &mut *self.names).map_err(Rejected::Loading)?;
+        command.guard(self.continuity);
         self.adopt(Box::new(command))
     }
 
@@ -315,7 +320,7 @@ impl Control {
             Notice::Cancelling { command } => (command, State::Cancelling),
             Notice::Ended { command, .. } => (command, State::Terminated),
             Notice::Orphaned { command, .. } => (command, State::Ready),
-            Notice::Braked { .. } | Notice::Rule { .. } => return,
+            Notice::Braked { .. } | Notice::Jumped { .. } | Notice::Rule { .. } => return,
         };
         let Some(info) = self.commands.get_mut(&command) else {
             return;

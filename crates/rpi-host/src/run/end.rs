@@ -1,9 +1,11 @@
 //! How commands end, in words.
 
 use rpi_core::{Cause, Ending, Refused};
+use rpi_device::{Jump, Quantity};
 use rpi_image::Image;
 use rpi_image::image::{End, EndKind, EndResult};
 use rpi_prims::FaultCode;
+use rpi_sim::Cell;
 
 use super::outcome::RunEnd;
 
@@ -46,12 +48,34 @@ fn result(result: Option<&EndResult>, number: i64) -> RunEnd {
     }
 }
 
+/// A set-point that does not join, in words.
+pub(super) fn jump(jump: &Jump, cell: &Cell) -> String {
+    let (what, unit) = match jump.quantity {
+        Quantity::Position => ("position", ""),
+        Quantity::Velocity => ("velocity", "/s"),
+        Quantity::Acceleration => ("acceleration", "/s^2"),
+    };
+    let (value, limit) = (jump.value, jump.limit);
+    let of = actuator(jump.resource, cell);
+    format!("{what} of {of} would be {value:.4}{unit} where {limit:.4}{unit} is the limit")
+}
+
+/// What people call an actuator.
+fn actuator(resource: u32, cell: &Cell) -> String {
+    match cell.actuator(resource) {
+        Some((device, own)) => format!("{device}[{own}]"),
+        None => format!("actuator {resource}"),
+    }
+}
+
 /// Why the core did not start a command.
-pub(super) fn refused(why: Refused) -> String {
+pub(super) fn refused(why: Refused, cell: &Cell) -> String {
     match why {
         Refused::Unknown => "the core does not know it".to_owned(),
         Refused::State(state) => format!("that does not fit the state {state:?}"),
-        Refused::Held { resource, .. } => format!("actuator {resource} is held by another command"),
+        Refused::Held { resource, .. } => {
+            format!("{} is held by another command", actuator(resource, cell))
+        }
         Refused::Successor => "it would follow itself or start twice".to_owned(),
         Refused::Never => "nothing can start it any more".to_owned(),
         Refused::Condition => "its rule's condition is nested too deeply".to_owned(),
@@ -72,6 +96,7 @@ pub(crate) fn fault_text(code: FaultCode) -> &'static str {
         FaultCode::MissingSample => "a sensor had no sample",
         FaultCode::DeviceFailed => "the device refuses its set-point or has failed",
         FaultCode::SetPointMissing => "a moving actuator got no set-point and was stopped",
+        FaultCode::Discontinuity => "its first set-points do not join those of who went before",
         FaultCode::EmergencyStop => "an emergency stop was demanded",
         FaultCode::AssertionFailed => "an assertion does not hold",
     }

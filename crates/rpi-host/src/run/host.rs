@@ -4,7 +4,9 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
 
 use rpi_core::{CommandId, Ending, LoadFault, Notice};
+use rpi_device::Jump;
 use rpi_image::Image;
+use rpi_sim::Cell;
 
 use super::end;
 use super::inputs::Set;
@@ -31,6 +33,7 @@ pub(super) struct Host<'a> {
 pub(super) struct Desk<'a> {
     pub(super) control: Control,
     pub(super) images: &'a [Arc<Image>],
+    pub(super) cell: &'a Cell,
     /// Values for the inputs of each image.
     pub(super) sets: Vec<Vec<Set>>,
     /// The next tick.
@@ -93,6 +96,7 @@ impl<'a> Books<'a> {
             first_tick: Some(tick),
             cycles: 0,
             end: RunEnd::CutOff,
+            jump: None,
         };
         self.commands.push((Some(id), end));
     }
@@ -101,6 +105,12 @@ impl<'a> Books<'a> {
         if let Some((_, command)) = self.commands.iter_mut().rev().find(|c| c.0 == Some(id)) {
             command.cycles = ending.cycles;
             command.end = end::of(image, ending);
+        }
+    }
+
+    fn jumped(&mut self, id: CommandId, jump: &Jump, cell: &Cell) {
+        if let Some((_, command)) = self.commands.iter_mut().rev().find(|c| c.0 == Some(id)) {
+            command.jump.get_or_insert_with(|| end::jump(jump, cell));
         }
     }
 
@@ -116,6 +126,7 @@ impl<'a> Books<'a> {
             first_tick: None,
             cycles: 0,
             end: RunEnd::Refused { why },
+            jump: None,
         };
         self.commands.push((None, end));
     }
@@ -169,6 +180,7 @@ impl Host<'_> {
                     self.books.started(command, &image, tick);
                 }
             }
+            Notice::Jumped { command, jump } => self.books.jumped(command, &jump, self.desk.cell),
             Notice::Ended {
                 command, ending, ..
             } => {

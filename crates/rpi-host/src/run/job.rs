@@ -4,7 +4,7 @@ use std::fmt;
 use std::sync::Arc;
 use std::time::Duration;
 
-use rpi_core::LoadFault;
+use rpi_core::{Continuity, LoadFault};
 use rpi_image::Image;
 use rpi_sim::Cell;
 
@@ -29,6 +29,8 @@ pub struct Job<'a> {
     pub cell: &'a Cell,
     /// What the ticks follow.
     pub pace: Pace,
+    /// What happens if a command takes over with a jump.
+    pub continuity: Continuity,
     /// When it is cut off.
     pub limits: Limits,
     /// Values for inputs.

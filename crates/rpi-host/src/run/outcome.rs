@@ -48,6 +48,9 @@ pub struct CommandEnd {
     pub cycles: u64,
     /// Its end.
     pub end: RunEnd,
+    /// What did not join when it took over, if something did not.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub jump: Option<String>,
 }
 
 /// How a command ended.

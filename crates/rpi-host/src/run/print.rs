@@ -55,12 +55,15 @@ impl Outcome {
         let seconds = |ticks: u64| ticks as f64 * self.tick_ns as f64 * 1e-9;
         write!(f, "{:width$}  {}", command.name, command.end)?;
         match command.first_tick {
-            None => writeln!(f),
+            None => writeln!(f)?,
             Some(first) => {
                 let (cycles, from) = (command.cycles, seconds(first));
-                writeln!(f, "; {cycles} cycles from {from:.3} s on")
+                writeln!(f, "; {cycles} cycles from {from:.3} s on")?;
             }
         }
+        let jump = command.jump.iter();
+        jump.into_iter()
+            .try_for_each(|jump| writeln!(f, "{:width$}  at the switch the {jump}", ""))
     }
 }
 

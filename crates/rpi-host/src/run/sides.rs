@@ -32,6 +32,7 @@ pub(super) fn sides<'a>(job: &Job<'a>, tick_ns: u64) -> Result<(Cycle, Host<'a>)
     let (tap, drain) = ring(&types);
     let options = Options {
         tick_ns,
+        continuity: job.continuity,
         ..Options::default()
     };
     let (control, executive) = open(plant, Box::new(names), options);
@@ -56,6 +57,7 @@ pub(super) fn sides<'a>(job: &Job<'a>, tick_ns: u64) -> Result<(Cycle, Host<'a>)
     let desk = Desk {
         control,
         images: job.images,
+        cell: job.cell,
         sets,
         now,
         planning: job.limits.planning_ns / tick_ns,

@@ -107,7 +107,7 @@ impl<'a> Task<'a> {
                 Some(cursor) => self.start(cursor, desk, books),
                 None => self.over = true,
             },
-            Some(slot) if slot.refused.is_some() => self.refuse(books),
+            Some(slot) if slot.refused.is_some() => self.refuse(desk, books),
             Some(slot) if slot.ending.is_some() => self.go_on(desk, books),
             Some(_) => self.look_ahead(desk, books),
         }
@@ -128,12 +128,15 @@ impl<'a> Task<'a> {
         }
     }
 
-    fn refuse(&mut self, books: &mut Books<'_>) {
+    fn refuse(&mut self, desk: &Desk<'_>, books: &mut Books<'_>) {
         self.over = true;
         if let Some(slot) = self.running.take()
             && let Some(why) = slot.refused
         {
-            books.not_started(self.plan.command(&slot.cursor), end::refused(why));
+            books.not_started(
+                self.plan.command(&slot.cursor),
+                end::refused(why, desk.cell),
+            );
         }
     }
 

@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use std::sync::mpsc::{Receiver, SyncSender, sync_channel};
 use std::sync::{Arc, Mutex, PoisonError};
 
-use rpi_core::Command;
+use rpi_core::{Command, Continuity};
 use rpi_driver::{Compiled, Input, Program};
 use rpi_image::Image;
 use rpi_net::Net;
@@ -76,8 +76,12 @@ fn load(job: &Job, twin: &Mutex<Twin>) -> Result<Loaded, Vec<String>> {
     let image = Arc::new(image(job)?);
     let mut twin = twin.lock().unwrap_or_else(PoisonError::into_inner);
     let generation = twin.generation;
-    let command = Command::load(Arc::clone(&image), &mut twin.bank)
+    let mut command = Command::load(Arc::clone(&image), &mut twin.bank)
         .map_err(|faults| faults.iter().map(ToString::to_string).collect::<Vec<_>>())?;
+    if job.language == Language::Rpinet {
+        // Nets of the authors' systems are written for control cores without this guard.
+        command.guard(Continuity::Allow);
+    }
     Ok(Loaded {
         command: Box::new(command),
         image,

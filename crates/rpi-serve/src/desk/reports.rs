@@ -88,7 +88,7 @@ impl Desk {
                 }
                 self.unload_if_abandoned(command);
             }
-            Notice::Braked { .. } => {}
+            Notice::Braked { .. } | Notice::Jumped { .. } => {}
             Notice::Rule { rule, outcome } => self.rule_over(
                 rule,
                 match outcome {

@@ -3,11 +3,12 @@
 use super::guard::{State, Violation};
 use super::table::{Act, Line, PORTS, Parameter, Target};
 use super::{Arm, PARAMETERS};
+use crate::cell::Enforced;
 use crate::code::Code;
 use crate::device::{Device, Put, Report, Slot, find, pose_from, spelled_out, within};
 use crate::fault::Fault;
 use core::ops::Range;
-use rpi_device::{PortName, Refusal, ResolveError};
+use rpi_device::{Jump, PortName, Quantity, Refusal, ResolveError};
 use rpi_kin::{MAX_AXES, NoSolution};
 
 impl Arm {
@@ -21,11 +22,12 @@ impl Arm {
         target: Target,
         index: usize,
         value: &[u64],
+        enforced: Enforced,
     ) -> Result<Staged, (Option<usize>, Violation)> {
         let mut staged: Staged = [None; MAX_AXES];
         let mut stage = |axis: usize, position: f64| {
             let period = self.tick * f64::from(self.pace);
-            let judged = self.axes[axis].judge(position, period, self.enforced);
+            let judged = self.axes[axis].judge(position, period, enforced);
             staged[axis] = Some(judged.map_err(|violation| (Some(axis), violation))?);
             Ok(())
         };
@@ -51,7 +53,7 @@ impl Arm {
         {
             return Refusal::DEVICE_FAILED;
         }
-        match self.judge(target, index, value) {
+        match self.judge(target, index, value, self.enforced) {
             Ok(staged) => {
                 self.absolve(&staged);
                 Refusal::NONE
@@ -166,6 +168,23 @@ fn place(parameter: Parameter, index: usize) -> usize {
     }
 }
 
+/// What a switch is held against: jerk would need a third set-point from before it.
+const SMOOTH: Enforced = Enforced {
+    position: true,
+    velocity: true,
+    acceleration: true,
+    jerk: false,
+};
+
+fn quantity_of(code: Code) -> Option<Quantity> {
+    match code {
+        Code::POSITION => Some(Quantity::Position),
+        Code::VELOCITY | Code::DISCONTINUITY => Some(Quantity::Velocity),
+        Code::ACCELERATION => Some(Quantity::Acceleration),
+        _ => None,
+    }
+}
+
 fn code_of(why: NoSolution) -> Code {
     match why {
         NoSolution::OutOfReach => Code::OUT_OF_REACH,
@@ -222,6 +241,20 @@ impl Device for Arm {
         }
     }
 
+    fn jump(&self, slot: Slot, value: &[u64]) -> Option<Jump> {
+        let Some(Act::Move(target)) = Self::line(slot).map(|line| &line.act) else {
+            return None;
+        };
+        let judged = self.judge(*target, usize::from(slot.index), value, SMOOTH);
+        let (axis, Violation { code, value, limit }) = judged.err()?;
+        Some(Jump {
+            resource: axis? as u32,
+            quantity: quantity_of(code)?,
+            value,
+            limit,
+        })
+    }
+
     fn error(&self, slot: Slot) -> i64 {
         let code = match Self::line(slot).map(|line| &line.act) {
             Some(Act::Move(Target::Joint)) => self.axis_code(usize::from(slot.index)),
@@ -236,7 +269,9 @@ impl Device for Arm {
         match Self::line(slot).map(|line| &line.act) {
             Some(Act::Move(target)) => {
                 // Judged again: a bank trusts nobody to have asked before.
-                let staged = self.judge(*target, index, value).unwrap_or_default();
+                let staged = self
+                    .judge(*target, index, value, self.enforced)
+                    .unwrap_or_default();
                 let set = self
                     .axes
                     .iter_mut()

@@ -107,6 +107,13 @@ impl Cell {
         }
     }
 
+    /// What people call an actuator of a bank of these devices: the device, and the number within it.
+    #[must_use]
+    pub fn actuator(&self, resource: u32) -> Option<(&str, u32)> {
+        let (place, own) = crate::bank::split(resource);
+        self.devices.get(place).map(|d| (d.name.as_str(), own))
+    }
+
     /// The kinds of devices and the keys that each of them knows: what the manual has to tell.
     #[must_use]
     pub fn kinds_and_keys() -> Vec<(&'static str, Vec<&'static str>)> {
