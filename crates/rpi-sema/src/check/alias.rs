@@ -4,50 +4,182 @@
 use super::args::Given;
 use super::body::Body;
 use super::call::Callable;
-use super::header::Port;
+use super::header::{Header, Port};
+use super::statics::{Param, Statics, missing};
 use super::types::PortTy;
+use super::{Checker, Constant};
+use crate::program::DeclId;
+use crate::ty::Ty;
 use crate::typed::{Activation, Equation, FlowId, FlowRole, Place, Target};
+use rpi_diag::Span;
 use rpi_syntax::Name;
 use rpi_syntax::ast::{Callee, Ident};
 use std::rc::Rc;
+
+/// The ports of something to call.
+pub(super) struct Ports {
+    pub(super) inputs: Vec<Named>,
+    pub(super) outputs: Vec<Named>,
+}
+
+/// A port by name and type.
+pub(super) struct Named {
+    pub(super) name: Name,
+    pub(super) ty: Ty,
+    span: Span,
+}
+
+impl Named {
+    fn new(name: String, ty: Ty, span: Span) -> Named {
+        Named {
+            name: name.into(),
+            ty,
+            span,
+        }
+    }
+}
+
+impl From<&Port> for Named {
+    fn from(port: &Port) -> Named {
+        Named {
+            name: port.name.clone(),
+            ty: port.ty.clone(),
+            span: port.span,
+        }
+    }
+}
+
+impl Checker<'_> {
+    /// The ports of a callable that lacks static arguments; none if it needs them.
+    fn header_without(
+        &mut self,
+        id: DeclId,
+        statics: Rc<Statics>,
+        open: &[Name],
+        span: Span,
+    ) -> Option<Rc<Header>> {
+        let before = self.findings.len();
+        let header = self.header(id, statics);
+        if open.is_empty() {
+            return header;
+        }
+        let sound = self.findings.len() == before;
+        self.findings.truncate(before);
+        let header = header.filter(|_| sound)?;
+        let ports = header.inputs.iter().enumerate();
+        let lacking = ports.filter(|(_, port)| open.contains(&port.name));
+        let lacking: Vec<(usize, &Port)> = lacking.collect();
+        let unread = lacking.len() == open.len() && self.reads_none(&header, &lacking, span);
+        unread.then(|| header.clone())
+    }
+
+    /// Whether a name stands for itself, through others; each such ring is reported once.
+    pub(super) fn is_ring_of_names(&mut self, id: DeclId, span: Span) -> bool {
+        if self.ringed.contains(&id) {
+            return true;
+        }
+        let is_ring = self.aliases.contains(&id);
+        if is_ring {
+            self.ringed.extend(&self.aliases);
+            self.in_circles("node", &self.program.decl(id).name.clone(), span);
+        }
+        is_ring
+    }
+}
 
 impl<'a> Body<'_, 'a> {
     /// The ports of what the name stands for, as far as nothing fixes them.
     pub(super) fn alias_ports(&mut self, callee: &'a Callee) {
         let callable = self.callable(&callee.name.name, &callee.statics, callee.span);
-        let Some(Callable::Unit(id, statics, fixed)) = callable else {
+        let ports = callable.and_then(|callable| self.ports_of(&callable, callee.span));
+        let Some(ports) = ports else {
             return;
         };
-        let mut statics = (*statics).clone();
-        let open = self.c.complete(id, &mut statics);
-        let is_fixed = |name: &Name| fixed.iter().any(|(fixed, _)| fixed == name);
-        if open.iter().any(|name| !is_fixed(name)) {
-            return;
-        }
-        let Some(header) = self.c.header(id, Rc::new(statics)) else {
-            return;
-        };
-        let given = header.inputs.iter().filter(|port| !is_fixed(&port.name));
-        for port in given {
+        for port in ports.inputs {
             let flow = self.declare_like(port, FlowRole::Input);
             self.unit.inputs.push(flow);
         }
-        for port in &header.outputs {
+        for port in ports.outputs {
             let flow = self.declare_like(port, FlowRole::Output);
             self.unit.outputs.push(flow);
         }
     }
 
-    fn declare_like(&mut self, port: &Port, role: FlowRole) -> FlowId {
+    fn declare_like(&mut self, port: Named, role: FlowRole) -> FlowId {
         let name = Ident {
-            name: port.name.clone(),
+            name: port.name,
             span: port.span,
         };
         let ty = PortTy {
-            ty: port.ty.clone(),
+            ty: port.ty,
             optional: false,
         };
         self.declare_flow(&name, &ty, role)
+    }
+
+    /// The ports of something to call; none where they depend on what it is called with.
+    pub(super) fn ports_of(&mut self, callable: &Callable, span: Span) -> Option<Ports> {
+        match callable {
+            Callable::Unit(id, statics, fixed) => self.ports_of_unit(*id, statics, fixed, span),
+            Callable::Predef(predef) => {
+                let (takes, gives) = predef.signature()?;
+                let inputs = takes.into_iter().zip(1..);
+                let inputs = inputs.map(|(ty, k)| Named::new(format!("i{k}"), ty, span));
+                Some(Ports {
+                    inputs: inputs.collect(),
+                    outputs: vec![Named::new("out".to_owned(), gives, span)],
+                })
+            }
+            Callable::Iteration(iteration) => {
+                let mut ports = self.ports_of(iteration.callee()?, span)?;
+                for ports in [&mut ports.inputs, &mut ports.outputs] {
+                    for (place, port) in ports.iter_mut().enumerate() {
+                        port.ty = iteration.port_type(place, &port.ty);
+                    }
+                }
+                Some(ports)
+            }
+            Callable::Prim(_) | Callable::Op(_) | Callable::Special(_) => None,
+        }
+    }
+
+    fn ports_of_unit(
+        &mut self,
+        id: DeclId,
+        statics: &Statics,
+        fixed: &[(Name, Constant)],
+        span: Span,
+    ) -> Option<Ports> {
+        let mut statics = statics.clone();
+        let is_fixed = |name: &Name| fixed.iter().any(|(fixed, _)| fixed == name);
+        let mut open = self.c.complete(id, &mut statics);
+        open.retain(|name| !is_fixed(name));
+        let params = self.c.params_of(id);
+        let is_type = |name: &Name| {
+            let mut params = params.iter();
+            params.any(|param| matches!(param, Param::Type(_)) && param.name().name == *name)
+        };
+        if open.iter().any(is_type) {
+            // A call will tell.
+            return None;
+        }
+        let header = self.c.header_without(id, Rc::new(statics), &open, span);
+        let Some(header) = header else {
+            let decl = self.c.program.decl(id);
+            let finding = missing(&decl.name, &open, span, decl.span);
+            self.findings.extend((!open.is_empty()).then_some(finding));
+            return None;
+        };
+        let is_given = |port: &&Port| !is_fixed(&port.name) && !open.contains(&port.name);
+        Some(Ports {
+            inputs: header
+                .inputs
+                .iter()
+                .filter(is_given)
+                .map(Named::from)
+                .collect(),
+            outputs: header.outputs.iter().map(Named::from).collect(),
+        })
     }
 
     /// One call, from all in-ports to all out-ports.

@@ -10,6 +10,7 @@ use crate::typed::{ExprId, FlowRole, Kind, UnitKind};
 use rpi_diag::{Code, Finding, Span};
 use rpi_syntax::Name;
 use rpi_syntax::ast::{Arg, Ident};
+use std::rc::Rc;
 
 /// An argument that has been checked.
 #[derive(Clone, Copy)]
@@ -81,7 +82,7 @@ impl<'a> Body<'_, 'a> {
     /// For each port of a callable the argument that is for it.
     pub(super) fn match_ports(
         &mut self,
-        header: &Header,
+        header: &Rc<Header>,
         given: &[Given<'a>],
         span: Span,
     ) -> Option<Vec<Option<ExprId>>> {
@@ -175,14 +176,15 @@ impl<'a> Body<'_, 'a> {
         false
     }
 
-    fn all_given(&mut self, header: &Header, args: &[Option<ExprId>], span: Span) -> bool {
-        let is_open = |(port, arg): (&Port, &Option<ExprId>)| {
-            (arg.is_none() && !port.has_default).then(|| port.name.clone())
-        };
-        let open: Vec<Name> = header.inputs.iter().zip(args).filter_map(is_open).collect();
-        if open.is_empty() {
+    fn all_given(&mut self, header: &Rc<Header>, args: &[Option<ExprId>], span: Span) -> bool {
+        let ports = header.inputs.iter().enumerate().zip(args);
+        let open = ports.filter(|((_, port), arg)| arg.is_none() && !port.has_default);
+        let open: Vec<(usize, &Port)> = open.map(|(port, _)| port).collect();
+        let may_lack = open.iter().all(|(_, port)| port.is_static) && !self.inferring;
+        if open.is_empty() || may_lack && self.c.reads_none(header, &open, span) {
             return true;
         }
+        let open: Vec<Name> = open.iter().map(|(_, port)| port.name.clone()).collect();
         let names = listed(open.iter().map(Name::as_str));
         let finding = Finding::new(
             Code::RPI1010,
@@ -268,13 +270,14 @@ impl<'a> Body<'_, 'a> {
 
 /// The ports that arguments by place are for.
 fn by_place(header: &Header) -> Vec<usize> {
-    let wanted = match header.kind {
-        UnitKind::Command => FlowRole::Param,
-        _ => FlowRole::Input,
+    let wanted = |port: &Port| match (header.kind, port.role) {
+        (UnitKind::Command, role) => role == FlowRole::Param,
+        (_, FlowRole::Param) => !port.is_static,
+        (_, role) => role == FlowRole::Input,
     };
     let ports = header.inputs.iter().enumerate();
     ports
-        .filter(|(_, port)| port.role == wanted)
+        .filter(|(_, port)| wanted(port))
         .map(|(k, _)| k)
         .collect()
 }

@@ -5,13 +5,16 @@ use super::args::Given;
 use super::body::Body;
 use super::header::Header;
 use super::iterate::Iteration;
+use super::predef::Predef;
 use super::report::{not_a, unknown};
 use super::special::{SPECIALS, Special};
 use super::statics::{Static, Statics, missing};
 use super::unit::is_callable;
 use crate::program::{DeclId, DeclKind, Lookup};
 use crate::ty::{Subst, Ty};
-use crate::typed::{self, Activation, ExprId, Kind, UnitKind};
+use crate::typed::{
+    self, Activation, Equation, ExprId, FlowRole, Kind, Optional, Place, Target, UnitKind,
+};
 use rpi_diag::{Code, Finding, Span};
 use rpi_prims::{PrimId, registry};
 use rpi_syntax::Name;
@@ -28,6 +31,8 @@ pub(super) enum Callable {
     Prim(PrimId),
     /// An operator.
     Op(StaticOp),
+    /// An operator by name.
+    Predef(&'static Predef),
     /// A predeclared operator.
     Special(Special),
     /// An iterator with what it iterates.
@@ -42,6 +47,7 @@ impl Callable {
             Callable::Op(StaticOp::Unary(op)) => op.spelling().to_owned(),
             Callable::Op(StaticOp::Binary(op)) => op.spelling().to_owned(),
             Callable::Op(StaticOp::If) => "if".to_owned(),
+            Callable::Predef(predef) => predef.name(),
             Callable::Special(special) => special.name().to_owned(),
             Callable::Iteration(iteration) => iteration.name(),
         }
@@ -155,11 +161,16 @@ impl<'a> Body<'_, 'a> {
         if bound.faulty {
             return None;
         }
-        let module = self.c.program.decl(id).module;
-        let mut body = Body::of_module(self.c, module);
+        let decl = self.c.program.decl(id);
+        if self.c.is_ring_of_names(id, callee.span) {
+            return None;
+        }
+        self.c.aliases.push(id);
+        let mut body = Body::of_module(self.c, decl.module);
         body.statics = Rc::new(bound.statics);
         let callable = body.callable(&callee.name.name, &callee.statics, callee.span);
         body.leave();
+        self.c.aliases.pop();
         callable
     }
 
@@ -184,8 +195,9 @@ impl<'a> Body<'_, 'a> {
     }
 
     fn callee(&mut self, name: &Name, span: Span) -> Callee<'a> {
-        if let Some(Static::Callee(callable)) = self.statics.get(name) {
-            return Callee::Known(callable.clone());
+        if let Some(Static::Callee(callable, misfit)) = self.statics.get(name).cloned() {
+            self.findings.extend(misfit.as_deref().cloned());
+            return Callee::Known(callable);
         }
         match self.c.program.lookup(self.module, name) {
             Lookup::Found(id) => self.callee_decl(id, name, span),
@@ -220,8 +232,8 @@ impl<'a> Body<'_, 'a> {
         if let Some(special) = SPECIALS.iter().find(|special| special.name() == plain) {
             return Callee::Special(*special);
         }
-        if let Some(op) = operator(name) {
-            return Callee::Known(Callable::Op(op));
+        if let Some(operator) = super::predef::operator(name) {
+            return Callee::Known(operator);
         }
         if let Some(prim) = PrimId::of(name) {
             return Callee::Prim(prim);
@@ -301,6 +313,7 @@ impl<'a> Body<'_, 'a> {
             }
             Callable::Prim(prim) => self.registered_plain(*prim, &given, span),
             Callable::Op(op) => self.apply_op(*op, &given, span),
+            Callable::Predef(predef) => self.apply_predef(predef, given, span),
             Callable::Special(special) => self.apply_special(*special, &given, span),
             Callable::Iteration(iteration) => self.iterate(iteration, &given, span),
         }
@@ -411,6 +424,7 @@ impl<'a> Body<'_, 'a> {
         let Some(unit) = self.c.unit(header, span) else {
             return self.fault(span);
         };
+        let args = self.named_clocks(header, args);
         let ty = result_type(header).substituted(subst);
         if let Activation::Condact {
             default: Some(default),
@@ -428,6 +442,43 @@ impl<'a> Body<'_, 'a> {
         self.add(Kind::Call(Box::new(call)), ty, span)
     }
 
+    /// An argument that decides about the clock of another port gets a name, if it has none: clocks are told by names.
+    fn named_clocks(
+        &mut self,
+        header: &Header,
+        mut args: Vec<Option<ExprId>>,
+    ) -> Vec<Option<ExprId>> {
+        if self.inferring {
+            return args;
+        }
+        let deciding = header.inputs.iter().zip(&mut args);
+        for (port, arg) in deciding.filter(|(port, _)| port.decides) {
+            let unnamed = |id: &ExprId| !matches!(self.unit.expr(*id).kind, Kind::Flow(_));
+            if let Some(value) = arg.filter(unnamed) {
+                *arg = Some(self.named(port, value));
+            }
+        }
+        args
+    }
+
+    /// An expression as a flow of its own, called like the port that it is for.
+    fn named(&mut self, port: &super::header::Port, value: ExprId) -> ExprId {
+        let (span, ty) = (self.span_of(value), self.ty_of(value).clone());
+        let name = ast::Ident {
+            name: format!("{}#{}", port.name, self.unit.flows.len()).into(),
+            span,
+        };
+        let flow = self.add_flow(&name, ty.clone(), Optional::Inferred, FlowRole::Local);
+        let place = Place::Flow { flow, at: 0 };
+        let equation = Equation {
+            targets: vec![Target { place, ty, span }],
+            value,
+            span,
+        };
+        self.current().equations.push(equation);
+        self.flow_expr(flow, span)
+    }
+
     fn not_extern(&mut self, header: &Header, span: Span) {
         if let DeclKind::Node(node) = self.c.program.decl(header.decl).kind
             && matches!(node.definition, NodeDef::Extern)
@@ -439,6 +490,19 @@ impl<'a> Body<'_, 'a> {
             .at(span, "nothing here can run it")
             .also(header.span, "declared without a body");
             self.report(finding);
+        }
+    }
+
+    fn apply_predef(&mut self, predef: &Predef, given: Vec<Given<'a>>, span: Span) -> ExprId {
+        let given = self.spread_tuples(given);
+        let (takes, gives) = predef.signature().unwrap_or((Vec::new(), Ty::Unknown));
+        let mut sound = true;
+        for (arg, ty) in given.iter().zip(&takes) {
+            sound &= self.expect(arg.value, ty, &super::report::Wanted::Here);
+        }
+        match sound {
+            true => self.apply_op(predef.op, &given, span),
+            false => self.add(Kind::Fault, gives, span),
         }
     }
 
@@ -474,6 +538,12 @@ impl<'a> Body<'_, 'a> {
         let each = match op {
             BinaryOp::Arrow => typed::Each::Arrow,
             BinaryOp::Coalesce => typed::Each::Coalesce,
+            BinaryOp::Fby => {
+                self.has_state(span);
+                let ty = self.ty_of(b).clone();
+                let before = self.add(Kind::Each(typed::Each::Pre, [b].into()), ty, span);
+                return self.binary_applied(BinaryOp::Arrow, a, before, span);
+            }
             _ => return self.binary_prim(op, a, b, span),
         };
         let ty = self.common_type(a, b, "both sides have one type");
@@ -490,35 +560,4 @@ fn result_type(header: &Header) -> Ty {
         ty: port.ty.clone(),
     };
     Ty::Tuple(header.outputs.iter().map(member).collect())
-}
-
-/// An operator by the name that Lustre V6 gives it: `Lustre::plus`.
-fn operator(name: &str) -> Option<StaticOp> {
-    let plain = name.strip_prefix("Lustre::");
-    let name = plain.or_else(|| matches!(name, "int2real" | "real2int").then_some(name))?;
-    let binary = |op| Some(StaticOp::Binary(op));
-    match name {
-        "plus" | "iplus" | "rplus" => binary(BinaryOp::Add),
-        "minus" | "iminus" | "rminus" => binary(BinaryOp::Sub),
-        "times" | "itimes" | "rtimes" => binary(BinaryOp::Mul),
-        "slash" | "islash" | "rslash" => binary(BinaryOp::Div),
-        "div" => binary(BinaryOp::IntDiv),
-        "mod" => binary(BinaryOp::Mod),
-        "and" => binary(BinaryOp::And),
-        "or" => binary(BinaryOp::Or),
-        "xor" => binary(BinaryOp::Xor),
-        "impl" => binary(BinaryOp::Implies),
-        "eq" => binary(BinaryOp::Eq),
-        "neq" => binary(BinaryOp::Ne),
-        "lt" | "ilt" | "rlt" => binary(BinaryOp::Lt),
-        "lte" | "ilte" | "rlte" => binary(BinaryOp::Le),
-        "gt" | "igt" | "rgt" => binary(BinaryOp::Gt),
-        "gte" | "igte" | "rgte" => binary(BinaryOp::Ge),
-        "not" => Some(StaticOp::Unary(UnaryOp::Not)),
-        "uminus" | "iuminus" | "ruminus" => Some(StaticOp::Unary(UnaryOp::Neg)),
-        "real2int" => Some(StaticOp::Unary(UnaryOp::ToInt)),
-        "int2real" => Some(StaticOp::Unary(UnaryOp::ToReal)),
-        "if" => Some(StaticOp::If),
-        _ => None,
-    }
 }

@@ -41,6 +41,19 @@ impl<'a> Checker<'a> {
         self.constants.insert(id, Lazy::Done(constant.clone()));
         constant
     }
+
+    /// A constant of Lustre by itself: it, or one that it needs, may come from outside as long as no node needs it.
+    pub(super) fn constant_alone(&mut self, id: DeclId) {
+        let before = self.findings.len();
+        self.constant(id);
+        let found = self.findings.split_off(before);
+        let (outside, found): (Vec<_>, Vec<_>) = found.into_iter().partition(is_outside);
+        self.findings.extend(found);
+        if !outside.is_empty() {
+            self.constants
+                .retain(|_, constant| !matches!(constant, Lazy::Done(None)));
+        }
+    }
 }
 
 impl<'a> Body<'_, 'a> {
@@ -48,14 +61,7 @@ impl<'a> Body<'_, 'a> {
     pub(super) fn constant_def(&mut self, def: &'a ast::ConstDef) -> Option<Constant> {
         let declared = def.ty.as_ref().map(|ty| self.ty(ty));
         let Some(value) = &def.value else {
-            let name = &def.names[0];
-            let finding = Finding::new(
-                Code::RPI1009,
-                format!("the constant `{}` has no value", name.name),
-            )
-            .at(name.span, "its value would have to come from outside")
-            .help("give it one: `= ...`");
-            self.report(finding);
+            self.report(no_value(&def.names[0]));
             return None;
         };
         let id = self.expr(value);
@@ -132,6 +138,22 @@ impl<'a> Body<'_, 'a> {
         }
         elab::constant(&self.c.units, &self.unit, id)
     }
+}
+
+const OUTSIDE: &str = "its value would have to come from outside";
+
+fn no_value(name: &ast::Ident) -> Finding {
+    let message = format!("the constant `{}` has no value", name.name);
+    Finding::new(Code::RPI1009, message)
+        .at(name.span, OUTSIDE)
+        .help("give it one: `= ...`")
+}
+
+fn is_outside(finding: &Finding) -> bool {
+    finding
+        .labels
+        .first()
+        .is_some_and(|label| label.text == OUTSIDE)
 }
 
 /// The units that an expression calls.

@@ -37,6 +37,10 @@ pub(super) struct Port {
     pub(super) ty: Ty,
     pub(super) role: FlowRole,
     pub(super) has_default: bool,
+    /// Whether it is declared between `<<` and `>>`.
+    pub(super) is_static: bool,
+    /// Whether it decides about the clock of another port.
+    pub(super) decides: bool,
     pub(super) span: Span,
 }
 
@@ -60,7 +64,9 @@ impl<'a> Checker<'a> {
         let mut body = Body::new(self, module, statics.clone(), unit);
         body.declare_ports(id);
         let unit = body.leave();
-        let ports = |ids: &[FlowId]| ids.iter().map(|id| port(&unit, *id)).collect();
+        let params = self.params_of(id).into_iter();
+        let params: Vec<Name> = params.map(|param| param.name().name.clone()).collect();
+        let ports = |ids: &[FlowId]| ids.iter().map(|id| port(&unit, *id, &params)).collect();
         Some(Header {
             decl: id,
             statics,
@@ -74,13 +80,18 @@ impl<'a> Checker<'a> {
     }
 }
 
-fn port(unit: &Unit, id: FlowId) -> Port {
+fn port(unit: &Unit, id: FlowId, statics: &[Name]) -> Port {
     let flow = unit.flow(id);
     Port {
         name: flow.name.clone(),
         ty: flow.ty.clone(),
         role: flow.role,
         has_default: flow.default.is_some(),
+        is_static: statics.contains(&flow.name),
+        decides: unit
+            .flows
+            .iter()
+            .any(|f| f.clock.is_some_and(|on| on.flow == id)),
         span: flow.span,
     }
 }

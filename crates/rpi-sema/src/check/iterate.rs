@@ -48,6 +48,21 @@ impl Iteration {
     }
 }
 
+impl Iteration {
+    /// What it goes through, element by element.
+    pub(super) fn callee(&self) -> Option<&Callable> {
+        self.callee.as_ref()
+    }
+
+    /// The type of an in-port or out-port, given that of the callee's at the same place.
+    pub(super) fn port_type(&self, place: usize, of_callee: &Ty) -> Ty {
+        match self.way {
+            Way::Fill if place == 0 => of_callee.clone(),
+            _ => Ty::Array(Rc::new(of_callee.clone()), self.size),
+        }
+    }
+}
+
 impl<'a> Body<'_, 'a> {
     /// An iterator and what stands in its `<<...>>`.
     pub(super) fn iteration(

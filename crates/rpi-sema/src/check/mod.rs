@@ -11,7 +11,7 @@
 //! | `types.rs`, `device.rs`, `consts.rs` | types and constants |
 //! | `body.rs`, `locals.rs`, `order.rs`, `statement.rs`, `targets.rs`, `definitions.rs`, `automaton.rs` | bodies, their flows and equations |
 //! | `expr.rs`, `names.rs`, `ops.rs`, `access.rs`, `compose.rs`, `clocked.rs` | expressions |
-//! | `call.rs`, `args.rs`, `prim.rs`, `special.rs`, `iterate.rs`, `condact.rs` | calls |
+//! | `call.rs`, `args.rs`, `prim.rs`, `predef.rs`, `special.rs`, `iterate.rs`, `condact.rs` | calls |
 //! | `nesting.rs` | how deep declarations may need one another |
 //! | `report.rs` | words that several of them use |
 //! | `words.rs` | names that are there without a declaration, for others |
@@ -36,6 +36,7 @@ mod names;
 mod nesting;
 mod ops;
 mod order;
+mod predef;
 mod prim;
 mod report;
 mod special;
@@ -53,7 +54,7 @@ use crate::ty::{Subst, Ty, fit};
 use crate::typed::{Flow, Leaf, Unit, UnitId};
 use header::Header;
 use rpi_diag::Finding;
-use std::collections::{BTreeMap, VecDeque};
+use std::collections::{BTreeMap, BTreeSet, VecDeque};
 use std::rc::Rc;
 
 pub use names::result_identity;
@@ -159,6 +160,10 @@ struct Checker<'a> {
     /// How many expressions and declarations are being checked, each for the sake of the one before.
     nesting: u32,
     too_deep: bool,
+    /// The other names for callables that are being looked up, each for the sake of the one before.
+    aliases: Vec<DeclId>,
+    /// Those that stand for themselves.
+    ringed: BTreeSet<DeclId>,
 }
 
 impl<'a> Checker<'a> {
@@ -176,6 +181,8 @@ impl<'a> Checker<'a> {
             findings: Vec::new(),
             nesting: 0,
             too_deep: false,
+            aliases: Vec::new(),
+            ringed: BTreeSet::new(),
         }
     }
 
@@ -187,8 +194,7 @@ impl<'a> Checker<'a> {
     /// Checks a declaration of the first module by itself; a callable that needs no static arguments gives a unit.
     fn declaration(&mut self, id: DeclId) -> Option<UnitId> {
         match self.program.decl(id).kind {
-            // In Lustre a constant may come from outside, as long as nobody needs it.
-            DeclKind::Const(def) if def.value.is_none() && self.is_lustre(id) => {}
+            DeclKind::Const(_) if self.is_lustre(id) => self.constant_alone(id),
             DeclKind::Const(_) => {
                 self.constant(id);
             }

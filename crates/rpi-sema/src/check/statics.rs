@@ -6,12 +6,13 @@ use super::call::Callable;
 use super::report::{listed, unknown};
 use super::{Checker, Constant};
 use crate::program::{DeclId, DeclKind};
-use crate::ty::Ty;
+use crate::ty::{Subst, Ty, fit};
 use crate::typed::ExprId;
 use rpi_diag::{Code, Finding, Span};
 use rpi_syntax::Name;
 use rpi_syntax::ast::{
-    ConstDef, Expr, ExprKind, Ident, StaticArg, StaticParam, StaticParamKind, StaticValue,
+    ConstDef, Expr, ExprKind, Ident, Signature, StaticArg, StaticParam, StaticParamKind,
+    StaticValue, VarDecl,
 };
 use std::collections::BTreeMap;
 use std::fmt::Write;
@@ -26,8 +27,8 @@ pub(super) enum Static {
     Value(Constant),
     /// A value that is known when the command is loaded: a flow in the body.
     Opaque,
-    /// Something to call.
-    Callee(Callable),
+    /// Something to call, and what is to be said if it is called although its ports are others than the parameter has.
+    Callee(Callable, Option<Rc<Finding>>),
 }
 
 /// The static parameters of a callable, bound.
@@ -41,13 +42,14 @@ pub(super) enum Param<'a> {
     /// `n: int = 3`
     Value(&'a Ident, &'a ConstDef),
     /// `node f (...) returns (...)`
-    Node(&'a Ident),
+    Node(&'a Signature),
 }
 
 impl<'a> Param<'a> {
     pub(super) fn name(&self) -> &'a Ident {
         match self {
-            Param::Type(name) | Param::Value(name, _) | Param::Node(name) => name,
+            Param::Type(name) | Param::Value(name, _) => name,
+            Param::Node(signature) => &signature.name,
         }
     }
 }
@@ -61,7 +63,7 @@ pub(super) fn params<'a>(statics: &'a [StaticParam]) -> Vec<Param<'a>> {
             StaticParamKind::Value(def) => {
                 all.extend(def.names.iter().map(|name| Param::Value(name, def)));
             }
-            StaticParamKind::Node(_, signature) => all.push(Param::Node(&signature.name)),
+            StaticParamKind::Node(_, signature) => all.push(Param::Node(signature)),
         }
     }
     all
@@ -97,7 +99,7 @@ fn write_key(value: &Static, key: &mut String) {
     match value {
         Static::Ty(ty) => key.push_str(&ty.to_string()),
         Static::Opaque => key.push('?'),
-        Static::Callee(callable) => callable.write_key(key),
+        Static::Callee(callable, _) => callable.write_key(key),
         Static::Value(constant) => {
             for leaf in &*constant.leaves {
                 let _ = write!(key, "{:x?},", leaf.cells());
@@ -114,7 +116,7 @@ pub(super) fn display(name: &Name, statics: &Statics) -> Name {
             Some(value) => value.to_string(),
             None => format!("{:?}", leaf.as_bool()),
         }),
-        Static::Callee(callable) => Some(callable.name()),
+        Static::Callee(callable, _) => Some(callable.name()),
         Static::Opaque => None,
     };
     let shown: Vec<String> = statics.values().filter_map(shown).collect();
@@ -206,7 +208,13 @@ impl<'a> Body<'_, 'a> {
         let name = param.name();
         let value = match param {
             Param::Type(_) => self.static_type(arg).map(Static::Ty),
-            Param::Node(_) => self.static_callable(arg).map(Static::Callee),
+            Param::Node(signature) => {
+                let known = bound.statics.clone();
+                self.static_callable(arg).map(|callable| {
+                    let misfit = self.unlike(id, &known, signature, &callable, arg.span);
+                    Static::Callee(callable, misfit.map(Rc::new))
+                })
+            }
             Param::Value(_, def) => {
                 let Some(value) = self.static_expr(arg) else {
                     bound.faulty = true;
@@ -291,6 +299,39 @@ impl<'a> Body<'_, 'a> {
         }
     }
 
+    /// How the ports of something to call differ from those that a static parameter has, as far as both are known.
+    fn unlike(
+        &mut self,
+        id: DeclId,
+        statics: &Statics,
+        signature: &'a Signature,
+        callable: &Callable,
+        span: Span,
+    ) -> Option<Finding> {
+        let ports = self.ports_of(callable, span)?;
+        let wanted = [&signature.inputs, &signature.outputs];
+        for (wanted, given) in wanted.into_iter().zip([&ports.inputs, &ports.outputs]) {
+            let wanted = self
+                .c
+                .types_in(id, statics, wanted.as_deref().unwrap_or_default());
+            if wanted.len() != given.len() {
+                let counts = (wanted.len(), given.len());
+                return Some(wrong_node(signature, span, "number of ports", counts));
+            }
+            for (wanted, given) in wanted.iter().zip(given) {
+                if fit(wanted, &given.ty, &mut Subst::default()).is_err() {
+                    return Some(wrong_node(
+                        signature,
+                        span,
+                        &given.name,
+                        (wanted, &given.ty),
+                    ));
+                }
+            }
+        }
+        None
+    }
+
     /// Something to call, passed as a static argument.
     pub(super) fn static_callee(&mut self, arg: &'a StaticArg) -> Option<Callable> {
         self.static_callable(arg)
@@ -301,6 +342,18 @@ impl<'a> Checker<'a> {
     /// The declared type of a static value parameter; that of its default where none is declared.
     pub(super) fn static_ty(&mut self, id: DeclId, def: &'a ConstDef, statics: &Statics) -> Ty {
         self.ty_among(id, def, &Rc::new(statics.clone()))
+    }
+
+    /// The types of ports in the signature of a declaration, one by one.
+    fn types_in(&mut self, id: DeclId, statics: &Statics, ports: &'a [VarDecl]) -> Vec<Ty> {
+        let mut body = self.signature_body(id, &Rc::new(statics.clone()));
+        body.in_signature = true;
+        let mut types = Vec::new();
+        for port in ports {
+            let ty = body.ty(&port.ty);
+            types.extend(port.names.iter().map(|_| ty.clone()));
+        }
+        types
     }
 
     fn ty_among(&mut self, id: DeclId, def: &'a ConstDef, statics: &Rc<Statics>) -> Ty {
@@ -403,4 +456,20 @@ pub(super) fn no_param(of: &Name, name: &Ident, near: Option<String>) -> Finding
     finding.note(format!(
         "in `<<...>>` stand the parameters of `{of}`, and in-ports that are fixed at load time"
     ))
+}
+
+/// A node whose ports are not those of the parameter that it is given for.
+fn wrong_node<T: std::fmt::Display>(
+    signature: &Signature,
+    span: Span,
+    what: &str,
+    (wanted, given): (T, T),
+) -> Finding {
+    let message = format!("the node for `{}` has other ports", signature.name.name);
+    Finding::new(Code::RPI2001, message)
+        .at(
+            span,
+            format!("{what}: `{wanted}` is wanted, this has `{given}`"),
+        )
+        .also(signature.name.span, "the ports are declared here")
 }

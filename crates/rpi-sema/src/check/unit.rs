@@ -121,6 +121,26 @@ impl<'a> Checker<'a> {
         }
     }
 
+    /// Whether a callable does without these of its ports: a static parameter that nothing reads need not be given.
+    pub(super) fn reads_none(
+        &mut self,
+        header: &Rc<Header>,
+        ports: &[(usize, &super::header::Port)],
+        span: Span,
+    ) -> bool {
+        let Some(id) = self.unit(header, span) else {
+            return false;
+        };
+        self.check_now(id);
+        if self.entries[id.0 as usize].state != Progress::Done {
+            return false;
+        }
+        let unit = &self.units[id.0 as usize];
+        let flows: Vec<_> = ports.iter().map(|(place, _)| unit.inputs[*place]).collect();
+        let mut exprs = unit.exprs.iter();
+        !exprs.any(|expr| matches!(expr.kind, Kind::Flow(flow) if flows.contains(&flow)))
+    }
+
     fn calls_of(&self, id: UnitId) -> Vec<UnitId> {
         let exprs = &self.units[id.0 as usize].exprs;
         let calls = exprs.iter().filter_map(|expr| match &expr.kind {

@@ -9,8 +9,9 @@ use rpi_diag::Span;
 use rpi_image::{Scalar, Value};
 use rpi_net::{FragmentId, PortRef, Restart};
 
-/// What a clock's fragment is known by: the fragment around it, the flow that decides, and for which value.
-pub(super) type ClockKey = (FragmentId, PortRef, u32);
+/// What a clock's fragment is known by: the fragment around it, the flow that decides, for which value, and the flow that
+/// is computed in it if each has a fragment of its own.
+pub(super) type ClockKey = (FragmentId, PortRef, u32, String);
 
 impl<'u> Elab<'u> {
     /// Where an expression is evaluated: in the fragment of its clock.
@@ -56,11 +57,11 @@ impl<'u> Elab<'u> {
     ) -> FragmentId {
         let wire = self.flow(scope, on.flow, span);
         let deciding = wire.first().cloned().unwrap_or(Signal::Absent);
-        let key = match deciding {
-            Signal::Port(port) => Some((parent, port, on.value)),
+        let key: Option<ClockKey> = match deciding {
+            Signal::Port(port) => Some((parent, port, on.value, self.owner())),
             _ => None,
         };
-        if let Some(fragment) = key.and_then(|key| self.clocks.get(&key)) {
+        if let Some(fragment) = key.as_ref().and_then(|key| self.clocks.get(key)) {
             return *fragment;
         }
         let at = At::fragment(parent);
@@ -73,6 +74,45 @@ impl<'u> Elab<'u> {
             self.clocks.insert(key, fragment);
         }
         fragment
+    }
+
+    /// Whose fragment of a clock it is: everybody's, unless that makes a ring.
+    fn owner(&self) -> String {
+        match self.splits_clocks {
+            true => self.name.clone(),
+            false => String::new(),
+        }
+    }
+
+    /// `pre x` on a clock beside the fragment of that clock, so that it breaks rings through the fragment: what x was at
+    /// the latest tick. None where there is nothing to be gained.
+    pub(super) fn pre_beside(
+        &mut self,
+        scope: &mut Scope<'u>,
+        operand: ExprId,
+        id: ExprId,
+        at: At,
+    ) -> Option<Wire> {
+        if !self.splits_clocks || at.fragment == scope.base {
+            return None;
+        }
+        let clock = self.facts_of(scope)?.clocks.of_expr(id);
+        let (on, outer) = clock.split_last()?;
+        let span = scope.unit.expr(id).span;
+        let beside = At::fragment(self.clocked(scope, outer, span));
+        let wire = self.expr(scope, operand, at);
+        let scalars = super::expr::leaf_scalars(&scope.unit.expr(id).ty);
+        let ticks = self.ticks(scope, *on, beside, span);
+        let leaves = wire.iter().zip(scalars);
+        let before = leaves.map(|(signal, scalar)| {
+            let held = self.new_alias(scalar);
+            let before = self.delay(Family::Pre, scalar, &Signal::Port(held), beside, span);
+            let inputs = [ticks.clone(), signal.clone(), before.clone()];
+            let next = self.family(Family::Conditional, scalar, &inputs, beside, span);
+            self.bind_alias(held, &next);
+            before
+        });
+        Some(before.collect())
     }
 
     /// Whether the flow that decides has the value.

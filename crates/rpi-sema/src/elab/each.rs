@@ -161,6 +161,9 @@ impl<'u> Elab<'u> {
 
     /// `pre x`: which of both delays depends on whether x can be absent.
     fn pre(&mut self, scope: &mut Scope<'u>, x: ExprId, id: ExprId, at: At) -> Wire {
+        if let Some(before) = self.pre_beside(scope, x, id, at) {
+            return before;
+        }
         let absence = self.absence(scope, x);
         self.delayed(scope, x, id, at, |leaf| absence.leaf(leaf))
     }

@@ -136,6 +136,8 @@ struct Elab<'u> {
     firsts: Map<FragmentId, PortRef>,
     /// The fragments of clocks.
     clocks: Map<clocks::ClockKey, FragmentId>,
+    /// Whether each flow of a clock has a fragment of its own.
+    splits_clocks: bool,
     /// Elements that have been taken out of array ports.
     elements: Map<(PortRef, u32), PortRef>,
     /// Sensor ports that have been read.
@@ -185,6 +187,7 @@ impl<'u> Elab<'u> {
             top: None,
             firsts: Map::default(),
             clocks: Map::default(),
+            splits_clocks: false,
             elements: Map::default(),
             sensors: Map::default(),
             failure: None,

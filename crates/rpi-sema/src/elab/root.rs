@@ -61,64 +61,110 @@ pub struct Elaborated {
 /// Makes the net of a unit. `args` are for its parameters, in order; what is missing is not known.
 #[must_use]
 pub fn elaborate(units: &[Unit], facts: &[Facts], id: UnitId, args: &[Argument]) -> Elaborated {
-    elaborate_in(Mode::Net, units, facts, id, args, None)
+    Job::new(units, facts, id, args, None).net()
 }
 
 /// The net of a unit with a node for every equation, so that a dependency cycle through it names each step.
 #[must_use]
 pub fn elaborate_steps(units: &[Unit], facts: &[Facts], id: UnitId, args: &[Argument]) -> Net {
-    elaborate_in(Mode::Steps, units, facts, id, args, None).net
+    Job::new(units, facts, id, args, None)
+        .run(Mode::Steps, false)
+        .0
+        .net
 }
 
 /// Makes the net of a node that runs by itself, outside of any command: what its text claims is watched instead of ending
 /// the run, and its local flows can be looked at if they are asked for.
 #[must_use]
 pub fn elaborate_alone(units: &[Unit], facts: &[Facts], id: UnitId, locals: bool) -> Elaborated {
-    elaborate_in(Mode::Net, units, facts, id, &[], Some(locals))
+    Job::new(units, facts, id, &[], Some(locals)).net()
 }
 
-fn elaborate_in(
-    mode: Mode,
-    units: &[Unit],
-    facts: &[Facts],
+/// What is to be elaborated.
+struct Job<'u, 'a> {
+    units: &'u [Unit],
+    facts: &'u [Facts],
     id: UnitId,
-    args: &[Argument],
+    args: &'a [Argument],
+    /// Whether it runs by itself, and if so, whether its local flows are asked for.
     alone: Option<bool>,
-) -> Elaborated {
-    let mut elab = Elab::new(units, facts, mode);
-    elab.watches_claims = alone.is_some();
-    let unit = &units[id.0 as usize];
-    elab.net.name = unit.name.to_string();
-    let root = &mut elab.net.fragments[0];
-    root.budget_ns = unit.block(BlockId::ROOT).budget_ns;
-    root.origin.span = unit.span;
-    let mut scope = Scope::new(unit, Some(id));
-    let unknown = elab.parameters(&mut scope, args);
-    let inputs = elab.inputs(&mut scope);
-    elab.body(&mut scope, At::ROOT);
-    let outputs = elab.outputs(&mut scope);
-    elab.exports(&mut scope);
-    elab.driver(&mut scope);
-    let claims = elab.watched.len();
-    let locals = match alone {
-        Some(true) => elab.locals(&mut scope),
-        _ => Vec::new(),
-    };
-    for (port, value) in unknown {
-        elab.bind_alias(port, &Signal::Const(value));
+}
+
+impl<'u, 'a> Job<'u, 'a> {
+    fn new(
+        units: &'u [Unit],
+        facts: &'u [Facts],
+        id: UnitId,
+        args: &'a [Argument],
+        alone: Option<bool>,
+    ) -> Self {
+        Job {
+            units,
+            facts,
+            id,
+            args,
+            alone,
+        }
     }
-    elab.settle();
-    let ports = elab.watched.split_off(claims);
-    let locals = locals.into_iter().zip(ports);
-    Elaborated {
-        net: elab.net,
-        inputs,
-        outputs,
-        expectations: elab.expectations,
-        locals: locals.map(|(shape, port)| Local { shape, port }).collect(),
-        claims: elab.watched,
-        findings: elab.findings,
+
+    /// The net. All flows of one clock share a fragment, which is one vertex around it; where that makes a ring which the
+    /// flows themselves do not have, each gets a fragment of its own.
+    fn net(&self) -> Elaborated {
+        let (together, has_clocks) = self.run(Mode::Net, false);
+        if !has_clocks || !has_ring(&together.net) {
+            return together;
+        }
+        let (apart, _) = self.run(Mode::Net, true);
+        match has_ring(&apart.net) {
+            true => together,
+            false => apart,
+        }
     }
+
+    /// What became of it, and whether there are fragments of clocks.
+    fn run(&self, mode: Mode, splits_clocks: bool) -> (Elaborated, bool) {
+        let mut elab = Elab::new(self.units, self.facts, mode);
+        elab.watches_claims = self.alone.is_some();
+        elab.splits_clocks = splits_clocks;
+        let unit = &self.units[self.id.0 as usize];
+        elab.net.name = unit.name.to_string();
+        let root = &mut elab.net.fragments[0];
+        root.budget_ns = unit.block(BlockId::ROOT).budget_ns;
+        root.origin.span = unit.span;
+        let mut scope = Scope::new(unit, Some(self.id));
+        let unknown = elab.parameters(&mut scope, self.args);
+        let inputs = elab.inputs(&mut scope);
+        elab.body(&mut scope, At::ROOT);
+        let outputs = elab.outputs(&mut scope);
+        elab.exports(&mut scope);
+        elab.driver(&mut scope);
+        let claims = elab.watched.len();
+        let locals = match self.alone {
+            Some(true) => elab.locals(&mut scope),
+            _ => Vec::new(),
+        };
+        for (port, value) in unknown {
+            elab.bind_alias(port, &Signal::Const(value));
+        }
+        elab.settle();
+        let ports = elab.watched.split_off(claims);
+        let locals = locals.into_iter().zip(ports);
+        let elaborated = Elaborated {
+            net: elab.net,
+            inputs,
+            outputs,
+            expectations: elab.expectations,
+            locals: locals.map(|(shape, port)| Local { shape, port }).collect(),
+            claims: elab.watched,
+            findings: elab.findings,
+        };
+        (elaborated, !elab.clocks.is_empty())
+    }
+}
+
+fn has_ring(net: &Net) -> bool {
+    let analysis = rpi_net::passes::analyse(net.clone(), |_| false);
+    analysis.is_ok_and(|analysis| analysis.schedule.is_none())
 }
 
 impl<'u> Elab<'u> {
