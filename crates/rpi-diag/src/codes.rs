@@ -98,6 +98,7 @@ codes! {
     RPI1105 Error "unknown port";
     RPI1106 Error "two meanings of one name in a net";
     RPI1107 Error "in-port or parameter given twice";
+    RPI1201 Warning "link in a doc comment that leads nowhere";
     RPI2001 Error "types that do not fit";
     RPI2002 Error "dimensions that do not fit";
     RPI2003 Error "unit that is not there";

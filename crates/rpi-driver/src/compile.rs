@@ -1,5 +1,6 @@
 //! The order of the stages: from a file to checked nets, from a net to an image.
 
+use std::ops::Range;
 use std::path::Path;
 
 use rpi_diag::{FileId, Finding, Severity, SourceMap, Span};
@@ -9,7 +10,10 @@ use rpi_net::Net;
 use rpi_net::passes::analyse;
 use rpi_syntax::Mode;
 
+use crate::doctext;
+use crate::files::Disk;
 use crate::input::{Input, InputError, Kind};
+use crate::modules::Modules;
 use crate::source;
 use crate::task::{self, Task};
 use crate::tests::Test;
@@ -56,7 +60,9 @@ fn program(input: &Input, text: &str) -> Compiled {
     let mut sources = SourceMap::new();
     let (name, path) = (input.stem(), display(&input.path));
     let modules = program_text(input, &name, &path, text).modules(&mut sources);
-    let (built, _) = source::build_modules(&modules);
+    let (mut built, _) = source::build_modules(&modules);
+    let links = doctext::broken_links(&sources, mode, &|| modules.index());
+    built.findings.extend(links);
     Compiled {
         sources,
         findings: built.findings,
@@ -64,6 +70,28 @@ fn program(input: &Input, text: &str) -> Compiled {
         tests: built.tests,
         tasks: task::tasks(&rpi_syntax::parse(FileId(0), text, mode).file),
     }
+}
+
+/// Compiles an example from a program's documentation ([`examples`](crate::examples)): a program of its own that has the
+/// program around it without `use`. Findings stand where the example stands.
+///
+/// # Errors
+/// If the program is no text.
+pub fn compile_example(input: &Input, lines: &[Range<usize>]) -> Result<Compiled, InputError> {
+    let text = input.text()?;
+    let (name, path) = (input.stem(), display(&input.path));
+    let example = doctext::example_text(text, lines);
+    let around = program_text(input, &name, &path, text);
+    let mut sources = SourceMap::new();
+    let modules = Modules::load_example(&example, &around, &Disk, &mut sources);
+    let (built, _) = source::build_modules(&modules);
+    Ok(Compiled {
+        sources,
+        findings: built.findings,
+        program: Program::Nets(built.nets),
+        tests: built.tests,
+        tasks: Vec::new(),
+    })
 }
 
 pub(crate) fn program_text<'t>(

@@ -9,11 +9,11 @@ use std::path::Path;
 use rpi_diag::{FileId, Finding, SourceMap, Span};
 use rpi_sema::Checked;
 use rpi_sema::facts::{self, Facts};
-use rpi_sema::program::Program;
 use rpi_sema::query::{Def, Index, Typed, type_around, types_of_flows, types_of_read};
 use rpi_syntax::Mode;
 use rpi_syntax::ast::Item;
 
+use crate::doctext;
 use crate::files::Files;
 use crate::input::stem;
 use crate::modules::Modules;
@@ -39,7 +39,9 @@ pub fn inspect(path: &Path, text: &str, files: &dyn Files) -> Inspected {
     let mut sources = SourceMap::new();
     let name = path.display().to_string();
     let modules = Modules::load(&stem(path), &name, text, path.parent(), files, &mut sources);
-    let (built, checked) = build_modules(&modules);
+    let (mut built, checked) = build_modules(&modules);
+    let links = doctext::broken_links(&sources, Mode::of_path(&name), &|| modules.index());
+    built.findings.extend(links);
     Inspected {
         sources,
         findings: built.findings,
@@ -58,13 +60,19 @@ impl Inspected {
         Mode::of_path(self.sources.name(FileId(0)))
     }
 
+    /// The declarations of the program's own module: of its file and of what that includes.
+    pub fn own_items(&self) -> impl Iterator<Item = &Item> {
+        self.modules.own_items()
+    }
+
+    /// The names of all modules that it was compiled with, its own first.
+    pub fn modules(&self) -> impl Iterator<Item = &str> {
+        self.modules.names()
+    }
+
     /// Every definition and reference.
     pub fn index(&self) -> &Index {
-        self.index.get_or_init(|| {
-            let sources = self.modules.sources();
-            let (program, _) = Program::collect(&sources);
-            Index::of(&program, &sources)
-        })
+        self.index.get_or_init(|| self.modules.index())
     }
 
     /// The types of a definition that is a flow, each once: there are several if it is checked for several choices of

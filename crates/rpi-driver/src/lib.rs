@@ -5,6 +5,7 @@
 //! what a command does once it runs.
 
 mod compile;
+mod doctext;
 pub mod emit;
 mod files;
 pub mod graph;
@@ -14,17 +15,21 @@ mod inspect;
 mod modules;
 mod node;
 mod period;
+mod project;
 mod source;
 mod task;
 mod tests;
+mod unwanted;
 mod violation;
 
-pub use compile::{Compiled, Program, compile, lower_to_look, lower_to_run};
+pub use compile::{Compiled, Program, compile, compile_example, lower_to_look, lower_to_run};
+pub use doctext::{doc_blocks, doc_links, examples};
 pub use files::{Disk, Files};
 pub use input::{Input, InputError, Kind, read, utf8};
 pub use inspect::{Inspected, inspect};
 pub use modules::{library_modules, library_text};
 pub use node::{Node, NodeCompiled, compile_node};
 pub use period::{parse_period, period_text};
+pub use project::{MANIFEST, Project};
 pub use task::{Target, Task, TaskNode, TaskPlan};
 pub use tests::{Branch, Test};

@@ -4,11 +4,13 @@ use std::collections::VecDeque;
 use std::path::{Path, PathBuf};
 
 use rpi_diag::{FileId, Finding, SourceMap};
-use rpi_sema::program::Source;
+use rpi_sema::program::{Program, Source};
+use rpi_sema::query::Index;
 use rpi_syntax::ast::{File, Item, ItemKind};
 use rpi_syntax::{Mode, Name, parse};
 
 use crate::files::Files;
+use crate::source::Text;
 
 /// A module of the standard library.
 struct Library {
@@ -66,33 +68,48 @@ impl Modules {
         disk: &dyn Files,
         sources: &mut SourceMap,
     ) -> Modules {
-        let mut loader = Loader {
-            folder: folder.map(Path::to_owned),
-            disk,
-            sources,
-            modules: Vec::new(),
-            findings: Vec::new(),
-            open: VecDeque::new(),
-        };
+        let mut loader = Loader::new(folder, disk, sources);
         let mode = Mode::of_path(path);
         loader.module(name, path, text, mode, false);
-        if mode == Mode::Rpi {
-            let implicit = LIBRARY.iter().filter(|library| library.implicit);
-            implicit.for_each(|library| loader.library(library));
-        }
-        while let Some(name) = loader.open.pop_front() {
-            loader.find(&name);
-        }
-        Modules {
-            modules: loader.modules,
-            findings: loader.findings,
-        }
+        loader.finish(mode)
+    }
+
+    /// Parses an example from a module's documentation: a program that has the module without `use`.
+    pub(crate) fn load_example(
+        example: &str,
+        of: &Text<'_>,
+        disk: &dyn Files,
+        sources: &mut SourceMap,
+    ) -> Modules {
+        let mut loader = Loader::new(of.folder, disk, sources);
+        let mode = Mode::of_path(of.path);
+        loader.module("example", of.path, example, mode, false);
+        loader.module(of.name, of.path, of.text, mode, true);
+        loader.finish(mode)
     }
 
     /// All declarations of all files.
     pub(crate) fn items(&self) -> impl Iterator<Item = &Item> {
         let files = self.modules.iter().flat_map(|module| &module.files);
         files.flat_map(|file| &file.items)
+    }
+
+    /// The declarations of the first module.
+    pub(crate) fn own_items(&self) -> impl Iterator<Item = &Item> {
+        let files = self.modules.iter().take(1).flat_map(|module| &module.files);
+        files.flat_map(|file| &file.items)
+    }
+
+    /// The names of the modules, in the order in which they were met.
+    pub(crate) fn names(&self) -> impl Iterator<Item = &str> {
+        self.modules.iter().map(|module| module.name.as_str())
+    }
+
+    /// Every definition and reference.
+    pub(crate) fn index(&self) -> Index {
+        let sources = self.sources();
+        let (program, _) = Program::collect(&sources);
+        Index::of(&program, &sources)
     }
 
     /// As the checker takes them.
@@ -119,7 +136,33 @@ struct Loader<'a> {
     open: VecDeque<String>,
 }
 
-impl Loader<'_> {
+impl<'a> Loader<'a> {
+    fn new(folder: Option<&Path>, disk: &'a dyn Files, sources: &'a mut SourceMap) -> Loader<'a> {
+        Loader {
+            folder: folder.map(Path::to_owned),
+            disk,
+            sources,
+            modules: Vec::new(),
+            findings: Vec::new(),
+            open: VecDeque::new(),
+        }
+    }
+
+    /// Adds what the modules need, and the modules that every program in `.rpi` has.
+    fn finish(mut self, mode: Mode) -> Modules {
+        if mode == Mode::Rpi {
+            let implicit = LIBRARY.iter().filter(|library| library.implicit);
+            implicit.for_each(|library| self.library(library));
+        }
+        while let Some(name) = self.open.pop_front() {
+            self.find(&name);
+        }
+        Modules {
+            modules: self.modules,
+            findings: self.findings,
+        }
+    }
+
     fn module(&mut self, name: &str, path: &str, text: &str, mode: Mode, implicit: bool) {
         let file = self.sources.add(path, text);
         let mut files = vec![self.parse(file, text, mode)];

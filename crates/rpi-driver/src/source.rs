@@ -14,6 +14,7 @@ use rpi_sema::{Checked, check};
 use crate::files::Disk;
 use crate::modules::Modules;
 use crate::tests::{Test, branches, fragments};
+use crate::unwanted;
 use crate::violation;
 
 /// What became of a program.
@@ -173,6 +174,7 @@ pub(crate) fn analysed(
             }
         }
     }
+    unwanted::forgive(&front.checked.units, unit, &mut found);
     let faulty = has_errors(&found);
     findings.append(&mut found);
     (!faulty).then_some(made)

@@ -31,6 +31,8 @@ pub(crate) enum Task {
     Fmt(FmtArgs),
     /// Run the tests that stand in programs.
     Test(TestArgs),
+    /// Write the reference of a project in HTML.
+    Doc(DocArgs),
     /// Say more about a finding: what it means, a wrong and a right program.
     Explain {
         /// Its code, RPI4001.
@@ -92,6 +94,23 @@ pub(crate) struct TestArgs {
     /// Form of the findings: human, short, json, sarif or github.
     #[arg(long, default_value = "human", value_name = "FORM")]
     pub(crate) format: Format,
+}
+
+/// Options of `rpic doc`.
+#[derive(Args, Debug)]
+pub(crate) struct DocArgs {
+    /// A folder with programs, its rpi.toml, or a single program.
+    #[arg(default_value = ".", conflicts_with = "std")]
+    pub(crate) path: PathBuf,
+    /// Where to write the pages.
+    #[arg(long, default_value = "target/doc", value_name = "DIR")]
+    pub(crate) out: PathBuf,
+    /// Of the standard library instead of a project.
+    #[arg(long)]
+    pub(crate) std: bool,
+    /// Open the first page.
+    #[arg(long)]
+    pub(crate) open: bool,
 }
 
 /// Options of `rpic compile`.

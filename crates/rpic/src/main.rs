@@ -1,10 +1,11 @@
-//! The compiler on the command line: `rpic check`, `compile`, `import`, `fmt`, `test`, `explain`, `graph`, `lsp`.
+//! The compiler on the command line: `rpic check`, `compile`, `import`, `fmt`, `test`, `doc`, `explain`, `graph`, `lsp`.
 //!
 //! Exit status: 0 if all is well, 1 if something was found, 2 for bad usage or a file that cannot be read.
 
 mod args;
 mod check;
 mod compile;
+mod doc;
 mod explain;
 mod fmt;
 mod lsp;
@@ -25,6 +26,7 @@ fn main() -> ExitCode {
         Task::Import(args) => compile::import(&args),
         Task::Fmt(args) => fmt::fmt(&args),
         Task::Test(args) => test::test(&args),
+        Task::Doc(args) => doc::doc(&args),
         Task::Explain { code } => explain::explain(&code),
         Task::Lsp => lsp::lsp(),
         Task::Graph(args) => compile::graph(&args),

@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 use std::path::Path;
 
 use rpi_diag::{Code, Finding, SourceMap, Span};
-use rpi_driver::{Compiled, Test};
+use rpi_driver::{Compiled, Input, Test};
 use rpi_host::testing::{Case, Condition, Ended, Holds, Report, run};
 use rpi_image::image::TextRange;
 
@@ -16,13 +16,15 @@ use crate::outcome::{Exit, Outcome, put};
 pub(crate) fn test(args: &TestArgs) -> Outcome {
     let (mut exit, mut tally) = (Exit::Good, Tally::default());
     for file in &args.files {
-        let compiled = rpi_driver::compile(&rpi_driver::read(file)?)?;
+        let input = rpi_driver::read(file)?;
+        let compiled = rpi_driver::compile(&input)?;
         show(args.format, &compiled.findings, &compiled.sources)?;
         if compiled.has_errors() {
             exit = Exit::Found;
             continue;
         }
         one_file(file, args, &compiled, &mut tally)?;
+        examples(&input, args, &mut tally)?;
     }
     put(None, tally.text().as_bytes())?;
     Ok(match tally.failed {
@@ -47,6 +49,41 @@ impl Tally {
         };
         format!("{} passed, {} failed{left_out}\n", self.passed, self.failed)
     }
+}
+
+/// The examples in a program's doc comments: they compile, and what they claim holds.
+fn examples(
+    input: &Input,
+    args: &TestArgs,
+    tally: &mut Tally,
+) -> Result<(), Box<dyn std::error::Error>> {
+    let (text, path) = (input.text()?, &input.path);
+    let mode = rpi_syntax::Mode::of_path(&path.to_string_lossy());
+    for lines in rpi_driver::examples(text, mode) {
+        let begin = lines.first().map_or(0, |line| line.start);
+        let title = format!(
+            "example at line {}",
+            1 + text[..begin].matches('\n').count()
+        );
+        if args.filter.as_ref().is_some_and(|f| !title.contains(f)) {
+            tally.left_out += 1;
+            continue;
+        }
+        let compiled = rpi_driver::compile_example(input, &lines)?;
+        show(args.format, &compiled.findings, &compiled.sources)?;
+        let right = !compiled.has_errors();
+        let word = if right { "ok  " } else { "FAIL" };
+        put(
+            None,
+            format!("{word} {}: {title}\n", path.display()).as_bytes(),
+        )?;
+        match right {
+            true => tally.passed += 1,
+            false => tally.failed += 1,
+        }
+        one_file(path, args, &compiled, tally)?;
+    }
+    Ok(())
 }
 
 fn one_file(

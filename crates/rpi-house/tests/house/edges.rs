@@ -81,9 +81,14 @@ const EDGES: &[(&str, &[&str])] = &[
         ],
     ),
     (
+        "rpi-doc",
+        &["rpi-diag", "rpi-driver", "rpi-sema", "rpi-syntax"],
+    ),
+    (
         "rpic",
         &[
             "rpi-diag",
+            "rpi-doc",
             "rpi-driver",
             "rpi-host",
             "rpi-image",
@@ -169,6 +174,7 @@ const NO_STD: &[&str] = &[
 /// The compiler: what the real-time side must never see.
 const COMPILER: &[&str] = &[
     "rpi-diag",
+    "rpi-doc",
     "rpi-driver",
     "rpi-lower",
     "rpi-lsp",

@@ -24,10 +24,11 @@ const OWNERS: &[(&str, &[&str])] = &[
     ("miette", &["rpi-diag"]),
     ("nalgebra", &["rpi-kin", "rpi-prims", "rpi-sim"]),
     ("petgraph", &["rpi-net", "rpi-sema"]),
+    ("pulldown-cmark", &["rpi-doc"]),
     ("rtrb", &["rpi-host", "rpi-serve"]),
     ("rustc-hash", &["rpi-lower", "rpi-net"]),
     ("rustix", &["rpi-bench", "rpi-fuzz"]),
-    ("serde", &["rpi-diag", "rpi-host"]),
+    ("serde", &["rpi-diag", "rpi-driver", "rpi-host"]),
     (
         "serde_json",
         &[
@@ -43,13 +44,21 @@ const OWNERS: &[(&str, &[&str])] = &[
     ),
     ("smallvec", &["rpi-image", "rpi-lower", "rpi-net"]),
     ("tempfile", &["xtask"]),
-    ("toml", &["rpi-sim"]),
+    ("toml", &["rpi-driver", "rpi-sim"]),
     ("tungstenite", &["rpi-client", "rpi-serve"]),
     ("assert_no_alloc", &["rpi-testkit"]),
 ];
 
 /// What any crate may use in its tests and benches.
-const TEST_TOOLS: &[&str] = &["criterion", "insta", "proptest", "stateright", "tempfile"];
+const TEST_TOOLS: &[&str] = &[
+    "criterion",
+    "html5ever",
+    "insta",
+    "markup5ever_rcdom",
+    "proptest",
+    "stateright",
+    "tempfile",
+];
 
 #[test]
 fn third_party_crates_have_the_owners_of_the_table() {

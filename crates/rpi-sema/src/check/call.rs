@@ -366,7 +366,15 @@ impl<'a> Body<'_, 'a> {
             ..Subst::default()
         };
         let sound = self.fit_args(&header, &args, &mut subst);
-        match self.instance(&header, statics, &open, &subst, span) {
+        let of_units = header.inputs.iter().any(|port| port.ty.has_unknown());
+        let instance = self.instance(&header, statics, &open, &subst, span);
+        // Types in whose units parameters stand are known only now.
+        let sound = sound
+            && match &instance {
+                Some(header) if of_units => self.fit_args(header, &args, &mut subst),
+                _ => true,
+            };
+        match instance {
             Some(header) if sound => self.call_unit(&header, args, activation, &subst, span),
             // What is done with the outputs is looked at all the same.
             Some(header) => {

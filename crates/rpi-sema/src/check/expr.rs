@@ -2,10 +2,9 @@
 
 use super::body::Body;
 use super::report::Wanted;
-use super::types::unit_fault;
 use crate::ty::{Ty, join};
 use crate::typed::{Each, ExprId, Kind, Leaf};
-use crate::units::{Base, resolve};
+use crate::units::Base;
 use rpi_diag::{Code, Finding, Fix, Span};
 use rpi_syntax::ast::{self, Among, ExprKind, Number, Quantity};
 
@@ -71,8 +70,9 @@ impl<'a> Body<'_, 'a> {
     }
 
     fn quantity(&mut self, quantity: &Quantity, span: Span) -> ExprId {
-        match resolve(&quantity.unit) {
-            Ok(measure) => {
+        match self.measure(&quantity.unit) {
+            Ok(None) => self.fault(span),
+            Ok(Some(measure)) => {
                 let value = measure.factor.apply(quantity.number.real());
                 self.add(
                     Kind::Literal(Leaf::real(value)),
@@ -80,7 +80,7 @@ impl<'a> Body<'_, 'a> {
                     span,
                 )
             }
-            Err(fault) => self.fault_with(unit_fault(&fault), span),
+            Err(finding) => self.fault_with(finding, span),
         }
     }
 

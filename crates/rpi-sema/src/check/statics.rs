@@ -339,9 +339,17 @@ impl<'a> Body<'_, 'a> {
 }
 
 impl<'a> Checker<'a> {
-    /// The declared type of a static value parameter; that of its default where none is declared.
+    /// The declared type of a static value parameter; that of its default where none is declared. Unknown where it depends on
+    /// type parameters that have not been bound yet.
     pub(super) fn static_ty(&mut self, id: DeclId, def: &'a ConstDef, statics: &Statics) -> Ty {
-        self.ty_among(id, def, &Rc::new(statics.clone()))
+        let mut known = statics.clone();
+        for param in self.params_of(id) {
+            if let Param::Type(name) = param {
+                let open = || Static::Ty(Ty::Unknown);
+                known.entry(name.name.clone()).or_insert_with(open);
+            }
+        }
+        self.ty_among(id, def, &Rc::new(known))
     }
 
     /// The types of ports in the signature of a declaration, one by one.

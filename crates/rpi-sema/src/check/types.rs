@@ -9,12 +9,12 @@ use super::{Checker, Lazy};
 use crate::program::{DeclId, DeclKind, Lookup};
 use crate::ty::{EnumTy, Geometry, Member, StructTy, Ty};
 use crate::typed::Leaf;
-use crate::units::{Dim, UnitFault, resolve};
+use crate::units::{Measure, UnitFault, resolve};
 use rpi_diag::{Code, Finding, Span};
 use rpi_image::Scalar;
 use rpi_syntax::Name;
 use rpi_syntax::ast::{
-    ArrayType, Dotted, Frames, NamedType, Type, TypeDef, TypeKind, Unit, VarDecl,
+    ArrayType, Dotted, Frames, Ident, NamedType, Type, TypeDef, TypeKind, Unit, VarDecl,
 };
 use std::rc::Rc;
 
@@ -49,7 +49,7 @@ impl<'a> Body<'_, 'a> {
             TypeKind::Bool => Ty::Bool,
             TypeKind::Int | TypeKind::Subrange(_) => Ty::Int,
             TypeKind::Real(None) => Ty::REAL,
-            TypeKind::Real(Some(unit)) => Ty::Real(self.unit_dim(unit)),
+            TypeKind::Real(Some(unit)) => self.real_in(unit),
             TypeKind::Named(named) => self.named_ty(named),
             TypeKind::Array(array) => self.array_ty(array, ty.span),
             TypeKind::Optional(inner) => self.inner_optional(inner, ty.span),
@@ -58,15 +58,38 @@ impl<'a> Body<'_, 'a> {
         }
     }
 
-    /// The dimension of a unit; that of plain numbers after a fault.
-    pub(super) fn unit_dim(&mut self, unit: &Unit) -> Dim {
-        resolve(unit).map_or_else(
-            |fault| {
-                self.report(unit_fault(&fault));
-                Dim::ONE
-            },
-            |measure| measure.dim,
-        )
+    /// The type of reals in a unit; unknown while a type parameter in the unit is, and plain numbers after a fault.
+    fn real_in(&mut self, unit: &Unit) -> Ty {
+        match self.measure(unit) {
+            Ok(Some(measure)) => Ty::Real(measure.dim),
+            Ok(None) => Ty::Unknown,
+            Err(finding) => {
+                self.report(finding);
+                Ty::REAL
+            }
+        }
+    }
+
+    /// What a unit means; none while the types that are parameters in it are not known.
+    ///
+    /// # Errors
+    /// Says what is wrong with the unit.
+    pub(super) fn measure(&self, unit: &Unit) -> Result<Option<Measure>, Finding> {
+        for factor in &unit.factors {
+            match self.statics.get(&factor.unit.name) {
+                Some(Static::Ty(Ty::Generic(_) | Ty::Unknown)) => return Ok(None),
+                Some(Static::Ty(ty)) if !matches!(ty, Ty::Real(_)) => {
+                    return Err(no_quantity(&factor.unit, ty));
+                }
+                _ => {}
+            }
+        }
+        let parameter = |name: &str| match self.statics.get(name) {
+            Some(Static::Ty(Ty::Real(dim))) => Some(*dim),
+            _ => None,
+        };
+        let found = resolve(unit, &parameter).map_err(|fault| unit_fault(&fault));
+        found.map(Some)
     }
 
     fn inner_optional(&mut self, inner: &'a Type, span: Span) -> Ty {
@@ -372,6 +395,12 @@ fn needs_itself(what: &str, name: &Name, span: Span) -> Finding {
         span,
         format!("`{name}` is needed here to know what `{name}` is"),
     )
+}
+
+/// A type parameter in a unit that stands for something without unit.
+fn no_quantity(name: &Ident, ty: &Ty) -> Finding {
+    let message = format!("`{}` is `{ty}` here, which has no unit", name.name);
+    Finding::new(Code::RPI2003, message).at(name.span, "a type of reals is needed")
 }
 
 /// What is wrong with a unit, in words.

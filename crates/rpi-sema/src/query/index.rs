@@ -87,6 +87,16 @@ impl Index {
         holds.then_some(*last)
     }
 
+    /// The names within a place, in text order, and what they mean.
+    #[must_use]
+    pub fn references_in(&self, place: Span) -> &[Reference] {
+        let before = |offset: u32| {
+            let begins = |r: &Reference| (r.span.file, r.span.start) < (place.file, offset);
+            self.references.partition_point(begins)
+        };
+        &self.references[before(place.start)..before(place.end)]
+    }
+
     /// Every place where a definition's name stands, in text order.
     pub fn references(&self, def: DefId) -> impl Iterator<Item = Span> + '_ {
         let all = self.references.iter();
@@ -97,6 +107,21 @@ impl Index {
     #[must_use]
     pub fn resolve(&self, file: FileId, offset: u32, name: &str) -> Option<DefId> {
         self.lookup(self.scope_at(file, offset)?, name)
+    }
+
+    /// What `name` or `name.part` means where it would stand at a place; a part is a member or a parameter.
+    #[must_use]
+    pub fn resolve_path(&self, file: FileId, offset: u32, path: &str) -> Option<DefId> {
+        let (first, members) = path.split_once('.').unwrap_or((path, ""));
+        let start = self.resolve(file, offset, first)?;
+        let mut members = members.split('.').filter(|name| !name.is_empty());
+        let parameter = |def: DefId, name: &str| {
+            let mut all = self.parameters(def).into_iter();
+            all.find(|id| self.def(*id).name == name)
+        };
+        members.try_fold(start, |def, name| {
+            self.member(def, name).or_else(|| parameter(def, name))
+        })
     }
 
     /// Everything that has a name at a place, nearest first. A name that a nearer one hides is left out.

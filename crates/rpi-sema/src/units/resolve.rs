@@ -33,17 +33,18 @@ pub enum UnitFault {
     },
 }
 
-/// The meaning of a unit.
+/// The meaning of a unit. `parameter` tells the dimension of names that are type parameters around it, as `T` in `real[T/s]`:
+/// these go before units of the same name.
 ///
 /// # Errors
 /// For a name that is no unit, and for exponents out of range.
-pub fn resolve(unit: &Unit) -> Result<Measure, UnitFault> {
+pub fn resolve(unit: &Unit, parameter: &dyn Fn(&str) -> Option<Dim>) -> Result<Measure, UnitFault> {
     let plain = Measure {
         dim: Dim::ONE,
         factor: Factor::ONE,
     };
     unit.factors.iter().try_fold(plain, |whole, part| {
-        let part_measure = factor(part)?;
+        let part_measure = factor(part, parameter)?;
         let dim = whole.dim.times(part_measure.dim);
         Ok(Measure {
             dim: dim.ok_or(UnitFault::Exponent { span: unit.span })?,
@@ -52,14 +53,23 @@ pub fn resolve(unit: &Unit) -> Result<Measure, UnitFault> {
     })
 }
 
-fn factor(part: &UnitFactor) -> Result<Measure, UnitFault> {
-    let (prefix, row) = find(&part.unit.name).ok_or_else(|| unknown(part))?;
-    let power = Ratio::whole(part.power).and_then(|power| row.dim().power(power));
+fn factor(
+    part: &UnitFactor,
+    parameter: &dyn Fn(&str) -> Option<Dim>,
+) -> Result<Measure, UnitFault> {
+    let (dim, factor) = match parameter(&part.unit.name) {
+        Some(dim) => (dim, Factor::ONE),
+        None => {
+            let (prefix, row) = find(&part.unit.name).ok_or_else(|| unknown(part))?;
+            (row.dim(), prefix.times(row.factor))
+        }
+    };
+    let power = Ratio::whole(part.power).and_then(|power| dim.power(power));
     Ok(Measure {
         dim: power.ok_or(UnitFault::Exponent {
             span: part.unit.span,
         })?,
-        factor: prefix.times(row.factor).power(part.power),
+        factor: factor.power(part.power),
     })
 }
 
@@ -90,7 +100,7 @@ mod tests {
     use super::*;
 
     fn of(factors: &[(&str, i32)]) -> Result<Measure, UnitFault> {
-        resolve(&Unit::synthetic(factors.iter().copied()))
+        resolve(&Unit::synthetic(factors.iter().copied()), &|_| None)
     }
 
     fn apply(value: f64, factors: &[(&str, i32)]) -> (f64, String) {

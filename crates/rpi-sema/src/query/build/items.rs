@@ -303,7 +303,11 @@ impl<'a> Builder<'a> {
     fn results(&mut self, at: At<'a>, body: &'a Body) {
         for statement in &body.statements {
             if let rpi_syntax::ast::StatementKind::End(end) = &statement.kind {
-                let at = at.within(statement.span, statement.doc.as_ref());
+                let at = At {
+                    whole: statement.span,
+                    doc: statement.doc.as_ref(),
+                    ..at
+                };
                 self.define(at, &end.result, DefKind::Result);
             }
         }

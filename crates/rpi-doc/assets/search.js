@@ -1,0 +1,90 @@
+// The search box: names that contain what is typed, best first. Works from files, too.
+"use strict";
+
+(() => {
+  const box = document.getElementById("search");
+  const list = document.getElementById("found");
+  const up = document.body.dataset.up;
+  let chosen = -1;
+
+  // Smaller is better: the name itself, its beginning, a word in it, anywhere in it, in what is said about it.
+  const rank = ([name, , module, , about], wanted) => {
+    const lower = name.toLowerCase();
+    if (lower === wanted) return 0;
+    if (lower.startsWith(wanted)) return 1;
+    if (lower.includes("_" + wanted)) return 2;
+    if (lower.includes(wanted)) return 3;
+    if (module.toLowerCase() === wanted) return 4;
+    return about.toLowerCase().includes(wanted) ? 5 : 9;
+  };
+
+  const search = (wanted) => {
+    if (!wanted) return [];
+    const ranked = NAMES.map((row) => [rank(row, wanted), row]).filter(([r]) => r < 9);
+    ranked.sort((a, b) => a[0] - b[0] || a[1][0].length - b[1][0].length || (a[1][0] < b[1][0] ? -1 : 1));
+    return ranked.slice(0, 20).map(([, row]) => row);
+  };
+
+  const part = (parent, tag, text) => {
+    const made = document.createElement(tag);
+    made.textContent = text;
+    parent.append(made);
+    return made;
+  };
+
+  const show = () => {
+    const rows = search(box.value.trim().toLowerCase());
+    list.replaceChildren();
+    rows.forEach(([name, kind, module, href, about], k) => {
+      const item = document.createElement("li");
+      item.id = "found-" + k;
+      item.setAttribute("role", "option");
+      const link = part(item, "a", "");
+      link.href = up + href;
+      link.tabIndex = -1;
+      part(link, "b", name);
+      part(link, "i", kind + " of " + module);
+      part(link, "span", about.replaceAll("`", ""));
+      list.append(item);
+    });
+    if (box.value.trim() && !rows.length) part(list, "li", "nothing found");
+    chosen = -1;
+    open(Boolean(box.value.trim()));
+    choose(rows.length ? 0 : -1);
+  };
+
+  const open = (is) => {
+    list.hidden = !is;
+    box.setAttribute("aria-expanded", String(is));
+  };
+
+  const choose = (k) => {
+    const items = [...list.querySelectorAll("[role=option]")];
+    if (!items.length) return box.removeAttribute("aria-activedescendant");
+    chosen = (k + items.length) % items.length;
+    items.forEach((item, at) => item.setAttribute("aria-selected", String(at === chosen)));
+    box.setAttribute("aria-activedescendant", items[chosen].id);
+    items[chosen].scrollIntoView({ block: "nearest" });
+  };
+
+  box.addEventListener("input", show);
+  box.addEventListener("keydown", (event) => {
+    if (event.key === "ArrowDown") choose(chosen + 1);
+    else if (event.key === "ArrowUp") choose(chosen - 1);
+    else if (event.key === "Enter") list.querySelector("[aria-selected=true] a")?.click();
+    else if (event.key === "Escape") open(false);
+    else return;
+    event.preventDefault();
+  });
+  list.addEventListener("click", () => open(false));
+  document.addEventListener("click", (event) => {
+    if (!event.target.closest(".search")) open(false);
+  });
+  document.addEventListener("keydown", (event) => {
+    const writes = event.target.closest("input, textarea");
+    if (event.key !== "/" || writes || event.ctrlKey || event.metaKey) return;
+    event.preventDefault();
+    box.focus();
+    box.select();
+  });
+})();

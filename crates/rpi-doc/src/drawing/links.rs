@@ -1,0 +1,119 @@
+//! Who reads whom: lines from what defines a flow to what reads it, through the borders of fragments.
+
+use std::collections::BTreeMap;
+
+use super::reads::{Key, Read};
+use super::scene::{Drawing, End, Link, Place, Role, SceneId, Shape, ShapeId};
+
+/// What defines flows and what reads them, while a scene is built.
+#[derive(Default)]
+pub(super) struct Traffic {
+    definers: BTreeMap<Key, Vec<Place>>,
+    reads: Vec<(Place, Read)>,
+    /// Ports at borders: of which scene, for what, inwards or outwards.
+    ports: BTreeMap<(SceneId, Key, bool), ShapeId>,
+}
+
+impl Traffic {
+    /// Notes what defines a flow.
+    pub(super) fn defines(&mut self, place: Place, key: Key) {
+        let all = self.definers.entry(key).or_default();
+        if !all.contains(&place) {
+            all.push(place);
+        }
+    }
+
+    /// Notes what is read where.
+    pub(super) fn reads(&mut self, place: Place, reads: impl IntoIterator<Item = Read>) {
+        self.reads
+            .extend(reads.into_iter().map(|read| (place, read)));
+    }
+
+    /// What is read and defined nowhere, each once.
+    pub(super) fn undefined(&self) -> Vec<Key> {
+        let mut keys: Vec<Key> = Vec::new();
+        for (_, read) in &self.reads {
+            if !self.definers.contains_key(&read.key) && !keys.contains(&read.key) {
+                keys.push(read.key.clone());
+            }
+        }
+        keys
+    }
+
+    /// Draws all lines. `name` tells what stands at a port.
+    pub(super) fn draw(mut self, drawing: &mut Drawing, name: &dyn Fn(&Key) -> String) {
+        for (reader, read) in std::mem::take(&mut self.reads) {
+            for definer in self.definers.get(&read.key).cloned().unwrap_or_default() {
+                self.line(drawing, definer, reader, &read, name);
+            }
+        }
+    }
+
+    fn line(
+        &mut self,
+        drawing: &mut Drawing,
+        definer: Place,
+        reader: Place,
+        read: &Read,
+        name: &dyn Fn(&Key) -> String,
+    ) {
+        let (out, into) = (drawing.around(definer), drawing.around(reader));
+        let common = out.iter().zip(&into).take_while(|(a, b)| a == b).count();
+        // A box that reads what is inside of it: a state's condition on its own flows.
+        if common == into.len() && common < out.len() {
+            return;
+        }
+        let common = common.min(out.len() - 1).min(into.len() - 1);
+        let mut at = End {
+            shape: definer.1,
+            port: None,
+        };
+        for depth in (common + 1..out.len()).rev() {
+            let port = self.port(drawing, out[depth].0, &read.key, false, name);
+            let to = End {
+                shape: port,
+                port: None,
+            };
+            drawing.link(out[depth].0, line(at, to, false, read.optional));
+            at = End {
+                shape: out[depth - 1].1,
+                port: Some(port),
+            };
+        }
+        for (scene, shape) in into.iter().skip(common).copied() {
+            let inner = (scene, shape) != reader;
+            let next = drawing.scenes[scene].shapes[shape].inner.filter(|_| inner);
+            let port = next.map(|inside| self.port(drawing, inside, &read.key, true, name));
+            let delayed = read.delayed && !inner;
+            let link = line(at, End { shape, port }, delayed, read.optional);
+            drawing.link(scene, link);
+            at = End {
+                shape: port.unwrap_or_default(),
+                port: None,
+            };
+        }
+    }
+
+    fn port(
+        &mut self,
+        drawing: &mut Drawing,
+        scene: SceneId,
+        key: &Key,
+        inwards: bool,
+        name: &dyn Fn(&Key) -> String,
+    ) -> ShapeId {
+        let role = if inwards { Role::Input } else { Role::Output };
+        let entry = self.ports.entry((scene, key.clone(), inwards));
+        *entry.or_insert_with(|| drawing.shape(scene, Shape::new(role, name(key))).1)
+    }
+}
+
+fn line(from: End, to: End, delayed: bool, optional: bool) -> Link {
+    Link {
+        from,
+        to,
+        delayed,
+        optional,
+        label: String::new(),
+    }
+}

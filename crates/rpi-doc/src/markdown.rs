@@ -1,0 +1,189 @@
+//! Doc comments: Markdown (CommonMark with tables), with links to declarations and coloured examples. HTML in them is text.
+
+use pulldown_cmark::{
+    BrokenLink, CodeBlockKind, CowStr, Event, HeadingLevel, Options, Parser, Tag, TagEnd,
+};
+use rpi_syntax::Mode;
+
+use crate::code;
+use crate::html::escaped;
+
+/// Where a name leads, if it does.
+pub(crate) type Link<'l> = &'l dyn Fn(&str) -> Option<String>;
+
+/// What a doc comment says, in HTML.
+pub(crate) fn markdown(text: &str, link: Link<'_>) -> String {
+    let resolved = |broken: BrokenLink<'_>| {
+        let href = link(broken.reference.trim_matches('`'))?;
+        Some((CowStr::from(href), CowStr::from("")))
+    };
+    let parser =
+        Parser::new_with_broken_link_callback(text, Options::ENABLE_TABLES, Some(resolved));
+    let mut writer = Writer {
+        link,
+        links: Vec::new(),
+        block: None,
+    };
+    let events = parser.filter_map(|event| writer.event(event));
+    let mut out = String::new();
+    pulldown_cmark::html::push_html(&mut out, events);
+    out
+}
+
+/// The first sentence of a doc comment, in HTML without blocks and links.
+pub(crate) fn summary(text: &str) -> String {
+    let first = text.split("\n\n").next().unwrap_or_default();
+    let joined = first.lines().map(str::trim).collect::<Vec<_>>().join(" ");
+    let plain = joined.replace("[`", "`").replace("`]", "`");
+    let parts = plain[..sentence(&plain)].split('`').enumerate();
+    let parts = parts.map(|(k, part)| match k % 2 {
+        1 => format!("<code>{}</code>", escaped(part)),
+        _ => escaped(part),
+    });
+    parts.collect()
+}
+
+/// The bytes up to the end of the first sentence: a point, a space, a large letter or a name.
+fn sentence(text: &str) -> usize {
+    let is_end = |at: &usize| {
+        let next = text[at + 2..].chars().next();
+        next.is_some_and(|c| c.is_uppercase() || c == '`')
+    };
+    let mut points = text.match_indices(". ").map(|(at, _)| at);
+    points.find(is_end).map_or(text.len(), |at| at + 1)
+}
+
+struct Writer<'w> {
+    link: Link<'w>,
+    /// The links that are open around here, and whether each leads somewhere.
+    links: Vec<bool>,
+    /// The block of code that is being read: its language and text.
+    block: Option<(String, String)>,
+}
+
+impl Writer<'_> {
+    fn event<'e>(&mut self, event: Event<'e>) -> Option<Event<'e>> {
+        match event {
+            Event::Start(Tag::CodeBlock(kind)) => {
+                self.block = Some((language(&kind), String::new()));
+                None
+            }
+            Event::End(TagEnd::CodeBlock) => self
+                .block
+                .take()
+                .map(|(language, text)| Event::Html(written(&language, &text, self.link).into())),
+            Event::Text(text) => self.text(text),
+            Event::Html(text) | Event::InlineHtml(text) => Some(Event::Text(text)),
+            Event::Code(text) => Some(self.quoted(text)),
+            // Pages show nothing that lies elsewhere; the words that stand for an image stay.
+            Event::Start(Tag::Image { .. }) | Event::End(TagEnd::Image) => None,
+            Event::Start(Tag::Link { ref dest_url, .. }) => {
+                let leads = is_safe(dest_url);
+                self.links.push(leads);
+                leads.then_some(event)
+            }
+            Event::End(TagEnd::Link) => self.links.pop()?.then_some(event),
+            other => Some(lowered(other)),
+        }
+    }
+
+    fn text<'e>(&mut self, text: CowStr<'e>) -> Option<Event<'e>> {
+        match &mut self.block {
+            Some((_, block)) => {
+                block.push_str(&text);
+                None
+            }
+            None => Some(Event::Text(text)),
+        }
+    }
+
+    /// A quoted name that is one is a link, too.
+    fn quoted<'e>(&self, text: CowStr<'e>) -> Event<'e> {
+        match (self.link)(&text).filter(|_| self.links.is_empty()) {
+            Some(href) => {
+                let (href, text) = (escaped(&href), escaped(&text));
+                Event::InlineHtml(format!("<a href=\"{href}\"><code>{text}</code></a>").into())
+            }
+            None => Event::Code(text),
+        }
+    }
+}
+
+/// The page has its own headings above those of a comment.
+fn lowered(event: Event<'_>) -> Event<'_> {
+    let below = |level: HeadingLevel| {
+        HeadingLevel::try_from((level as usize + 3).min(6)).unwrap_or(HeadingLevel::H6)
+    };
+    match event {
+        Event::Start(Tag::Heading { level, .. }) => Event::Start(Tag::Heading {
+            level: below(level),
+            id: None,
+            classes: Vec::new(),
+            attrs: Vec::new(),
+        }),
+        Event::End(TagEnd::Heading(level)) => Event::End(TagEnd::Heading(below(level))),
+        other => other,
+    }
+}
+
+fn language(kind: &CodeBlockKind<'_>) -> String {
+    match kind {
+        CodeBlockKind::Fenced(info) => info.split(' ').next().unwrap_or_default().to_owned(),
+        CodeBlockKind::Indented => String::new(),
+    }
+}
+
+fn written(language: &str, text: &str, link: Link<'_>) -> String {
+    match language {
+        "rpi" => code::block(text, Mode::Rpi, link),
+        "lus" => code::block(text, Mode::Lustre, link),
+        _ => format!("<pre><code>{}</code></pre>\n", escaped(text)),
+    }
+}
+
+/// Whether a link may stand on a page: to the web, to a place on the pages, no scripts.
+fn is_safe(url: &str) -> bool {
+    let scheme = url.split(['/', '#', '?']).next().unwrap_or_default();
+    match scheme.split_once(':') {
+        Some((scheme, _)) => ["http", "https", "mailto"].contains(&scheme),
+        None => true,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn html(text: &str) -> String {
+        markdown(text, &|name| (name == "f").then(|| "m.html#f".to_owned()))
+    }
+
+    #[test]
+    fn names_are_links_and_markup_is_text() {
+        assert_eq!(
+            html("See [`f`], `f` and `g`."),
+            "<p>See <a href=\"m.html#f\"><code>f</code></a>, <a href=\"m.html#f\"><code>f</code></a> and <code>g</code>.</p>\n"
+        );
+        assert_eq!(html("a <b>c</b>"), "<p>a &lt;b&gt;c&lt;/b&gt;</p>\n");
+        assert!(!html("<script>alert(1)</script>").contains("<script"));
+        assert_eq!(html("[x](javascript:alert(1))"), "<p>x</p>\n");
+        assert_eq!(html("![map](a.png)"), "<p>map</p>\n");
+    }
+
+    #[test]
+    fn examples_are_coloured_and_headings_lowered() {
+        assert!(html("```rpi\nconst a: int = f;\n```").contains("<span class=\"k\">const</span>"));
+        assert_eq!(html("# A\n"), "<h4>A</h4>\n");
+    }
+
+    #[test]
+    fn a_summary_is_the_first_sentence() {
+        assert_eq!(
+            summary("Follows `x`, e.g. slowly. Then\nmore."),
+            "Follows <code>x</code>, e.g. slowly."
+        );
+        assert_eq!(summary("Fig. 6: on to C. Then D."), "Fig. 6: on to C.");
+        assert_eq!(summary("One\ntwo\n\nthree"), "One two");
+        assert_eq!(summary("As [`f`] does."), "As <code>f</code> does.");
+    }
+}

@@ -1,0 +1,170 @@
+//! The page of a module, and what of it other pages show.
+
+use rpi_driver::{Inspected, doc_blocks};
+use rpi_sema::query::{Def, DefId, DefKind};
+use rpi_syntax::ast::{Item, ItemKind};
+
+use crate::declaration::Shown;
+use crate::html::escaped;
+use crate::markdown::{markdown, summary};
+use crate::places::is_top;
+
+/// The sections of a page, most wanted first.
+const SECTIONS: &[(DefKind, &str)] = &[
+    (DefKind::Command, "Commands"),
+    (DefKind::Task, "Tasks"),
+    (DefKind::Fragment, "Fragments"),
+    (DefKind::Node, "Nodes"),
+    (DefKind::Function, "Functions"),
+    (DefKind::Device, "Device types"),
+    (DefKind::Type, "Types"),
+    (DefKind::Const, "Constants"),
+    (DefKind::Frame, "Frames"),
+    (DefKind::Primitive, "Primitives"),
+];
+
+/// The declarations of a module, by sections, each in the order of the text.
+pub(crate) fn sections(seen: &Inspected) -> Vec<(&'static str, Vec<(DefId, &Item)>)> {
+    let declared = declared(seen);
+    let of = |kind: DefKind| {
+        let found = declared.iter();
+        let found = found.filter(|(id, _)| seen.index().def(*id).kind == kind);
+        found.copied().collect::<Vec<_>>()
+    };
+    let all = SECTIONS.iter().map(|(kind, title)| (*title, of(*kind)));
+    all.filter(|(_, found)| !found.is_empty()).collect()
+}
+
+/// Every declaration of the module's own files.
+fn declared(seen: &Inspected) -> Vec<(DefId, &Item)> {
+    let mut found = Vec::new();
+    for item in seen.own_items() {
+        if matches!(item.kind, ItemKind::Test(_) | ItemKind::Broken(_)) {
+            continue;
+        }
+        let inside = |def: &Def| {
+            let span = item.span;
+            is_top(seen, def) && span.start <= def.span.start && def.span.end <= span.end
+        };
+        let defs = seen.index().defs_in(item.span.file);
+        found.extend(
+            defs.filter(|(_, def)| inside(def))
+                .map(|(id, _)| (id, item)),
+        );
+    }
+    found
+}
+
+/// What stands about the module at the top of its text: a doc comment with an empty line after it.
+pub(crate) fn about(seen: &Inspected) -> Option<String> {
+    let file = seen.sources.files().next()?;
+    let text = seen.sources.text(file);
+    let block = doc_blocks(text, seen.mode()).into_iter().next()?;
+    let (first, last) = (block.first()?, block.last()?);
+    let before = text[..first.start].trim_start_matches("--|").trim();
+    let after = &text[last.end..];
+    let alone = after.trim_start_matches(['\r', ' ']).starts_with("\n\n") || is_before_use(after);
+    let lines = block.iter().map(|line| &text[line.clone()]);
+    (before.is_empty() && alone).then(|| lines.collect::<Vec<_>>().join("\n"))
+}
+
+fn is_before_use(after: &str) -> bool {
+    after.trim_start().starts_with("use ")
+}
+
+/// The page's content.
+pub(crate) fn content(shown: &Shown<'_>, name: &str) -> String {
+    let seen = shown.seen;
+    let word = crate::declaration::mode_word(seen.mode());
+    let mut out = format!(
+        "<h1>{} <span class=\"kind\">{word}</span> <a class=\"source\" href=\"{}\">source</a></h1>\n",
+        escaped(name),
+        shown.listing
+    );
+    if let Some(about) = about(seen) {
+        let link = |name: &str| of_module(shown, name);
+        out.push_str(&format!(
+            "<div class=\"doc\">\n{}</div>\n",
+            markdown(&about, &link)
+        ));
+    }
+    let sections = sections(seen);
+    for (title, found) in &sections {
+        out.push_str(&overview(seen, title, found));
+    }
+    for (title, found) in &sections {
+        out.push_str(&format!("<h2 id=\"{}\">{title}</h2>\n", id_of(title)));
+        out.extend(found.iter().map(|(id, item)| shown.section(*id, item)));
+    }
+    out.push_str(&tests(shown));
+    out
+}
+
+fn id_of(title: &str) -> String {
+    format!("-{}", title.to_lowercase().replace(' ', "-"))
+}
+
+fn of_module(shown: &Shown<'_>, name: &str) -> Option<String> {
+    let file = shown.seen.sources.files().next()?;
+    let found = shown.seen.index().resolve_path(file, 0, name)?;
+    shown.places.href(shown.seen, found)
+}
+
+fn overview(seen: &Inspected, title: &str, found: &[(DefId, &Item)]) -> String {
+    let mut out = format!(
+        "<table class=\"overview\"><caption><a href=\"#{}\">{title}</a></caption>\n<tbody>\n",
+        id_of(title)
+    );
+    for (id, _) in found {
+        let def = seen.index().def(*id);
+        let name = escaped(&def.name);
+        let about = def.doc.as_deref().map(summary).unwrap_or_default();
+        out.push_str(&format!(
+            "<tr><th scope=\"row\"><a href=\"#{name}\">{name}</a></th><td>{about}</td></tr>\n"
+        ));
+    }
+    out.push_str("</tbody></table>\n");
+    out
+}
+
+/// What the module's tests show.
+fn tests(shown: &Shown<'_>) -> String {
+    let tests = shown.seen.own_items().filter_map(|item| match &item.kind {
+        ItemKind::Test(test) => Some(&test.title),
+        _ => None,
+    });
+    let lines: Vec<String> = tests
+        .map(|title| {
+            let line = shown.seen.sources.line_col(title.span).line;
+            let title = escaped(&title.name);
+            format!(
+                "<li><a href=\"{}#L{line}\">{title}</a></li>\n",
+                shown.listing
+            )
+        })
+        .collect();
+    match lines.is_empty() {
+        true => String::new(),
+        false => format!(
+            "<h2 id=\"-tests\">Tests</h2>\n<ul class=\"tests\">\n{}</ul>\n",
+            lines.concat()
+        ),
+    }
+}
+
+/// The contents of a page, at its side.
+pub(crate) fn side(seen: &Inspected) -> String {
+    let mut out = String::new();
+    for (title, found) in sections(seen) {
+        out.push_str(&format!(
+            "<h2><a href=\"#{}\">{title}</a></h2>\n<ul>\n",
+            id_of(title)
+        ));
+        for (id, _) in found {
+            let name = escaped(&seen.index().def(id).name);
+            out.push_str(&format!("<li><a href=\"#{name}\">{name}</a></li>\n"));
+        }
+        out.push_str("</ul>\n");
+    }
+    out
+}

@@ -1,0 +1,164 @@
+//! What a declaration is made of, in a table: parameters, ports, fields, values, results, each with its doc comment.
+
+use rpi_diag::{SourceMap, Span};
+use rpi_driver::Inspected;
+use rpi_sema::query::{Def, DefId, DefKind, Typed};
+use rpi_syntax::Mode;
+
+use crate::code;
+use crate::html::escaped;
+use crate::markdown::{Link, markdown};
+use crate::places::anchor;
+
+/// A group of parts: what it is called, and which definitions are in it.
+struct Group {
+    title: &'static str,
+    kind: DefKind,
+    /// Whether the table tells more than the signature above it, even without doc comments.
+    always: bool,
+}
+
+const fn group(title: &'static str, kind: DefKind, always: bool) -> Group {
+    Group {
+        title,
+        kind,
+        always,
+    }
+}
+
+const GROUPS: &[Group] = &[
+    group("Static parameters", DefKind::Static, false),
+    group("Parameters", DefKind::Param, false),
+    group("Given by the predecessor", DefKind::Given, false),
+    group("In-ports", DefKind::Input, false),
+    group("Out-ports", DefKind::Output, false),
+    group("Ports", DefKind::Port, true),
+    group("Fields", DefKind::Field, true),
+    group("Values", DefKind::EnumValue, true),
+    group("Results", DefKind::Result, true),
+];
+
+/// The tables of a declaration.
+pub(crate) fn tables(seen: &Inspected, id: DefId, link: Link<'_>) -> String {
+    let parts = parts(seen, id);
+    let mut out = String::new();
+    for group in GROUPS {
+        let rows: Vec<&(DefId, &Def)> =
+            parts.iter().filter(|(_, d)| d.kind == group.kind).collect();
+        let documented = rows.iter().any(|(_, def)| def.doc.is_some());
+        if !rows.is_empty() && (group.always || documented) {
+            out.push_str(&table(seen, group, &rows, link));
+        } else {
+            out.extend(rows.iter().map(|(id, _)| target(seen, *id)));
+        }
+    }
+    out
+}
+
+/// What stands in a declaration and is part of how it is used.
+fn parts(seen: &Inspected, id: DefId) -> Vec<(DefId, &Def)> {
+    let index = seen.index();
+    let whole = index.def(id);
+    let inside = |def: &Def| match def.kind {
+        DefKind::EnumValue => whole.kind == DefKind::Type && within(def.span, whole.whole),
+        _ => def.parent == Some(id),
+    };
+    let all = index.defs_in(whole.span.file);
+    let mut parts: Vec<(DefId, &Def)> = all.filter(|(_, def)| inside(def)).collect();
+    parts.sort_by_key(|(_, def)| def.span.start);
+    parts
+}
+
+fn within(inner: Span, outer: Span) -> bool {
+    inner.file == outer.file && outer.start <= inner.start && inner.end <= outer.end
+}
+
+/// A place to which links lead where there is no table.
+fn target(seen: &Inspected, id: DefId) -> String {
+    let anchor = anchor(seen, id).unwrap_or_default();
+    format!("<span id=\"{}\"></span>\n", escaped(&anchor))
+}
+
+fn table(seen: &Inspected, group: &Group, rows: &[&(DefId, &Def)], link: Link<'_>) -> String {
+    let mut out = format!(
+        "<table class=\"parts\"><caption>{}</caption>\n<tbody>\n",
+        group.title
+    );
+    for (id, def) in rows {
+        let anchor = anchor(seen, *id).unwrap_or_default();
+        let about = def.doc.as_deref().map(|doc| markdown(doc, link));
+        out.push_str(&format!(
+            "<tr id=\"{}\"><th scope=\"row\"><code>{}</code></th><td>{}</td><td>{}{}</td></tr>\n",
+            escaped(&anchor),
+            escaped(&def.name),
+            what(seen, def, link),
+            presence(seen, def),
+            about.unwrap_or_default(),
+        ));
+    }
+    out.push_str("</tbody></table>\n");
+    out
+}
+
+/// Type and default, or the condition of a result.
+fn what(seen: &Inspected, def: &Def, link: Link<'_>) -> String {
+    let text = match def.kind {
+        DefKind::Result => seen
+            .sources
+            .slice(def.whole)
+            .trim_end_matches(';')
+            .to_owned(),
+        DefKind::EnumValue => return String::new(),
+        _ => type_text(seen, def),
+    };
+    if text.is_empty() {
+        return String::new();
+    }
+    format!(
+        "<code>{}</code>",
+        code::code(&one_line(&text), Mode::Rpi, link)
+    )
+}
+
+/// `T = default`
+pub(crate) fn type_text(seen: &Inspected, def: &Def) -> String {
+    match def.ty {
+        Some(ty) => {
+            let written = seen.sources.slice(ty);
+            let rest = rest_of(&seen.sources, def.whole, ty);
+            format!("{written}{rest}")
+        }
+        None => {
+            let types = seen.types_of(def).iter().map(Typed::to_string);
+            types.take(3).collect::<Vec<_>>().join(" or ")
+        }
+    }
+}
+
+/// What stands behind a type in its declaration: a clock, a default.
+fn rest_of(sources: &SourceMap, whole: Span, ty: Span) -> String {
+    let rest = Span::new(whole.file, ty.end, whole.end.max(ty.end));
+    let rest = sources.slice(rest).trim().trim_end_matches(';');
+    let is_part = rest.starts_with('=') || rest.starts_with("when ");
+    match is_part && !rest.contains('\n') {
+        true => format!(" {rest}"),
+        false => String::new(),
+    }
+}
+
+/// Words on presence where a type says that a value may be missing.
+fn presence(seen: &Inspected, def: &Def) -> &'static str {
+    let optional = def
+        .ty
+        .is_some_and(|ty| seen.sources.slice(ty).ends_with('?'));
+    match (optional, def.kind) {
+        (true, DefKind::Input | DefKind::Param | DefKind::Given) => "<em>may be absent</em> ",
+        (true, _) => "<em>absent in some cycles</em> ",
+        _ => "",
+    }
+}
+
+/// A text with its line ends and indentation taken out.
+pub(crate) fn one_line(text: &str) -> String {
+    text.split_whitespace().collect::<Vec<_>>().join(" ")
+}

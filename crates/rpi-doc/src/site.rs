@@ -1,0 +1,302 @@
+//! The files of a reference: pages of modules, source texts, the index, what makes them look and search.
+
+use std::collections::BTreeSet;
+
+use rpi_driver::Inspected;
+
+use crate::code;
+use crate::declaration::Shown;
+use crate::html::{Page, escaped};
+use crate::markdown::{markdown, summary};
+use crate::module;
+use crate::places::{Places, is_top};
+
+const STYLE: &str = include_str!("../assets/style.css");
+const SEARCH: &str = include_str!("../assets/search.js");
+
+/// A module that a reference shows.
+#[derive(Debug)]
+pub struct Module {
+    /// Its name, as `use` names it.
+    pub name: String,
+    /// Whether it comes with the language.
+    pub is_library: bool,
+    /// What is known of it; its own text is the first.
+    pub seen: Inspected,
+}
+
+/// The files of a reference.
+#[derive(Clone, PartialEq, Eq, Debug)]
+pub struct Site {
+    /// Each with its name, `/` between folders, in the order of their names.
+    pub files: Vec<(String, String)>,
+}
+
+impl Site {
+    /// The reference of some modules under one title; `about` is Markdown.
+    #[must_use]
+    pub fn of(title: &str, about: &str, modules: &[Module]) -> Site {
+        let shelf = Shelf::new(title, modules);
+        let mut files = vec![
+            ("index.html".to_owned(), shelf.index(about)),
+            ("names.js".to_owned(), shelf.names()),
+            ("search.js".to_owned(), SEARCH.to_owned()),
+            ("style.css".to_owned(), STYLE.to_owned()),
+        ];
+        for (module, page) in modules.iter().zip(&shelf.pages) {
+            files.push((format!("{page}.html"), shelf.module(module, page)));
+            files.push((format!("src/{page}.html"), shelf.source(module, page)));
+        }
+        files.sort();
+        Site { files }
+    }
+}
+
+/// The modules with their pages.
+struct Shelf<'m> {
+    title: &'m str,
+    modules: &'m [Module],
+    /// The name of each module's page.
+    pages: Vec<String>,
+    places: Places,
+}
+
+impl<'m> Shelf<'m> {
+    fn new(title: &'m str, modules: &'m [Module]) -> Shelf<'m> {
+        let mut taken: BTreeSet<String> = BTreeSet::from(["index".to_owned()]);
+        let mut places = Places::default();
+        let mut pages = Vec::new();
+        for module in modules {
+            let page = unique(&page_name(&module.name), &mut taken);
+            let mut own: Vec<_> = module.seen.own_items().map(|item| item.span.file).collect();
+            own.extend(module.seen.sources.files().next());
+            own.sort();
+            own.dedup();
+            let names = own.into_iter().map(|file| module.seen.sources.name(file));
+            names.for_each(|name| places.add(name, &page));
+            pages.push(page);
+        }
+        Shelf {
+            title,
+            modules,
+            pages,
+            places,
+        }
+    }
+
+    fn page(&self, title: &str, up: &'static str, side: &str, main: &str) -> String {
+        let side = format!("{}{side}", self.contents(up));
+        Page {
+            title,
+            project: self.title,
+            up,
+            side: &side,
+            main,
+        }
+        .html()
+    }
+
+    /// The modules, as every page shows them at its side.
+    fn contents(&self, up: &str) -> String {
+        let line = |(module, page): (&Module, &String)| {
+            let name = escaped(&module.name);
+            format!("<li><a href=\"{up}{page}.html\">{name}</a></li>\n")
+        };
+        let all = self.modules.iter().zip(&self.pages).map(line);
+        format!(
+            "<h2><a href=\"{up}index.html\">Modules</a></h2>\n<ul>\n{}</ul>\n",
+            all.collect::<String>()
+        )
+    }
+
+    fn module(&self, module: &Module, page: &str) -> String {
+        let shown = Shown {
+            seen: &module.seen,
+            places: &self.places,
+            listing: format!("src/{page}.html"),
+        };
+        let main = module::content(&shown, &module.name);
+        self.page(&module.name, "", &module::side(&module.seen), &main)
+    }
+
+    /// The text of a module's first file, and of those that it includes.
+    fn source(&self, module: &Module, page: &str) -> String {
+        let name = escaped(&module.name);
+        let mut main = format!(
+            "<h1><a href=\"../{page}.html\">{name}</a> <span class=\"kind\">source</span></h1>\n"
+        );
+        if let Some(file) = module.seen.sources.files().next() {
+            main.push_str(&code::listing(
+                module.seen.sources.text(file),
+                module.seen.mode(),
+            ));
+        }
+        self.page(&format!("{} (source)", module.name), "../", "", &main)
+    }
+
+    fn index(&self, about: &str) -> String {
+        let mut main = format!("<h1>{}</h1>\n", escaped(self.title));
+        if !about.is_empty() {
+            main.push_str(&format!(
+                "<div class=\"doc\">\n{}</div>\n",
+                markdown(about, &|_| None)
+            ));
+        }
+        let own = self.listed("Modules", false);
+        let used = if own.is_empty() {
+            "Modules"
+        } else {
+            "Of the standard library"
+        };
+        main.push_str(&own);
+        main.push_str(&self.listed(used, true));
+        main.push_str(&self.all_names());
+        self.page(self.title, "", "", &main)
+    }
+
+    fn listed(&self, title: &str, library: bool) -> String {
+        let all = self.modules.iter().zip(&self.pages);
+        let rows: String = all
+            .filter(|(module, _)| module.is_library == library)
+            .map(|(module, page)| {
+                let about = module::about(&module.seen);
+                let about = about.as_deref().map(summary).unwrap_or_default();
+                let name = escaped(&module.name);
+                format!("<tr><th scope=\"row\"><a href=\"{page}.html\">{name}</a></th><td>{about}</td></tr>\n")
+            })
+            .collect();
+        match rows.is_empty() {
+            true => String::new(),
+            false => format!(
+                "<table class=\"overview\"><caption>{title}</caption>\n<tbody>\n{rows}</tbody></table>\n"
+            ),
+        }
+    }
+
+    /// Every declaration, by its first letter's order.
+    fn all_names(&self) -> String {
+        let mut names = self.declarations();
+        names.sort_by_key(|name| (name.name.to_lowercase(), name.href.clone()));
+        let lines = names.iter().map(|name| {
+            let (text, href) = (escaped(&name.name), escaped(&name.href));
+            format!(
+                "<li><a href=\"{href}\">{text}</a> <span class=\"kind\">{}</span></li>\n",
+                name.kind
+            )
+        });
+        format!(
+            "<h2 id=\"-names\">All names</h2>\n<ul class=\"names\">\n{}</ul>\n",
+            lines.collect::<String>()
+        )
+    }
+
+    /// What is searched: `[name, kind, module, page and place, summary]` for each declaration.
+    fn names(&self) -> String {
+        let rows = self.declarations().into_iter().map(|name| {
+            let cells = [
+                name.name,
+                name.kind.to_owned(),
+                name.module,
+                name.href,
+                name.about,
+            ];
+            let cells: Vec<String> = cells.iter().map(|cell| text_in_script(cell)).collect();
+            format!("  [{}]", cells.join(", "))
+        });
+        let rows: Vec<String> = rows.collect();
+        format!("const NAMES = [\n{}\n];\n", rows.join(",\n"))
+    }
+
+    fn declarations(&self) -> Vec<Named> {
+        let mut found = Vec::new();
+        for module in self.modules {
+            let seen = &module.seen;
+            for (id, _) in module::sections(seen)
+                .into_iter()
+                .flat_map(|(_, found)| found)
+            {
+                let def = seen.index().def(id);
+                let first = def.doc.as_deref().and_then(|doc| doc.lines().next());
+                found.extend(
+                    self.places
+                        .href(seen, id)
+                        .filter(|_| is_top(seen, def))
+                        .map(|href| Named {
+                            name: def.name.to_string(),
+                            kind: def.kind.word(),
+                            module: module.name.clone(),
+                            href,
+                            about: first.unwrap_or_default().to_owned(),
+                        }),
+                );
+            }
+        }
+        found
+    }
+}
+
+/// A declaration in the index.
+struct Named {
+    name: String,
+    kind: &'static str,
+    module: String,
+    href: String,
+    about: String,
+}
+
+/// The name of a module's page: what can stand in the name of a file anywhere.
+fn page_name(module: &str) -> String {
+    let kept = |c: char| {
+        if c.is_alphanumeric() || "-_.".contains(c) {
+            c
+        } else {
+            '-'
+        }
+    };
+    module.chars().map(kept).collect()
+}
+
+fn unique(name: &str, taken: &mut BTreeSet<String>) -> String {
+    // Where letters of both sizes are one, two pages must not be one file.
+    let mut candidates = (1..).map(|n| match n {
+        1 => name.to_owned(),
+        n => format!("{name}-{n}"),
+    });
+    let free = candidates.find(|candidate| taken.insert(candidate.to_lowercase()));
+    free.unwrap_or_default()
+}
+
+/// A text as JavaScript writes it.
+fn text_in_script(text: &str) -> String {
+    let mut out = String::from("\"");
+    for c in text.chars() {
+        match c {
+            '"' | '\\' => out.extend(['\\', c]),
+            '<' | '\u{2028}' | '\u{2029}' => out.push_str(&format!("\\u{:04x}", u32::from(c))),
+            c if c.is_control() => out.push(' '),
+            c => out.push(c),
+        }
+    }
+    out.push('"');
+    out
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn texts_in_scripts_stay_texts() {
+        assert_eq!(
+            text_in_script("a\"</script>\\"),
+            "\"a\\\"\\u003c/script>\\\\\""
+        );
+    }
+
+    #[test]
+    fn pages_have_names_of_their_own() {
+        let mut taken = BTreeSet::from(["index".to_owned()]);
+        assert_eq!(unique("Index", &mut taken), "Index-2");
+        assert_eq!(page_name("arms/left one"), "arms-left-one");
+    }
+}

@@ -1,0 +1,174 @@
+//! What doc comments say beyond words: examples, which are programs, and links, which name declarations.
+//!
+//! An example is a block fenced by ```` ```rpi ````. It is a program of its own that has the module around it without `use`.
+//! A link is a name in brackets and quotes, ``[`lowpass`]``.
+
+use std::ops::Range;
+
+use rpi_diag::{Code, Finding, SourceMap, Span};
+use rpi_sema::query::Index;
+use rpi_syntax::{CommentKind, Mode, PieceKind, pieces};
+
+/// A line of a doc comment: the bytes of its text, after `--|` and one space.
+type Line = Range<usize>;
+
+/// The doc comments of a text: each the lines that stand below one another.
+#[must_use]
+pub fn doc_blocks(text: &str, mode: Mode) -> Vec<Vec<Range<usize>>> {
+    let mut blocks: Vec<Vec<Line>> = Vec::new();
+    let mut end = 0;
+    for piece in pieces(text, mode) {
+        if piece.kind != PieceKind::Comment(CommentKind::Doc) {
+            continue;
+        }
+        let begin = piece.range.start + "--|".len();
+        let line = &text[begin..piece.range.end];
+        let shift = usize::from(line.starts_with(' '));
+        let body = begin + shift..begin + shift + line[shift..].trim_end().len();
+        let gap = &text[end..piece.range.start];
+        match blocks.last_mut() {
+            Some(block) if gap.trim().is_empty() && gap.matches('\n').count() <= 1 => {
+                block.push(body);
+            }
+            _ => blocks.push(vec![body]),
+        }
+        end = piece.range.end;
+    }
+    blocks
+}
+
+/// The examples of a text: for each the bytes of its lines.
+#[must_use]
+pub fn examples(text: &str, mode: Mode) -> Vec<Vec<Range<usize>>> {
+    let mut found = Vec::new();
+    for block in doc_blocks(text, mode) {
+        let mut open: Option<(bool, Vec<Line>)> = None;
+        for line in block {
+            let info = text[line.clone()].trim_start().strip_prefix("```");
+            match (open.take(), info) {
+                (None, Some(info)) => open = Some((info.trim() == "rpi", Vec::new())),
+                (None, None) => {}
+                (Some((true, lines)), Some(_)) => found.push(lines),
+                (Some((false, _)), Some(_)) => {}
+                (Some((wanted, mut lines)), None) => {
+                    lines.push(line);
+                    open = Some((wanted, lines));
+                }
+            }
+        }
+    }
+    found
+}
+
+/// An example as a text of its own in which everything stands where it stands in the text around it.
+#[must_use]
+pub(crate) fn example_text(text: &str, lines: &[Range<usize>]) -> String {
+    let mut out = String::with_capacity(text.len());
+    let mut at = 0;
+    for line in lines {
+        out.extend(text[at..line.start].bytes().map(blank));
+        out.push_str(&text[line.clone()]);
+        at = line.end;
+    }
+    out.extend(text[at..].bytes().map(blank));
+    out
+}
+
+fn blank(byte: u8) -> char {
+    if byte == b'\n' { '\n' } else { ' ' }
+}
+
+/// The names that a doc comment links to, with their bytes in it; what stands in fences is no link.
+pub fn doc_links(doc: &str) -> impl Iterator<Item = (Range<usize>, &str)> {
+    let mut start = 0;
+    let mut fenced = false;
+    let lines = doc.split_inclusive('\n').filter_map(move |line| {
+        let at = start;
+        start += line.len();
+        let fence = line.trim_start().starts_with("```");
+        fenced ^= fence;
+        (!fence && !fenced).then_some((at, line))
+    });
+    lines.flat_map(|(at, line)| {
+        line.match_indices("[`").filter_map(move |(from, _)| {
+            let rest = &line[from + 2..];
+            let name = &rest[..rest.find("`]")?];
+            let begin = at + from + 2;
+            (!name.contains('`')).then(|| (begin..begin + name.len(), name))
+        })
+    })
+}
+
+/// What is said about links of the first text that lead nowhere.
+pub(crate) fn broken_links(
+    sources: &SourceMap,
+    mode: Mode,
+    index: &dyn Fn() -> Index,
+) -> Vec<Finding> {
+    let Some(file) = sources.files().next() else {
+        return Vec::new();
+    };
+    let text = sources.text(file);
+    if !text.contains("[`") {
+        return Vec::new();
+    }
+    let index = index();
+    let mut findings = Vec::new();
+    for line in doc_blocks(text, mode).into_iter().flatten() {
+        for (range, name) in doc_links(&text[line.clone()]) {
+            let offset = |at: usize| u32::try_from(line.start + at).unwrap_or(u32::MAX);
+            let span = Span::new(file, offset(range.start), offset(range.end));
+            if index.resolve_path(file, span.start, name).is_none() {
+                findings.push(leads_nowhere(&index, span, name));
+            }
+        }
+    }
+    findings
+}
+
+fn leads_nowhere(index: &Index, span: Span, name: &str) -> Finding {
+    let finding = Finding::new(Code::RPI1201, format!("no declaration `{name}` to link to"))
+        .at(span, "nothing of this name can be seen here");
+    let visible = index.visible(span.file, span.start);
+    let names: Vec<&str> = visible
+        .iter()
+        .map(|id| index.def(*id).name.as_str())
+        .collect();
+    match rpi_diag::suggest(name, names.into_iter()) {
+        Some(near) => {
+            finding.fix(rpi_diag::Fix::maybe(format!("did you mean `{near}`?")).replace(span, near))
+        }
+        None => finding.help("a name without a declaration is written without brackets, `name`"),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const TEXT: &str = "--| Half. See [`whole`].\n--| ```rpi\n--| const a: int = 1;\n--| ```\n\nconst b: int = 2;\n--| ```text\n--| [`x`]\n--| ```\nconst c: int = 3;\n";
+
+    #[test]
+    fn examples_stand_where_they_stand() {
+        let all = examples(TEXT, Mode::Rpi);
+        assert_eq!(all.len(), 1);
+        let text = example_text(TEXT, &all[0]);
+        assert_eq!(text.len(), TEXT.len());
+        assert_eq!(text.trim(), "const a: int = 1;");
+        assert_eq!(text.find("const a"), TEXT.find("const a"));
+    }
+
+    #[test]
+    fn links_are_names_in_brackets_and_quotes_outside_of_fences() {
+        let doc = "a [`b`] [c] `d`\n```\n[`e`]\n```\n[`f.g`]";
+        let names: Vec<&str> = doc_links(doc).map(|(_, name)| name).collect();
+        assert_eq!(names, ["b", "f.g"]);
+        let (range, name) = doc_links(doc).last().unwrap();
+        assert_eq!(&doc[range], name);
+    }
+
+    #[test]
+    fn blocks_end_at_empty_lines() {
+        assert_eq!(doc_blocks(TEXT, Mode::Rpi).len(), 2);
+    }
+}

@@ -1,0 +1,164 @@
+//! Projects: a folder of programs, with a description in `rpi.toml` if it has one.
+//!
+//! ```toml
+//! name = "pick cell"
+//! description = "Two arms and a belt."
+//! sources = ["src"]     # folders or files; without it everything below the folder
+//! ```
+
+use std::path::{Path, PathBuf};
+
+use serde::Deserialize;
+
+use crate::input::{InputError, Kind};
+
+/// The file that describes a project.
+pub const MANIFEST: &str = "rpi.toml";
+
+/// A folder of programs.
+#[derive(Clone, PartialEq, Eq, Debug)]
+pub struct Project {
+    /// What it is called: by its description, else as its folder or file.
+    pub name: String,
+    /// What it is, in Markdown.
+    pub description: String,
+    /// Its folder.
+    pub root: PathBuf,
+    /// Its programs, sorted.
+    pub files: Vec<PathBuf>,
+}
+
+/// What `rpi.toml` says.
+#[derive(Deserialize, Default)]
+#[serde(deny_unknown_fields)]
+struct Manifest {
+    name: Option<String>,
+    #[serde(default)]
+    description: String,
+    sources: Option<Vec<PathBuf>>,
+}
+
+impl Project {
+    /// Opens a folder, its `rpi.toml`, or a single program.
+    ///
+    /// # Errors
+    /// If there is nothing at the path, `rpi.toml` is none, or there is no program.
+    pub fn open(path: &Path) -> Result<Project, InputError> {
+        if path.is_dir() {
+            return Project::folder(path);
+        }
+        if path.file_name().is_some_and(|name| name == MANIFEST) {
+            let parent = path.parent().filter(|p| !p.as_os_str().is_empty());
+            return Project::folder(parent.unwrap_or(Path::new(".")));
+        }
+        let input = crate::input::read(path)?;
+        match input.kind {
+            Kind::Rpi | Kind::Lustre => Ok(Project {
+                name: input.stem(),
+                description: String::new(),
+                root: path.parent().unwrap_or(Path::new("")).to_owned(),
+                files: vec![path.to_owned()],
+            }),
+            _ => Err(InputError::new(path, "this is no program (.rpi, .lus)")),
+        }
+    }
+
+    fn folder(root: &Path) -> Result<Project, InputError> {
+        let manifest = manifest(&root.join(MANIFEST))?;
+        let sources = manifest.sources.unwrap_or_else(|| vec![PathBuf::new()]);
+        let mut files = Vec::new();
+        for source in sources {
+            let path = root.join(&source);
+            if !path.exists() {
+                let message = format!("there is no {}, which it names", source.display());
+                return Err(InputError::new(&root.join(MANIFEST), message));
+            }
+            programs(&path, &mut files);
+        }
+        files.sort();
+        files.dedup();
+        match files.is_empty() {
+            true => Err(InputError::new(root, "there is no program in this folder")),
+            false => Ok(Project {
+                name: manifest.name.unwrap_or_else(|| folder_name(root)),
+                description: manifest.description,
+                root: root.to_owned(),
+                files,
+            }),
+        }
+    }
+}
+
+fn manifest(path: &Path) -> Result<Manifest, InputError> {
+    match std::fs::read_to_string(path) {
+        Ok(text) => toml::from_str(&text)
+            .map_err(|error| InputError::new(path, error.to_string().trim_end())),
+        Err(_) => Ok(Manifest::default()),
+    }
+}
+
+fn folder_name(root: &Path) -> String {
+    let absolute = root.canonicalize().unwrap_or_else(|_| root.to_owned());
+    let name = absolute
+        .file_name()
+        .map(|n| n.to_string_lossy().into_owned());
+    name.unwrap_or_else(|| "programs".to_owned())
+}
+
+/// The programs at or below a path; hidden folders and build outputs apart.
+fn programs(path: &Path, files: &mut Vec<PathBuf>) {
+    if path.is_file() {
+        let kind = Kind::of(path);
+        if matches!(kind, Some(Kind::Rpi | Kind::Lustre)) {
+            files.push(path.to_owned());
+        }
+        return;
+    }
+    let Ok(entries) = std::fs::read_dir(path) else {
+        return;
+    };
+    for entry in entries.flatten() {
+        let name = entry.file_name();
+        let name = name.to_string_lossy();
+        if !name.starts_with('.') && name != "target" {
+            programs(&entry.path(), files);
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_folder_is_a_project_with_or_without_a_description() {
+        let dir = tempfile::tempdir().unwrap();
+        let put = |name: &str, text: &str| std::fs::write(dir.path().join(name), text).unwrap();
+        put("b.rpi", "");
+        put("a.lus", "");
+        put("notes.md", "");
+        let project = Project::open(dir.path()).unwrap();
+        let names: Vec<_> = project
+            .files
+            .iter()
+            .map(|f| f.file_name().unwrap())
+            .collect();
+        assert_eq!(names, ["a.lus", "b.rpi"]);
+        put(MANIFEST, "name = \"cell\"\nsources = [\"b.rpi\"]\n");
+        let project = Project::open(&dir.path().join(MANIFEST)).unwrap();
+        assert_eq!((project.name.as_str(), project.files.len()), ("cell", 1));
+    }
+
+    #[test]
+    fn faults_are_told_with_the_file() {
+        let dir = tempfile::tempdir().unwrap();
+        let none = Project::open(dir.path()).unwrap_err();
+        assert!(none.message.contains("no program"));
+        std::fs::write(dir.path().join(MANIFEST), "nmae = \"cell\"").unwrap();
+        let unknown = Project::open(dir.path()).unwrap_err();
+        assert!(unknown.message.contains("nmae"), "{unknown}");
+        std::fs::write(dir.path().join(MANIFEST), "sources = [\"src\"]").unwrap();
+        let missing = Project::open(dir.path()).unwrap_err();
+        assert!(missing.message.contains("no src"), "{missing}");
+    }
+}

@@ -1,0 +1,71 @@
+//! What an expression is made of, for tools that look through expressions without minding what they mean.
+
+use super::{Access, Activation, Call, Expr, ExprKind, Slice};
+
+impl Expr {
+    /// The expressions directly inside, in text order but for conditions of activation, which come before the arguments.
+    /// Static arguments are left out: they are no flows.
+    pub fn children(&self) -> Vec<&Expr> {
+        match &self.kind {
+            ExprKind::Bool(_)
+            | ExprKind::Number(_)
+            | ExprKind::Quantity(_)
+            | ExprKind::Str(_)
+            | ExprKind::Name(_) => Vec::new(),
+            ExprKind::Field(field) => vec![&field.base],
+            ExprKind::Index(of) => vec![&of.base, &of.index],
+            ExprKind::Slice(of) => [vec![&of.base], bounds(&of.slice)].concat(),
+            ExprKind::Unary(_, inner) | ExprKind::Paren(inner) => vec![inner],
+            ExprKind::Binary(of) => vec![&of.lhs, &of.rhs],
+            ExprKind::When(of) => vec![&of.value],
+            ExprKind::If(of) => vec![&of.condition, &of.yes, &of.no],
+            ExprKind::Call(call) => of_call(call),
+            ExprKind::Among(_, all) | ExprKind::Tuple(all) | ExprKind::Array(all) => {
+                all.iter().collect()
+            }
+            ExprKind::Merge(merge) => {
+                let cases = merge.cases.iter().map(|case| &case.then);
+                [&merge.on].into_iter().chain(cases).collect()
+            }
+            ExprKind::Struct(of) => {
+                let fields = of.fields.iter().map(|field| &field.value);
+                of.base.iter().chain(fields).collect()
+            }
+            ExprKind::Update(update) => {
+                let changes = update.changes.iter();
+                let parts = changes.flat_map(|c| [of_path(&c.path), vec![&c.value]].concat());
+                [&update.base].into_iter().chain(parts).collect()
+            }
+        }
+    }
+}
+
+fn bounds(slice: &Slice) -> Vec<&Expr> {
+    [&slice.from, &slice.to]
+        .into_iter()
+        .chain(&slice.step)
+        .collect()
+}
+
+fn of_path(path: &[Access]) -> Vec<&Expr> {
+    let step = |access| match access {
+        &Access::Field(_) => Vec::new(),
+        Access::Index(index) => vec![index],
+        Access::Slice(slice) => bounds(slice),
+    };
+    path.iter().flat_map(step).collect()
+}
+
+fn of_call(call: &Call) -> Vec<&Expr> {
+    let conditions: Vec<&Expr> = match &call.activation {
+        Activation::Always => Vec::new(),
+        Activation::Restart { every } => vec![every],
+        Activation::Activate {
+            every,
+            restart,
+            default,
+        } => [every].into_iter().chain(restart).chain(default).collect(),
+    };
+    let args = call.args.iter().map(|arg| &arg.value);
+    conditions.into_iter().chain(args).collect()
+}

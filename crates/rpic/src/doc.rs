@@ -1,0 +1,136 @@
+//! `rpic doc`: the reference of a project in HTML.
+
+use std::collections::BTreeSet;
+use std::path::{Path, PathBuf};
+
+use rpi_diag::Format;
+use rpi_doc::{Module, Site};
+use rpi_driver::{Disk, Files, Inspected, Project, inspect, library_modules, library_text};
+
+use crate::args::DocArgs;
+use crate::check::{has_errors, show};
+use crate::outcome::{Exit, Outcome};
+
+/// What the standard library is, at the top of its reference.
+const LIBRARY: &str = "Fragments, nodes and device types that come with the language. `use filters;` brings in a module; \
+                       `math` and `geometry` are there without it.";
+
+/// Writes the reference and says where it is.
+pub(crate) fn doc(args: &DocArgs) -> Outcome {
+    let (title, about, own) = match args.std {
+        true => ("Standard library".to_owned(), LIBRARY.to_owned(), library()),
+        false => {
+            let project = Project::open(&args.path)?;
+            let modules = programs(&project)?;
+            (project.name, project.description, modules)
+        }
+    };
+    let mut faulty = false;
+    for module in &own {
+        show(Format::Human, &module.seen.findings, &module.seen.sources)?;
+        faulty |= has_errors(&module.seen.findings);
+    }
+    let modules = with_used(own);
+    let site = Site::of(&title, &about, &modules);
+    write(&args.out, &site)?;
+    let index = args.out.join("index.html");
+    eprintln!("wrote {} pages: {}", modules.len() + 1, index.display());
+    if args.open {
+        open(&index)?;
+    }
+    Ok(if faulty { Exit::Found } else { Exit::Good })
+}
+
+/// The programs of a project.
+fn programs(project: &Project) -> Result<Vec<Module>, Box<dyn std::error::Error>> {
+    let mut modules = Vec::new();
+    for path in &project.files {
+        let input = rpi_driver::read(path)?;
+        let below = path.strip_prefix(&project.root).unwrap_or(path);
+        let name = below
+            .with_extension("")
+            .to_string_lossy()
+            .replace('\\', "/");
+        modules.push(Module {
+            name,
+            is_library: false,
+            seen: inspect(path, input.text()?, &Disk),
+        });
+    }
+    Ok(modules)
+}
+
+/// The library stands alone: nothing on disk takes the place of its modules.
+struct Nothing;
+
+impl Files for Nothing {
+    fn text(&self, _: &Path) -> Option<String> {
+        None
+    }
+}
+
+fn library() -> Vec<Module> {
+    library_modules().filter_map(library_module).collect()
+}
+
+fn library_module(name: &str) -> Option<Module> {
+    let path = PathBuf::from(format!("stdlib/{name}.rpi"));
+    Some(Module {
+        name: name.to_owned(),
+        is_library: true,
+        seen: inspect(&path, library_text(name)?, &Nothing),
+    })
+}
+
+/// Adds the modules of the library that some modules use, so that links to them lead somewhere.
+fn with_used(mut modules: Vec<Module>) -> Vec<Module> {
+    let sources = |seen: &Inspected| {
+        let all = seen
+            .sources
+            .files()
+            .map(|file| seen.sources.name(file).to_owned());
+        all.collect::<Vec<_>>()
+    };
+    let there: BTreeSet<String> = modules
+        .iter()
+        .flat_map(|m| sources(&m.seen).into_iter().take(1))
+        .collect();
+    let used: BTreeSet<String> = modules.iter().flat_map(|m| sources(&m.seen)).collect();
+    let missing = library_modules().filter(|name| {
+        let path = format!("stdlib/{name}.rpi");
+        used.contains(&path) && !there.contains(&path)
+    });
+    let missing: Vec<Module> = missing.filter_map(library_module).collect();
+    modules.extend(missing);
+    modules
+}
+
+fn write(folder: &Path, site: &Site) -> Result<(), String> {
+    for (name, text) in &site.files {
+        let path = folder.join(name);
+        let parent = path.parent().unwrap_or(folder);
+        let written = std::fs::create_dir_all(parent).and_then(|()| std::fs::write(&path, text));
+        written.map_err(|e| format!("{}: {e}", path.display()))?;
+    }
+    Ok(())
+}
+
+/// The programs that open a page on the systems that there are.
+const OPENERS: &[&str] = if cfg!(target_os = "macos") {
+    &["open"]
+} else if cfg!(windows) {
+    &["explorer"]
+} else {
+    &["xdg-open"]
+};
+
+fn open(page: &Path) -> Result<(), String> {
+    let opened = OPENERS.iter().any(|opener| {
+        let started = std::process::Command::new(opener).arg(page).spawn();
+        started.is_ok()
+    });
+    match opened {
+        true => Ok(()),
+        false => Err(format!("{} is not there to open it", OPENERS.join(", "))),
+    }
+}
