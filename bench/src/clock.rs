@@ -12,6 +12,13 @@ pub fn thread_ns() -> f64 {
     t.tv_sec as f64 * 1e9 + t.tv_nsec as f64
 }
 
+/// Nanoseconds that this process has run on processors so far, all threads together.
+#[must_use]
+pub fn process_ns() -> f64 {
+    let t = clock_gettime(ClockId::ProcessCPUTime);
+    t.tv_sec as f64 * 1e9 + t.tv_nsec as f64
+}
+
 /// What `run` gives, and the nanoseconds that this thread ran for it.
 pub fn timed<T>(run: impl FnOnce() -> T) -> (T, f64) {
     let start = thread_ns();

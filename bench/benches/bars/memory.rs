@@ -58,7 +58,8 @@ pub(crate) fn load_and_tell(path: &Path) {
     println!("{}", resident("VmHWM:"));
 }
 
-fn resident(what: &str) -> u64 {
+/// A figure of this process's memory in kB: `VmHWM:` is the highest so far.
+pub(crate) fn resident(what: &str) -> u64 {
     let status = std::fs::read_to_string("/proc/self/status").unwrap_or_default();
     let line = status.lines().find(|l| l.starts_with(what));
     let number = line.and_then(|l| l.split_whitespace().nth(1));

@@ -121,6 +121,7 @@ codes! {
     RPI3006 Error "automaton without one initial state";
     RPI3007 Error "clocks that do not meet";
     RPI3101 Warning "flow that nothing uses";
+    RPI3102 Warning "claim that can never hold";
     RPI4001 Error "dependency cycle";
     RPI4002 Error "port that stands for itself";
     RPI5001 Error "`pre` without a first value";
@@ -137,6 +138,9 @@ codes! {
     RPI9003 Error "fault while running";
     RPI9011 Error "cycle that cannot be computed";
     RPI9012 Warning "assertion that does not hold";
+    RPI9013 Warning "assumption that is broken";
+    RPI9014 Warning "guarantee that is not kept";
+    RPI9015 Warning "no mode of a contract applies";
     RPI9101 Error "primitive without a form in C";
     RPI9102 Warning "part of a program that a net cannot hold";
     RPI9901 Error "fault of the compiler";

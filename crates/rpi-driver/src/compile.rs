@@ -3,11 +3,12 @@
 use std::ops::Range;
 use std::path::Path;
 
-use rpi_diag::{FileId, Finding, Severity, SourceMap, Span};
+use rpi_diag::{Finding, Severity, SourceMap, Span};
 use rpi_image::Image;
 use rpi_lower::{LowerOptions, Plan};
 use rpi_net::Net;
 use rpi_net::passes::analyse;
+use rpi_sema::elab::Claims;
 use rpi_syntax::Mode;
 
 use crate::doctext;
@@ -43,24 +44,32 @@ pub enum Program {
     Image(Box<Image>),
 }
 
-/// Takes a file through all stages up to checked nets.
+/// Takes a file through all stages up to checked nets, without the claims of the program.
 ///
 /// # Errors
 /// If the content is not of its kind at all; faults of a program are findings, not errors.
 pub fn compile(input: &Input) -> Result<Compiled, InputError> {
+    compile_with(input, Claims::Off)
+}
+
+/// Takes a file through all stages up to checked nets; its commands do with claims as asked for.
+///
+/// # Errors
+/// If the content is not of its kind at all; faults of a program are findings, not errors.
+pub fn compile_with(input: &Input, claims: Claims) -> Result<Compiled, InputError> {
     match input.kind {
         Kind::Rpib => image(input),
         Kind::Rpinet => Ok(net(input, input.text()?)),
-        Kind::Rpi | Kind::Lustre => Ok(program(input, input.text()?)),
+        Kind::Rpi | Kind::Lustre => Ok(program(input, input.text()?, claims)),
     }
 }
 
-fn program(input: &Input, text: &str) -> Compiled {
-    let mode = Mode::of_path(&display(&input.path));
+fn program(input: &Input, text: &str, claims: Claims) -> Compiled {
     let mut sources = SourceMap::new();
     let (name, path) = (input.stem(), display(&input.path));
     let modules = program_text(input, &name, &path, text).modules(&mut sources);
-    let (mut built, _) = source::build_modules(&modules);
+    let mode = Mode::of_path(&path);
+    let (mut built, _) = source::build_modules(&modules, claims);
     let links = doctext::broken_links(&sources, mode, &|| modules.index());
     built.findings.extend(links);
     Compiled {
@@ -68,7 +77,7 @@ fn program(input: &Input, text: &str) -> Compiled {
         findings: built.findings,
         program: Program::Nets(built.nets),
         tests: built.tests,
-        tasks: task::tasks(&rpi_syntax::parse(FileId(0), text, mode).file),
+        tasks: modules.own().map(task::tasks).unwrap_or_default(),
     }
 }
 
@@ -84,7 +93,7 @@ pub fn compile_example(input: &Input, lines: &[Range<usize>]) -> Result<Compiled
     let around = program_text(input, &name, &path, text);
     let mut sources = SourceMap::new();
     let modules = Modules::load_example(&example, &around, &Disk, &mut sources);
-    let (built, _) = source::build_modules(&modules);
+    let (built, _) = source::build_modules(&modules, Claims::Report);
     Ok(Compiled {
         sources,
         findings: built.findings,

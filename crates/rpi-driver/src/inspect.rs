@@ -8,6 +8,7 @@ use std::path::Path;
 
 use rpi_diag::{FileId, Finding, SourceMap, Span};
 use rpi_sema::Checked;
+use rpi_sema::elab::Claims;
 use rpi_sema::facts::{self, Facts};
 use rpi_sema::query::{Def, Index, Typed, type_around, types_of_flows, types_of_read};
 use rpi_syntax::Mode;
@@ -39,7 +40,7 @@ pub fn inspect(path: &Path, text: &str, files: &dyn Files) -> Inspected {
     let mut sources = SourceMap::new();
     let name = path.display().to_string();
     let modules = Modules::load(&stem(path), &name, text, path.parent(), files, &mut sources);
-    let (mut built, checked) = build_modules(&modules);
+    let (mut built, checked) = build_modules(&modules, Claims::Report);
     let links = doctext::broken_links(&sources, Mode::of_path(&name), &|| modules.index());
     built.findings.extend(links);
     Inspected {

@@ -22,7 +22,9 @@ mod tests;
 mod unwanted;
 mod violation;
 
-pub use compile::{Compiled, Program, compile, compile_example, lower_to_look, lower_to_run};
+pub use compile::{
+    Compiled, Program, compile, compile_example, compile_with, lower_to_look, lower_to_run,
+};
 pub use doctext::{doc_blocks, doc_links, examples};
 pub use files::{Disk, Files};
 pub use input::{Input, InputError, Kind, read, utf8};
@@ -31,5 +33,6 @@ pub use modules::{library_modules, library_text};
 pub use node::{Node, NodeCompiled, compile_node};
 pub use period::{parse_period, period_text};
 pub use project::{MANIFEST, Project};
+pub use rpi_sema::elab::Claims;
 pub use task::{Target, Task, TaskNode, TaskPlan};
 pub use tests::{Branch, Test};

@@ -88,6 +88,11 @@ impl Modules {
         loader.finish(mode)
     }
 
+    /// The program's own text.
+    pub(crate) fn own(&self) -> Option<&File> {
+        self.modules.first()?.files.first()
+    }
+
     /// All declarations of all files.
     pub(crate) fn items(&self) -> impl Iterator<Item = &Item> {
         let files = self.modules.iter().flat_map(|module| &module.files);

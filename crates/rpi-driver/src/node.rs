@@ -1,9 +1,9 @@
 //! A node by itself: which one of a file it is, its net, and the columns of the tables that it reads and writes.
 
-use rpi_diag::{FileId, Finding, Severity, SourceMap, Span};
+use rpi_diag::{FileId, Finding, Severity, SourceMap};
 use rpi_image::Scalar;
 use rpi_net::{Column, Net};
-use rpi_sema::elab::{Elaborated, PortShape, elaborate_alone};
+use rpi_sema::elab::{Claims, Elaborated, PortShape, elaborate_alone};
 use rpi_sema::ty::Ty;
 use rpi_sema::typed::UnitId;
 use rpi_syntax::ast::ItemKind;
@@ -35,8 +35,6 @@ pub struct Node {
     pub outputs: Vec<Column>,
     /// Its other flows, leaf by leaf, if they were asked for.
     pub locals: Vec<Column>,
-    /// Keys of exported Booleans that the text claims to hold in every cycle, and where it does.
-    pub claims: Vec<(String, Span)>,
 }
 
 impl NodeCompiled {
@@ -57,6 +55,7 @@ impl NodeCompiled {
 pub fn compile_node(
     input: &Input,
     name: Option<&str>,
+    claims: Claims,
     locals: bool,
 ) -> Result<NodeCompiled, InputError> {
     let (stem, path, text) = (input.stem(), display(&input.path), input.text()?);
@@ -64,8 +63,19 @@ pub fn compile_node(
     let modules = program_text(input, &stem, &path, text).modules(&mut sources);
     let (made, findings, _) = source::with_front(&modules, |front, findings| {
         let unit = chosen(front, name, &marked(text, &path), &stem)?;
-        let elaborated = elaborate_alone(&front.checked.units, front.facts, unit, locals);
-        Ok(source::analysed(front, unit, &[], elaborated, findings).map(node))
+        let elaborated = elaborate_alone(
+            &front.checked.units,
+            front.facts,
+            unit,
+            Claims::Report,
+            locals,
+        );
+        let made = source::analysed(front, unit, &[], elaborated, findings);
+        let made = made.map(|made| match claims {
+            Claims::Report => made,
+            _ => elaborate_alone(&front.checked.units, front.facts, unit, claims, locals),
+        });
+        Ok(made.map(node))
     });
     let node = made.transpose();
     let node = node.map_err(|message: String| InputError::new(&input.path, message))?;
@@ -141,12 +151,6 @@ fn marked(text: &str, path: &str) -> Vec<String> {
 }
 
 fn node(mut elaborated: Elaborated) -> Node {
-    let mut claims = Vec::with_capacity(elaborated.claims.len());
-    for (k, mut claim) in elaborated.claims.into_iter().enumerate() {
-        claim.key = format!("{}#{k}", claim.key);
-        claims.push((claim.key.clone(), claim.origin.span));
-        elaborated.net.exports.push(claim);
-    }
     let locals = elaborated.locals.iter().map(|local| column(&local.shape));
     let locals = locals.collect();
     let ports = elaborated.locals.into_iter().map(|local| local.port);
@@ -156,7 +160,6 @@ fn node(mut elaborated: Elaborated) -> Node {
         outputs: elaborated.outputs.iter().map(column).collect(),
         net: elaborated.net,
         locals,
-        claims,
     }
 }
 

@@ -4,8 +4,8 @@ use std::collections::BTreeSet;
 use std::path::Path;
 
 use rpi_diag::{Finding, Severity, SourceMap, Span};
-use rpi_net::{Net, PortRef};
-use rpi_sema::elab::{Argument, Elaborated, elaborate, elaborate_steps};
+use rpi_net::Net;
+use rpi_sema::elab::{Argument, Claims, Elaborated, elaborate, elaborate_steps};
 use rpi_sema::facts::{self, Facts};
 use rpi_sema::program::Program;
 use rpi_sema::typed::{Kind, Unit, UnitId, UnitKind};
@@ -53,9 +53,10 @@ pub(crate) struct Front<'p> {
     pub(crate) facts: &'p [Facts],
 }
 
-/// Takes parsed modules through all other stages; what the checker made of them is kept for who wants to look at it.
-pub(crate) fn build_modules(modules: &Modules) -> (Built, Checked) {
-    let (roots, findings, checked) = with_front(modules, roots);
+/// Takes parsed modules through all other stages; in what can be run claims are as asked for. What the checker made of them is kept for who wants to look at it.
+pub(crate) fn build_modules(modules: &Modules, claims: Claims) -> (Built, Checked) {
+    let back = |front: &Front<'_>, findings: &mut Vec<Finding>| roots(front, claims, findings);
+    let (roots, findings, checked) = with_front(modules, back);
     let roots = roots.unwrap_or_default();
     let built = Built {
         nets: roots.nets,
@@ -105,7 +106,7 @@ struct Roots {
     tests: Vec<Test>,
 }
 
-fn roots(front: &Front<'_>, findings: &mut Vec<Finding>) -> Roots {
+fn roots(front: &Front<'_>, claims: Claims, findings: &mut Vec<Finding>) -> Roots {
     let checked = front.checked;
     let called = called(checked);
     let mut roots = Roots::default();
@@ -118,7 +119,11 @@ fn roots(front: &Front<'_>, findings: &mut Vec<Finding>) -> Roots {
         let made = one(front, *unit, &args, findings);
         let made = made.filter(|_| !args.contains(&Argument::Unknown));
         match (kind, made) {
-            (UnitKind::Command, Some(made)) => roots.nets.push(made.net),
+            (UnitKind::Command, Some(made)) => {
+                roots
+                    .nets
+                    .push(with_claims(front, *unit, &args, made, claims).net);
+            }
             (UnitKind::Test, Some(made)) => roots.tests.push(test(checked.unit(*unit), made)),
             _ => {}
         }
@@ -133,18 +138,38 @@ fn test(unit: &Unit, made: Elaborated) -> Test {
         branches: branches(&made.net),
         fragments: fragments(&made.net),
         net: made.net,
-        expectations: made.expectations,
     }
 }
 
-/// The net of one unit, if the passes find nothing against it.
+/// What was made of a unit with its claims published, with other claims.
+pub(crate) fn with_claims(
+    front: &Front<'_>,
+    unit: UnitId,
+    args: &[Argument],
+    made: Elaborated,
+    claims: Claims,
+) -> Elaborated {
+    match claims == Claims::Report || !made.has_claims {
+        true => made,
+        false => elaborate(&front.checked.units, front.facts, unit, args, claims),
+    }
+}
+
+/// The net of one unit, if the passes find nothing against it. Its claims are published, whatever will become of them:
+/// the passes look at them, too.
 fn one(
     front: &Front<'_>,
     unit: UnitId,
     args: &[Argument],
     findings: &mut Vec<Finding>,
 ) -> Option<Elaborated> {
-    let made = elaborate(&front.checked.units, front.facts, unit, args);
+    let made = elaborate(
+        &front.checked.units,
+        front.facts,
+        unit,
+        args,
+        Claims::Report,
+    );
     analysed(front, unit, args, made, findings)
 }
 
@@ -157,16 +182,16 @@ pub(crate) fn analysed(
     findings: &mut Vec<Finding>,
 ) -> Option<Elaborated> {
     let mut found = std::mem::take(&mut made.findings);
-    if found.is_empty() {
-        match rpi_net::passes::analyse(made.net.clone(), |_| false) {
+    if !has_errors(&found) {
+        let net = std::mem::replace(&mut made.net, Net::new(""));
+        match rpi_net::passes::analyse(net, |_| false) {
             Ok(analysis) if analysis.schedule.is_none() => {
                 found.extend(rings(front, unit, args));
             }
             Ok(analysis) => {
-                let claims = made.claims.iter().map(|claim| claim.source);
-                let claims: Vec<PortRef> = claims.collect();
                 found.extend(analysis.findings);
-                found.extend(rpi_sema::init::check(&made.net, &claims));
+                made.net = analysis.net;
+                found.extend(rpi_sema::init::check(&made.net));
             }
             Err(violation) => {
                 let span = front.checked.unit(unit).span;

@@ -4,7 +4,6 @@ use std::collections::{BTreeMap, BTreeSet};
 
 use rpi_diag::Span;
 use rpi_net::{FragmentId, Input, Net};
-use rpi_sema::elab::Expectation;
 
 /// A test, ready to be run.
 #[derive(Clone, Debug)]
@@ -15,8 +14,6 @@ pub struct Test {
     pub span: Span,
     /// What is run.
     pub net: Net,
-    /// What is expected in each cycle.
-    pub expectations: Vec<Expectation>,
     /// The choices that may go either way.
     pub branches: Vec<Branch>,
     /// Where the fragments of the net stand in the text, by their paths.

@@ -3,7 +3,7 @@
 use std::fs;
 use std::path::Path;
 
-use rpi_driver::{Input, Kind, compile, compile_node, emit, lower_to_run};
+use rpi_driver::{Claims, Input, Kind, compile, compile_node, emit, lower_to_run};
 use rpi_net::Net;
 use rpi_testkit::{files_below, workspace_root};
 
@@ -100,7 +100,7 @@ fn nets_of(seed: &Seed) -> Vec<Net> {
         bytes: seed.bytes.clone(),
     };
     let commands = compile(&input).map_or(Vec::new(), |made| made.nets().to_vec());
-    let node = compile_node(&input, None, false)
+    let node = compile_node(&input, None, Claims::Report, false)
         .ok()
         .and_then(|made| made.node);
     commands

@@ -1,7 +1,7 @@
 //! Texts: lexer, parser, checker.
 
 use rpi_diag::{FileId, Finding, Format, SourceMap, Style, apply, render_as, sure_edits};
-use rpi_driver::{Input, Kind, compile, compile_node, lower_to_look, lower_to_run};
+use rpi_driver::{Claims, Input, Kind, compile, compile_node, lower_to_look, lower_to_run};
 use rpi_image::Image;
 use rpi_net::Net;
 use rpi_syntax::{Mode, format, parse as parse_text, pieces};
@@ -67,7 +67,7 @@ pub(crate) fn check(input: &[u8]) {
     fixed(&compiled.findings, &compiled.sources);
     compiled.nets().iter().for_each(lowered);
     if !compiled.has_errors()
-        && let Ok(made) = compile_node(&input, None, true)
+        && let Ok(made) = compile_node(&input, None, Claims::Report, true)
     {
         shown(&made.findings, &made.sources);
         made.node.iter().for_each(|node| lowered(&node.net));

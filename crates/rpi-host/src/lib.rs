@@ -3,6 +3,7 @@
 //! This crate stands on the host's side of the cycle: it may read files, allocate and format. It must not know how a
 //! program is compiled; it takes nets and images.
 
+pub mod claims;
 pub mod control;
 pub mod node;
 pub mod plot;

@@ -4,6 +4,7 @@
 //! Everything after this crate (lowering, running) sees only a net that has passed [`passes`]. A net must not know
 //! syntax trees or the image; where it came from is an [`Origin`] per node and nothing more.
 
+pub mod claim;
 mod column;
 pub mod literal;
 pub mod net;
@@ -13,6 +14,7 @@ pub mod shape;
 pub mod tree;
 mod violation;
 
+pub use claim::{Claim, ClaimKind, ClaimRead};
 pub use column::Column;
 pub use net::{
     Absent, Activation, Alternatives, Driver, ExportPort, Fragment, FragmentId, FragmentPort,

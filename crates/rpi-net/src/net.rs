@@ -1,5 +1,6 @@
 //! The net itself: plain data, built by the elaboration or the `.rpinet` reader, read by every pass.
 
+use crate::claim::Claim;
 use rpi_diag::Span;
 use rpi_image::{PrimDesc, Type, Value};
 use rpi_prims::PrimId;
@@ -229,6 +230,8 @@ pub struct Net {
     pub exports: Vec<ExportPort>,
     /// Ports of devices that exclude each other.
     pub alternatives: Vec<Alternatives>,
+    /// What the program claims of itself, as far as that is published.
+    pub claims: Vec<Claim>,
 }
 
 impl Net {
@@ -258,6 +261,7 @@ impl Net {
             },
             exports: Vec::new(),
             alternatives: Vec::new(),
+            claims: Vec::new(),
         }
     }
 

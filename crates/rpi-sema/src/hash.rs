@@ -1,11 +1,14 @@
 //! A fast hash for names and small keys of the compiler: no protection against chosen keys is needed here, and no
 //! result may depend on its order.
 
-use std::collections::HashMap;
+use std::collections::{HashMap, HashSet};
 use std::hash::{BuildHasherDefault, Hasher};
 
 /// A map that is only looked up, never walked.
 pub(crate) type Map<K, V> = HashMap<K, V, BuildHasherDefault<Mix>>;
+
+/// A set that is only asked, never walked.
+pub(crate) type Set<K> = HashSet<K, BuildHasherDefault<Mix>>;
 
 /// Multiply and rotate, eight bytes at a time.
 #[derive(Default)]

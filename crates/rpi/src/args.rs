@@ -5,6 +5,7 @@ use std::path::PathBuf;
 
 use clap::{Args, Parser, Subcommand, ValueEnum, value_parser};
 use clap_complete::Shell;
+use rpi_driver::Claims;
 use rpi_host::run::Setting;
 use rpi_serve::OnLoss;
 
@@ -96,6 +97,9 @@ pub(crate) struct RunArgs {
     /// Run on the machine's clock.
     #[arg(long)]
     pub(crate) real_time: bool,
+    /// Assertions and contracts: left out, watched and told with cycle and values, or a fault that ends the run.
+    #[arg(long, value_name = "HOW", default_value = "report")]
+    pub(crate) contracts: Contracts,
     /// How long it takes to have the next command ready once one has started.
     #[arg(long, value_parser = rpi_driver::parse_period, value_name = "TIME")]
     pub(crate) planning_time: Option<u64>,
@@ -130,6 +134,27 @@ impl From<OnJump> for rpi_core::Continuity {
             OnJump::Refuse => Self::Refuse,
             OnJump::Stop => Self::Stop,
             OnJump::Allow => Self::Allow,
+        }
+    }
+}
+
+/// What becomes of assertions and contracts.
+#[derive(Clone, Copy, PartialEq, Eq, Debug, ValueEnum)]
+pub(crate) enum Contracts {
+    /// They are left out and cost nothing.
+    Off,
+    /// They are watched; what does not hold is told, and the run goes on.
+    Report,
+    /// One that does not hold ends the command by a fault.
+    Fault,
+}
+
+impl From<Contracts> for Claims {
+    fn from(contracts: Contracts) -> Claims {
+        match contracts {
+            Contracts::Off => Claims::Off,
+            Contracts::Report => Claims::Report,
+            Contracts::Fault => Claims::Fault,
         }
     }
 }

@@ -18,7 +18,7 @@ use crate::target::PERIOD;
 pub(crate) fn run(args: &RunArgs) -> Outcome {
     let input = rpi_driver::read(&args.program)?;
     let name = args.node.node.as_deref();
-    let compiled = rpi_driver::compile_node(&input, name, args.node.locals)?;
+    let compiled = rpi_driver::compile_node(&input, name, args.contracts.into(), args.node.locals)?;
     let style = Style::of(&std::io::stderr());
     eprint!("{}", render(&compiled.findings, &compiled.sources, style));
     let NodeCompiled { sources, node, .. } = compiled;
@@ -32,7 +32,7 @@ pub(crate) fn run(args: &RunArgs) -> Outcome {
     let image = rpi_driver::lower_to_run(&node.net, args.target.period.unwrap_or(PERIOD))?;
     let shown: Vec<Column> = node.outputs.into_iter().chain(node.locals).collect();
     let mut session = Session {
-        run: NodeRun::load(image, &node.inputs, &shown, &node.claims)?,
+        run: NodeRun::load(image, &node.inputs, &shown, &node.net.claims)?,
         shown,
         out: output(args.node.outputs.as_deref())?,
         sources,
@@ -50,6 +50,7 @@ pub(crate) fn run(args: &RunArgs) -> Outcome {
         }
     };
     session.out.flush()?;
+    eprint!("{}", session.run.summary());
     exit
 }
 

@@ -3,12 +3,12 @@
 use std::path::Path;
 
 use rpi_diag::{Style, render};
-use rpi_driver::{Compiled, Task};
+use rpi_driver::{Claims, Compiled, Task};
 use rpi_net::Net;
 
-/// Compiles a file and shows what was found; an error if it cannot run.
-pub(crate) fn load(path: &Path) -> Result<Compiled, Box<dyn std::error::Error>> {
-    let compiled = rpi_driver::compile(&rpi_driver::read(path)?)?;
+/// Compiles a file, its claims as asked for, and shows what was found; an error if it cannot run.
+pub(crate) fn load(path: &Path, claims: Claims) -> Result<Compiled, Box<dyn std::error::Error>> {
+    let compiled = rpi_driver::compile_with(&rpi_driver::read(path)?, claims)?;
     let style = Style::of(&std::io::stderr());
     eprint!("{}", render(&compiled.findings, &compiled.sources, style));
     if compiled.has_errors() {

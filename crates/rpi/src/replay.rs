@@ -2,6 +2,7 @@
 
 use std::path::PathBuf;
 
+use rpi_driver::Claims;
 use rpi_host::replay::Options;
 use rpi_host::trace::Trace;
 
@@ -12,7 +13,7 @@ use crate::program;
 
 /// Replays and prints the report.
 pub(crate) fn replay(args: &ReplayArgs) -> Outcome {
-    let compiled = program::load(&args.net)?;
+    let compiled = program::load(&args.net, Claims::Off)?;
     let net = program::choose(compiled.nets(), &[], args.command.as_deref())?;
     let trace = joined(&args.trace)?;
     let options = Options {

@@ -6,9 +6,14 @@ use std::io::{BufWriter, IsTerminal, Write};
 use std::path::Path;
 use std::time::Duration;
 
+use rpi_diag::{Style, render};
+use rpi_driver::Compiled;
+use rpi_host::claims::ClaimSink;
 use rpi_host::plot;
 use rpi_host::record::{Form, Motion, Rows};
 use rpi_host::run::{self, CommandEnd, Job, Limits, Outcome, Pace, Several, Sink, Status};
+
+use rpi_net::Net;
 
 use crate::args::RunArgs;
 use crate::exit::{self, Exit};
@@ -18,7 +23,7 @@ use crate::target::{self, Script};
 
 /// Runs, records and says what happened.
 pub(crate) fn run(args: &RunArgs) -> exit::Outcome {
-    let compiled = program::load(&args.program)?;
+    let compiled = program::load(&args.program, args.contracts.into())?;
     let script = target::script(&compiled, &args.target, |net, period| {
         rpi_driver::lower_to_run(net, period)
     })?;
@@ -40,7 +45,12 @@ pub(crate) fn run(args: &RunArgs) -> exit::Outcome {
     several
         .0
         .extend(motion.as_mut().map(|motion| motion as &mut dyn Sink));
+    let mut claims = claims(&compiled, &script);
+    several.0.push(&mut claims);
     let outcome = execute(args, &script, &mut several)?;
+    let (findings, summary) = claims.told(&outcome);
+    let style = Style::of(&std::io::stderr());
+    eprint!("{}{summary}", render(&findings, &compiled.sources, style));
     if let Some(rows) = rows {
         rows.finish()?;
     }
@@ -57,6 +67,13 @@ pub(crate) fn run(args: &RunArgs) -> exit::Outcome {
         false => outcome.to_string(),
     })?;
     Ok(exit(&outcome))
+}
+
+/// What the commands that run claim of themselves.
+fn claims(compiled: &Compiled, script: &Script) -> ClaimSink {
+    let runs = |net: &&Net| script.images.iter().any(|image| image.name == net.name);
+    let nets = compiled.nets().iter().filter(runs);
+    ClaimSink::new(nets.map(|net| (net.name.as_str(), net.claims.as_slice())))
 }
 
 fn execute(

@@ -3,6 +3,7 @@
 use std::io::{BufWriter, Write};
 
 use rpi_core::Continuity;
+use rpi_driver::Claims;
 use rpi_driver::Kind;
 use rpi_host::record::{Filter, Traced, copy};
 use rpi_host::run::{self, Job, Limits, Pace};
@@ -24,7 +25,7 @@ pub(crate) fn trace(args: &TraceArgs) -> Outcome {
 }
 
 fn record(args: &TraceArgs) -> Outcome {
-    let compiled = program::load(&args.source)?;
+    let compiled = program::load(&args.source, Claims::Off)?;
     let script = target::script(&compiled, &args.target, |net, period| {
         rpi_driver::lower_to_look(net, period)
     })?;

@@ -5,6 +5,7 @@ use std::path::PathBuf;
 use clap::{Args, Parser, Subcommand, ValueEnum};
 use clap_complete::Shell;
 use rpi_diag::Format;
+use rpi_driver::Claims;
 
 /// Version of the tool and of the image format that it writes.
 const VERSION: &str = concat!(env!("CARGO_PKG_VERSION"), " (image format 1)");
@@ -127,9 +128,33 @@ pub(crate) struct CompileArgs {
     /// The command, if there are several.
     #[arg(long, value_name = "NAME")]
     pub(crate) command: Option<String>,
+    /// Assertions and contracts in the image: left out, published for whoever watches, or a fault that ends the command.
+    #[arg(long, value_name = "HOW", default_value = "off")]
+    pub(crate) contracts: Contracts,
     /// Period of the cycle for which the image is made.
     #[arg(long, default_value = "1ms", value_parser = rpi_driver::parse_period, value_name = "TIME")]
     pub(crate) period: u64,
+}
+
+/// What becomes of assertions and contracts.
+#[derive(Clone, Copy, PartialEq, Eq, Debug, ValueEnum)]
+pub(crate) enum Contracts {
+    /// They are left out and cost nothing.
+    Off,
+    /// Whether they hold is published, with the flows that they read.
+    Report,
+    /// One that does not hold ends the command by a fault.
+    Fault,
+}
+
+impl From<Contracts> for Claims {
+    fn from(contracts: Contracts) -> Claims {
+        match contracts {
+            Contracts::Off => Claims::Off,
+            Contracts::Report => Claims::Report,
+            Contracts::Fault => Claims::Fault,
+        }
+    }
 }
 
 /// The forms of a program on its way.

@@ -23,7 +23,7 @@ pub(crate) fn compile(args: &CompileArgs) -> Outcome {
         put_result(&args.file, args.output.as_deref(), text.as_bytes())?;
         return Ok(Exit::Good);
     }
-    let compiled = rpi_driver::compile(&input)?;
+    let compiled = rpi_driver::compile_with(&input, args.contracts.into())?;
     show(Format::Human, &compiled.findings, &compiled.sources)?;
     if compiled.has_errors() {
         return Ok(Exit::Found);

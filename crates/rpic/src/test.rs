@@ -7,6 +7,7 @@ use rpi_diag::{Code, Finding, SourceMap, Span};
 use rpi_driver::{Compiled, Input, Test};
 use rpi_host::testing::{Case, Condition, Ended, Holds, Report, run};
 use rpi_image::image::TextRange;
+use rpi_net::{Claim, ClaimKind};
 
 use crate::args::TestArgs;
 use crate::check::show;
@@ -119,28 +120,43 @@ fn one_file(
 }
 
 fn report(test: &Test, args: &TestArgs) -> Result<Report, String> {
-    let conditions: Vec<Condition> = test
-        .expectations
-        .iter()
-        .map(|expectation| Condition {
-            key: expectation.key.clone(),
-            reads: expectation.reads.clone(),
-        })
-        .collect();
+    let own: Vec<Condition> = own(test).map(condition).collect();
+    let others = test.net.claims.iter().filter(|claim| !is_own(claim));
+    let others: Vec<Claim> = others.cloned().collect();
     let branches: Vec<String> = test.branches.iter().map(|b| b.condition.clone()).collect();
     run(Case {
         image: rpi_driver::lower_to_look(&test.net, args.period)?,
-        conditions: &conditions,
+        conditions: &own,
+        claims: &others,
         branches: &branches,
         cycles: args.cycles,
     })
     .map_err(|why| format!("{}: {why}", test.title))
 }
 
+/// Whether a claim stands in the test itself.
+fn is_own(claim: &Claim) -> bool {
+    claim.path.is_empty() && claim.kind == ClaimKind::Assert
+}
+
+fn own(test: &Test) -> impl Iterator<Item = &Claim> {
+    test.net.claims.iter().filter(|claim| is_own(claim))
+}
+
+fn condition(claim: &Claim) -> Condition {
+    let reads = claim.reads.iter();
+    Condition {
+        key: claim.key.clone(),
+        reads: reads
+            .map(|read| (read.name.clone(), read.key.clone()))
+            .collect(),
+    }
+}
+
 /// What speaks against a test.
 fn findings(test: &Test, report: &Report) -> Vec<Finding> {
-    let mut findings = Vec::new();
-    for (expectation, holds) in test.expectations.iter().zip(&report.verdicts) {
+    let mut findings = report.broken.clone();
+    for (expectation, holds) in own(test).zip(&report.verdicts) {
         let name = expectation.label.as_deref().unwrap_or("this");
         match holds {
             Holds::Always => {}

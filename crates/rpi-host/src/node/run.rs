@@ -5,11 +5,12 @@ use std::sync::Arc;
 use rpi_core::{Machine, Moment};
 use rpi_image::Image;
 use rpi_image::image::Signal;
-use rpi_net::Column;
+use rpi_net::{Claim, Column};
 use rpi_sim::{Cell, SimBank};
 
 use super::told;
-use rpi_diag::{Finding, Span};
+use crate::claims::{Flows, Watch};
+use rpi_diag::Finding;
 
 /// The cells of each column in one cycle; none where the flow is absent.
 pub type Row = Vec<Option<Vec<u64>>>;
@@ -30,18 +31,12 @@ pub struct NodeRun {
     /// For each column that is fed the image's inputs of that key.
     inputs: Vec<Option<usize>>,
     shown: Vec<Option<Signal>>,
-    claims: Vec<Claim>,
-}
-
-/// A condition that the node's text claims to hold.
-struct Claim {
-    signal: Signal,
-    name: String,
-    span: Span,
+    exports: Vec<Signal>,
+    claims: Watch,
 }
 
 impl NodeRun {
-    /// Loads a node's image. Claims are exported Booleans, with the place of each.
+    /// Loads a node's image; the claims that it publishes are watched.
     ///
     /// # Errors
     /// Why it cannot run, in words.
@@ -49,7 +44,7 @@ impl NodeRun {
         image: Image,
         inputs: &[Column],
         shown: &[Column],
-        claims: &[(String, Span)],
+        claims: &[Claim],
     ) -> Result<NodeRun, String> {
         let image = Arc::new(image);
         let cell = Cell::parse("no devices", "").map_err(|errors| errors.to_string())?;
@@ -58,14 +53,12 @@ impl NodeRun {
         let export = |key: &str| image.exports.iter().find(|e| e.key == key).map(|e| e.value);
         let inputs = inputs.iter().map(input).collect();
         let shown = shown.iter().map(|column| export(&column.key)).collect();
-        let claim = |(key, span): &(String, Span)| {
-            Some(Claim {
-                signal: export(key)?,
-                name: key.clone(),
-                span: *span,
-            })
+        let numbered = |key: &str| {
+            let place = image.exports.iter().position(|e| e.key == key)?;
+            Some((place, image.exports[place].value.ty))
         };
-        let claims = claims.iter().filter_map(claim).collect();
+        let claims = Watch::new(claims, numbered);
+        let exports = image.exports.iter().map(|e| e.value).collect();
         let machine = Machine::load(Arc::clone(&image), &mut bank);
         let machine = machine.map_err(|faults| {
             let words: Vec<String> = faults.iter().map(ToString::to_string).collect();
@@ -76,6 +69,7 @@ impl NodeRun {
             bank,
             inputs,
             shown,
+            exports,
             claims,
         })
     }
@@ -97,7 +91,7 @@ impl NodeRun {
         cycle
     }
 
-    fn seen(&self, number: u64) -> Cycle {
+    fn seen(&mut self, number: u64) -> Cycle {
         if let Some(fault) = self.machine.fault() {
             let finding = told::fault(self.machine.image(), fault, number);
             return Cycle {
@@ -107,13 +101,32 @@ impl NodeRun {
         }
         let shown = self.shown.iter();
         let value = |signal: &Option<Signal>| self.machine.value((*signal)?).map(<[u64]>::to_vec);
-        let holds = |claim: &&Claim| self.machine.value(claim.signal) != Some(&[0][..]);
-        let broken = self.claims.iter().filter(|claim| !holds(claim));
-        let findings = broken.map(|claim| told::claim(&claim.name, claim.span, number));
+        let row = Some(shown.map(value).collect());
+        let seen = Seen {
+            machine: &self.machine,
+            exports: &self.exports,
+        };
+        let broken = self.claims.look(&seen);
+        let findings = broken.iter().map(|b| self.claims.told(b, number));
         let findings = findings.collect();
-        Cycle {
-            row: Some(shown.map(value).collect()),
-            findings,
-        }
+        Cycle { row, findings }
+    }
+
+    /// How often claims did not hold, a line for each that did not hold more than once.
+    #[must_use]
+    pub fn summary(&self) -> String {
+        self.claims.summary()
+    }
+}
+
+/// What the machine publishes.
+struct Seen<'m> {
+    machine: &'m Machine,
+    exports: &'m [Signal],
+}
+
+impl Flows for Seen<'_> {
+    fn cells(&self, export: usize) -> Option<&[u64]> {
+        self.machine.value(self.exports[export])
     }
 }

@@ -18,10 +18,3 @@ pub(super) fn fault(image: &Image, fault: Fault, cycle: u64) -> Finding {
     Finding::new(Code::RPI9011, format!("cycle {cycle}: {what}"))
         .at(span.unwrap_or(Span::NONE), label)
 }
-
-/// A claim that does not hold.
-pub(super) fn claim(key: &str, span: Span, cycle: u64) -> Finding {
-    let name = key.split('#').next().unwrap_or(key);
-    let message = format!("cycle {cycle}: `{name}` does not hold");
-    Finding::new(Code::RPI9012, message).at(span, "this is false")
-}

@@ -5,7 +5,7 @@ use std::io::{self, Write};
 use rpi_net::literal;
 use serde_json::json;
 
-use crate::run::{Channel, Sink};
+use crate::run::{Channel, Sink, Source};
 
 /// The form of a recording.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
@@ -76,6 +76,9 @@ impl<W: Write> Sink for Rows<W> {
 
     fn sample(&mut self, channel: usize, tick: u64, value: Option<&[u64]>) {
         let channel = &self.channels[channel];
+        if channel.source == Source::Claim {
+            return;
+        }
         let text = value.map_or("null".to_owned(), |cells| literal::write(cells, channel.ty));
         let row = match self.form {
             Form::Csv => format!("{tick},{},{}\n", quoted(&channel.name), quoted(&text)),
@@ -102,7 +105,6 @@ mod tests {
     use rpi_image::Scalar;
 
     use super::*;
-    use crate::run::Source;
 
     fn recorded(form: Form) -> String {
         let mut out = Vec::new();

@@ -28,6 +28,8 @@ pub enum Source {
     },
     /// A command.
     Command,
+    /// A claim of a command, or what it reads: no flow that the program publishes.
+    Claim,
 }
 
 /// Somebody who takes samples: a recording, a picture.

@@ -6,6 +6,7 @@ use std::sync::atomic::AtomicU64;
 use rpi_core::Command;
 use rpi_image::image::Signal;
 use rpi_image::{Image, Type};
+use rpi_net::claim::is_for_claim;
 use rpi_sim::SimBank;
 
 use super::clock::{Clock, Pace};
@@ -92,10 +93,15 @@ fn flows(images: &[Arc<Image>], channels: &mut Vec<Channel>) -> Box<[Flows]> {
         let mut flows = Vec::new();
         for (name, signal, fragment) in named(image) {
             flows.push((channels.len(), signal, fragment));
+            let key = name.strip_prefix(&image.name).unwrap_or(&name);
+            let claims = is_for_claim(key.trim_start_matches('.'));
             channels.push(Channel {
-                name,
                 ty: signal.ty,
-                source: Source::Command,
+                source: match claims {
+                    true => Source::Claim,
+                    false => Source::Command,
+                },
+                name,
             });
         }
         Flows {

@@ -9,9 +9,12 @@ pub use coverage::Coverage;
 
 use rpi_core::{Machine, Moment, Verdict};
 use rpi_device::NoDevices;
+use rpi_diag::Finding;
 use rpi_image::Image;
 use rpi_image::image::{End, EndKind, Export, Signal, TextRange};
-use rpi_net::literal;
+use rpi_net::{Claim, literal};
+
+use crate::claims::{self, Flows};
 
 /// What is run and watched.
 #[derive(Debug)]
@@ -20,6 +23,8 @@ pub struct Case<'a> {
     pub image: Image,
     /// For each condition its export, and the exports that tell why.
     pub conditions: &'a [Condition],
+    /// What else is claimed, by what the test calls.
+    pub claims: &'a [Claim],
     /// `path.port` of the Booleans that are to be seen both ways.
     pub branches: &'a [String],
     /// It ends after so many cycles if it does not end itself.
@@ -31,8 +36,8 @@ pub struct Case<'a> {
 pub struct Condition {
     /// Key of its export.
     pub key: String,
-    /// Keys of the exports that are shown when it fails.
-    pub reads: Vec<String>,
+    /// Names and keys of the exports that are shown when it fails.
+    pub reads: Vec<(String, String)>,
 }
 
 /// What came of it.
@@ -42,6 +47,8 @@ pub struct Report {
     pub cycles: u64,
     /// For each condition what became of it.
     pub verdicts: Vec<Holds>,
+    /// What is told of claims that did not hold.
+    pub broken: Vec<Finding>,
     /// How it ended, if not by its last cycle.
     pub end: Option<Ended>,
     /// What was active and chosen.
@@ -85,7 +92,7 @@ impl Report {
     #[must_use]
     pub fn passed(&self) -> bool {
         let ended = matches!(self.end, None | Some(Ended::Finished));
-        ended && self.verdicts.iter().all(|holds| *holds == Holds::Always)
+        ended && self.broken.is_empty() && self.verdicts.iter().all(|holds| *holds == Holds::Always)
     }
 }
 
@@ -98,7 +105,7 @@ pub fn run(case: Case<'_>) -> Result<Report, String> {
         let faults: Vec<String> = faults.iter().map(ToString::to_string).collect();
         faults.join("; ")
     })?;
-    let mut watch = Watch::new(machine, case.conditions, case.branches);
+    let mut watch = Watch::new(machine, case.conditions, case.claims, case.branches);
     let end = (0..case.cycles).find_map(|cycle| watch.cycle(cycle));
     Ok(watch.report(end))
 }
@@ -107,28 +114,45 @@ pub fn run(case: Case<'_>) -> Result<Report, String> {
 struct Watch {
     machine: Machine,
     conditions: Vec<Watched>,
+    claims: claims::Watch,
+    broken: Vec<Finding>,
     coverage: Coverage,
     cycles: u64,
 }
 
 struct Watched {
     signal: Option<Signal>,
-    reads: Vec<Export>,
+    reads: Vec<(String, Export)>,
     holds: Holds,
 }
 
 impl Watch {
-    fn new(machine: Machine, conditions: &[Condition], branches: &[String]) -> Watch {
+    fn new(
+        machine: Machine,
+        conditions: &[Condition],
+        claims: &[Claim],
+        branches: &[String],
+    ) -> Watch {
         let image = machine.image().clone();
+        let numbered = |key: &str| {
+            let place = image.exports.iter().position(|e| e.key == key)?;
+            Some((place, image.exports[place].value.ty))
+        };
         let export = |key: &String| image.exports.iter().find(|e| e.key == *key);
         let watched = |condition: &Condition| Watched {
             signal: export(&condition.key).map(|e| e.value),
-            reads: condition.reads.iter().filter_map(export).cloned().collect(),
+            reads: condition
+                .reads
+                .iter()
+                .filter_map(|(name, key)| Some((name.clone(), export(key)?.clone())))
+                .collect(),
             holds: Holds::Never,
         };
         Watch {
             conditions: conditions.iter().map(watched).collect(),
             coverage: Coverage::new(&image, branches),
+            claims: claims::Watch::new(claims, numbered),
+            broken: Vec::new(),
             machine,
             cycles: 0,
         }
@@ -153,6 +177,9 @@ impl Watch {
         for condition in &mut self.conditions {
             condition.look(cycle, &self.machine);
         }
+        let broken = self.claims.look(&Exports(&self.machine));
+        let told = broken.iter().map(|broken| self.claims.told(broken, cycle));
+        self.broken.extend(told);
         self.coverage.look(&self.machine);
         verdict.map(|verdict| self.ended(verdict))
     }
@@ -170,9 +197,19 @@ impl Watch {
         Report {
             cycles: self.cycles,
             verdicts: self.conditions.into_iter().map(|c| c.holds).collect(),
+            broken: self.broken,
             end,
             coverage: self.coverage,
         }
+    }
+}
+
+/// What the machine publishes.
+struct Exports<'m>(&'m Machine);
+
+impl Flows for Exports<'_> {
+    fn cells(&self, export: usize) -> Option<&[u64]> {
+        self.0.value(self.0.image().exports[export].value)
     }
 }
 
@@ -193,13 +230,13 @@ impl Watched {
     }
 
     fn broken(&self, cycle: u64, machine: &Machine) -> Holds {
-        let text = |read: &Export| {
+        let text = |(name, read): &(String, Export)| {
             let value = machine.value(read.value);
             let text = value.map_or_else(
                 || "null".to_owned(),
                 |cells| literal::write(cells, read.value.ty),
             );
-            (read.key.clone(), text)
+            (name.clone(), text)
         };
         let values = self.reads.iter().map(text).collect();
         Holds::Broken { cycle, values }

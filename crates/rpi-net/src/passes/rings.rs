@@ -4,7 +4,14 @@ use crate::passes::dependencies::Graph;
 use petgraph::algo::kosaraju_scc;
 use petgraph::graph::{EdgeIndex, NodeIndex};
 use petgraph::visit::EdgeRef;
+use rustc_hash::FxHashMap;
 use std::collections::VecDeque;
+
+/// Vertices that a search for the shortest ring of a component may begin with, times the size of the component.
+const PATIENCE: usize = 1_000_000;
+
+/// Looked up only, never walked.
+type Map<K, V> = FxHashMap<K, V>;
 
 /// The components of a graph in which every vertex depends on itself.
 pub(crate) struct Rings<'g> {
@@ -47,10 +54,11 @@ impl<'g> Rings<'g> {
     }
 
     /// The edges of the shortest ring in a component, one after the other. Of equally short ones the one through the
-    /// vertex declared first.
+    /// vertex declared first. In a very large component the search ends early, with the shortest that it has met.
     pub(crate) fn shortest(&self, component: usize) -> Vec<EdgeIndex> {
         let mut best: Vec<EdgeIndex> = Vec::new();
-        for start in &self.components[component] {
+        let size = self.components[component].len();
+        for start in self.components[component].iter().take(1 + PATIENCE / size) {
             let limit = if best.is_empty() {
                 usize::MAX
             } else {
@@ -65,7 +73,7 @@ impl<'g> Rings<'g> {
 
     /// The shortest ring through a vertex, if it has fewer than `limit` edges: breadth first.
     fn ring_through(&self, start: NodeIndex, limit: usize) -> Option<Vec<EdgeIndex>> {
-        let mut reached: Vec<Option<(EdgeIndex, usize)>> = vec![None; self.graph.node_count()];
+        let mut reached: Map<NodeIndex, EdgeIndex> = Map::default();
         let mut queue = VecDeque::from([(start, 0)]);
         while let Some((v, length)) = queue.pop_front() {
             if length + 1 >= limit {
@@ -80,8 +88,8 @@ impl<'g> Rings<'g> {
                     return Some(self.path_to(v, start, &reached, edge.id()));
                 }
                 let inside = self.component_of[w.index()] == self.component_of[start.index()];
-                if inside && reached[w.index()].is_none() {
-                    reached[w.index()] = Some((edge.id(), length + 1));
+                if inside && !reached.contains_key(&w) {
+                    reached.insert(w, edge.id());
                     queue.push_back((w, length + 1));
                 }
             }
@@ -93,16 +101,16 @@ impl<'g> Rings<'g> {
         &self,
         end: NodeIndex,
         start: NodeIndex,
-        reached: &[Option<(EdgeIndex, usize)>],
+        reached: &Map<NodeIndex, EdgeIndex>,
         last: EdgeIndex,
     ) -> Vec<EdgeIndex> {
         let mut ring = vec![last];
         let mut at = end;
-        while let Some((edge, _)) = reached[at.index()].filter(|_| at != start) {
-            ring.push(edge);
+        while let Some(edge) = reached.get(&at).filter(|_| at != start) {
+            ring.push(*edge);
             at = self
                 .graph
-                .edge_endpoints(edge)
+                .edge_endpoints(*edge)
                 .map_or(start, |(from, _)| from);
         }
         ring.reverse();

@@ -82,7 +82,7 @@ impl<'a> Body<'_, 'a> {
             Some(Local::Flow(flow)) => self.flow_expr(flow, field.span),
             Some(Local::Constant(constant)) => self.constant_expr(&constant, field.span),
             _ => {
-                let near = rpi_diag::suggest(&field.name, self.names_in(block));
+                let near = self.c.suggest(&field.name, self.names_in(block));
                 let of = format!("the fragment `{}`", self.unit.block(block).name);
                 let finding = no_member(&of, &field.name, field.span, near);
                 self.fault_with(finding, field.span)

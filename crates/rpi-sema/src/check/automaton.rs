@@ -12,6 +12,9 @@ use rpi_diag::{Code, Finding, Span};
 use rpi_syntax::Name;
 use rpi_syntax::ast::{self, Ident, StatementKind};
 
+/// The states of an automaton, and the place of each by its name.
+type States<'a, 'm> = (&'a ast::Automaton, &'m Map<Name, u32>);
+
 impl<'a> Body<'_, 'a> {
     /// Declares an automaton's states, what is in them, and the flows that they share.
     pub(super) fn declare_automaton(
@@ -20,7 +23,6 @@ impl<'a> Body<'_, 'a> {
         span: Span,
         later: &mut Vec<(BlockId, Later<'a>)>,
     ) {
-        let shared = self.shared_names(automaton);
         let mut states = Vec::new();
         for state in &automaton.states {
             let block = self.add_block(&state.name.name, state.name.span);
@@ -32,41 +34,30 @@ impl<'a> Body<'_, 'a> {
             });
         }
         let index = self.current().automata.len();
-        let flows = self.shared_flows(&shared);
+        let (shared, places) = self.shared_flows(automaton);
         self.current().automata.push(Automaton {
             states: states.clone(),
             initial: initial(automaton),
-            shared: flows,
+            shared,
             span,
         });
-        for (k, (state, ast)) in states.iter().zip(&automaton.states).enumerate() {
-            self.declare_state(index, k, state.block, &shared);
+        for (state, ast) in states.iter().zip(&automaton.states) {
+            self.declare_state(index, state.block, ast, &places);
             self.within(state.block, |body| body.declare_body(&ast.body, later));
+        }
+        for shared in &mut self.current().automata[index].shared {
+            shared.partial = shared.states.len() < states.len();
         }
         later.push((self.block, Later::Automaton(index, automaton)));
     }
 
-    /// Names that states define and do not declare, in text order, each with the states that do.
-    fn shared_names(&self, automaton: &'a ast::Automaton) -> Vec<(&'a Ident, Vec<bool>)> {
-        let mut places: Map<Name, usize> = Map::default();
-        let mut shared: Vec<(&'a Ident, Vec<bool>)> = Vec::new();
-        let count = automaton.states.len();
-        for (k, state) in automaton.states.iter().enumerate() {
-            for name in defined_names(state) {
-                let place = *places.entry(name.name.clone()).or_insert_with(|| {
-                    shared.push((name, vec![false; count]));
-                    shared.len() - 1
-                });
-                shared[place].1[k] = true;
+    /// The flow of the surroundings for each name that states define and do not declare, in text order.
+    fn shared_flows(&mut self, automaton: &'a ast::Automaton) -> (Vec<Shared>, Map<Name, usize>) {
+        let (mut flows, mut places) = (Vec::new(), Map::default());
+        for name in automaton.states.iter().flat_map(defined_names) {
+            if places.contains_key(&name.name) {
+                continue;
             }
-        }
-        shared
-    }
-
-    /// The flow of the surroundings for each shared name.
-    fn shared_flows(&mut self, shared: &[(&'a Ident, Vec<bool>)]) -> Vec<Shared> {
-        let mut flows = Vec::new();
-        for (name, states) in shared {
             let flow = match self.find_in(self.block, &name.name) {
                 Some(Local::Flow(flow)) => flow,
                 Some(_) => continue,
@@ -75,54 +66,50 @@ impl<'a> Body<'_, 'a> {
                     _ => self.introduce_flow(name),
                 },
             };
+            places.insert(name.name.clone(), flows.len());
             flows.push(Shared {
                 flow,
-                states: vec![None; states.len()],
+                states: Vec::new(),
+                partial: true,
             });
         }
-        flows
+        (flows, places)
     }
 
     /// Declares, in one state, its own version of each flow that it shares.
     fn declare_state(
         &mut self,
         index: usize,
-        k: usize,
         block: BlockId,
-        shared: &[(&'a Ident, Vec<bool>)],
+        state: &'a ast::State,
+        places: &Map<Name, usize>,
     ) {
-        let outer = self.block;
-        let flows: Vec<FlowId> = self.current().automata[index]
-            .shared
-            .iter()
-            .map(|s| s.flow)
-            .collect();
-        for (place, flow) in flows.into_iter().enumerate() {
-            let (name, declared) = {
-                let flow = self.unit.flow(flow);
-                (flow.name.clone(), (flow.ty.clone(), flow.optional))
-            };
-            let Some((ident, _)) = shared
-                .iter()
-                .find(|(n, states)| n.name == name && states[k])
-            else {
+        for name in defined_names(state) {
+            let Some(&place) = places.get(&name.name) else {
                 continue;
             };
-            let (ty, optional) = declared;
-            let optional = if ty.is_unknown() {
-                Optional::Inferred
-            } else {
-                optional
-            };
-            let inner = self.within(block, |body| {
-                let inner = body.add_flow(ident, ty, optional, FlowRole::Local);
-                body.declare(ident, Local::Flow(inner));
-                inner
-            });
-            self.shares.insert(inner, flow);
-            self.unit.blocks[outer.0 as usize].automata[index].shared[place].states[k] =
-                Some(inner);
+            if self.find_in(block, &name.name).is_some() {
+                continue;
+            }
+            let outer = self.current().automata[index].shared[place].flow;
+            let inner = self.within(block, |body| body.version_of(name, outer));
+            self.shares.insert(inner, outer);
+            self.current().automata[index].shared[place]
+                .states
+                .push(inner);
         }
+    }
+
+    /// A flow of the current block that stands for one around it.
+    fn version_of(&mut self, name: &'a Ident, outer: FlowId) -> FlowId {
+        let outer = self.unit.flow(outer);
+        let optional = match outer.ty.is_unknown() {
+            true => Optional::Inferred,
+            false => outer.optional,
+        };
+        let inner = self.add_flow(name, outer.ty.clone(), optional, FlowRole::Local);
+        self.declare(name, Local::Flow(inner));
+        inner
     }
 
     /// The flow of the surroundings that a state's flow is a version of.
@@ -133,9 +120,14 @@ impl<'a> Body<'_, 'a> {
     /// Checks an automaton's transitions, each in its state.
     pub(super) fn check_automaton(&mut self, index: usize, automaton: &'a ast::Automaton) {
         let states = self.current().automata[index].states.clone();
+        let names = automaton.states.iter().map(|state| state.name.name.clone());
+        let mut places: Map<Name, u32> = Map::default();
+        for (k, name) in (0..).zip(names) {
+            places.entry(name).or_insert(k);
+        }
         for (k, (state, ast)) in states.iter().zip(&automaton.states).enumerate() {
-            let unless = self.transitions(automaton, state.block, &ast.unless, true);
-            let until = self.transitions(automaton, state.block, &ast.until, false);
+            let unless = self.transitions((automaton, &places), state.block, &ast.unless, true);
+            let until = self.transitions((automaton, &places), state.block, &ast.until, false);
             let state = &mut self.current().automata[index].states[k];
             state.unless = unless;
             state.until = until;
@@ -145,7 +137,7 @@ impl<'a> Body<'_, 'a> {
 
     fn transitions(
         &mut self,
-        automaton: &'a ast::Automaton,
+        states: States<'a, '_>,
         block: BlockId,
         transitions: &'a [ast::Transition],
         strong: bool,
@@ -157,7 +149,7 @@ impl<'a> Body<'_, 'a> {
             let condition = transition.condition.as_ref();
             let condition =
                 condition.map(|c| self.within(place, |body| body.condition(c, "a transition")));
-            if let Some(target) = self.target_state(automaton, &transition.target) {
+            if let Some(target) = self.target_state(states, &transition.target) {
                 checked.push(Transition {
                     condition,
                     resumes: transition.resumes,
@@ -168,15 +160,18 @@ impl<'a> Body<'_, 'a> {
         checked
     }
 
-    fn target_state(&mut self, automaton: &ast::Automaton, target: &Ident) -> Option<u32> {
-        let names = || automaton.states.iter().map(|state| &state.name.name);
-        let index = names().position(|name| *name == target.name);
+    fn target_state(&mut self, (automaton, places): States<'a, '_>, target: &Ident) -> Option<u32> {
+        let index = places.get(&target.name).copied();
         if index.is_none() {
-            let near = rpi_diag::suggest(&target.name, names().map(Name::as_str));
+            let names = automaton
+                .states
+                .iter()
+                .map(|state| state.name.name.as_str());
+            let near = self.c.suggest(&target.name, names);
             let finding = super::report::unknown("state", &target.name, target.span, near);
             self.report(finding);
         }
-        index.and_then(|k| u32::try_from(k).ok())
+        index
     }
 
     fn one_initial(&mut self, automaton: &ast::Automaton) {
@@ -203,30 +198,34 @@ fn initial(automaton: &ast::Automaton) -> u32 {
 
 /// Plain names that a state defines and does not declare itself.
 fn defined_names(state: &ast::State) -> Vec<&Ident> {
-    let declared = |name: &Name| {
-        state.body.locals.iter().any(|section| match section {
-            ast::Locals::Var(vars) => vars
-                .iter()
-                .any(|var| var.names.iter().any(|n| n.name == *name)),
-            ast::Locals::Const(defs) => defs
-                .iter()
-                .any(|def| def.names.iter().any(|n| n.name == *name)),
-        })
-    };
-    let mut names = Vec::new();
-    for statement in &state.body.statements {
-        let StatementKind::Equation(equation) = &statement.kind else {
-            continue;
-        };
-        let plain = equation
-            .targets
-            .iter()
-            .filter(|target| target.path.is_empty());
-        names.extend(
-            plain
-                .map(|target| &target.name)
-                .filter(|name| !declared(&name.name)),
-        );
+    let mut declared: Map<&Name, ()> = Map::default();
+    for section in &state.body.locals {
+        match section {
+            ast::Locals::Var(vars) => {
+                declared.extend(
+                    vars.iter()
+                        .flat_map(|var| &var.names)
+                        .map(|n| (&n.name, ())),
+                );
+            }
+            ast::Locals::Const(defs) => {
+                declared.extend(
+                    defs.iter()
+                        .flat_map(|def| &def.names)
+                        .map(|n| (&n.name, ())),
+                );
+            }
+        }
     }
-    names
+    let equations = state.body.statements.iter().filter_map(|s| match &s.kind {
+        StatementKind::Equation(equation) => Some(equation),
+        _ => None,
+    });
+    let plain = equations
+        .flat_map(|equation| &equation.targets)
+        .filter(|target| target.path.is_empty());
+    plain
+        .map(|target| &target.name)
+        .filter(|name| !declared.contains_key(&name.name))
+        .collect()
 }

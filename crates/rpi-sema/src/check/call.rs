@@ -244,11 +244,15 @@ impl<'a> Body<'_, 'a> {
 
     fn unknown_callee(&mut self, name: &Name, span: Span) {
         let callable = |id: DeclId| is_callable(self.c.program.decl(id).kind);
-        let near = self.c.program.nearest(self.module, name, callable);
+        let near = self
+            .c
+            .suggest(name, self.c.program.visible(self.module, callable));
         let specials = SPECIALS.iter().map(|special| special.name());
         let near = near.or_else(|| rpi_diag::suggest(name, specials));
         let near = near.or_else(|| match name.is_qualified() {
-            true => rpi_diag::suggest(name, registry().iter().map(|prim| prim.desc.name)),
+            true => self
+                .c
+                .suggest(name, registry().iter().map(|prim| prim.desc.name)),
             false => None,
         });
         let what = if name.is_qualified() {

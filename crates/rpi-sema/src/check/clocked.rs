@@ -57,7 +57,7 @@ impl<'a> Body<'_, 'a> {
                 None
             }
             None => {
-                let near = rpi_diag::suggest(&name.name, self.local_names());
+                let near = self.c.suggest(&name.name, self.local_names());
                 let finding = unknown("flow", &name.name, name.span, near);
                 self.report(finding);
                 None

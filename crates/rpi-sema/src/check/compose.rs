@@ -104,9 +104,11 @@ impl<'a> Body<'_, 'a> {
 
     fn struct_ty(&mut self, name: &Ident) -> Option<Rc<StructTy>> {
         let Lookup::Found(id) = self.c.program.lookup(self.module, &name.name) else {
-            let near = self.c.program.nearest(self.module, &name.name, |id| {
-                matches!(self.c.program.decl(id).kind, DeclKind::Type(_))
-            });
+            let near = {
+                let is_type = |id| matches!(self.c.program.decl(id).kind, DeclKind::Type(_));
+                let names = self.c.program.visible(self.module, is_type);
+                self.c.suggest(&name.name, names)
+            };
             let finding = unknown("type", &name.name, name.span, near);
             self.report(finding);
             return None;

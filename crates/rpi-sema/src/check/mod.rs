@@ -9,7 +9,7 @@
 //! |---|---|
 //! | `unit.rs`, `header.rs`, `alias.rs`, `statics.rs` | callables, their ports and static arguments |
 //! | `types.rs`, `device.rs`, `consts.rs` | types and constants |
-//! | `body.rs`, `locals.rs`, `order.rs`, `statement.rs`, `targets.rs`, `definitions.rs`, `automaton.rs` | bodies, their flows and equations |
+//! | `body.rs`, `locals.rs`, `order.rs`, `statement.rs`, `contract.rs`, `targets.rs`, `definitions.rs`, `automaton.rs` | bodies, their flows and equations |
 //! | `expr.rs`, `names.rs`, `ops.rs`, `access.rs`, `compose.rs`, `clocked.rs` | expressions |
 //! | `call.rs`, `args.rs`, `prim.rs`, `predef.rs`, `special.rs`, `iterate.rs`, `condact.rs` | calls |
 //! | `nesting.rs` | how deep declarations may need one another |
@@ -26,6 +26,7 @@ mod clocked;
 mod compose;
 mod condact;
 mod consts;
+mod contract;
 mod definitions;
 mod device;
 mod expr;
@@ -54,9 +55,11 @@ use crate::ty::{Subst, Ty, fit};
 use crate::typed::{Flow, Leaf, Unit, UnitId};
 use header::Header;
 use rpi_diag::Finding;
+use std::cell::Cell;
 use std::collections::{BTreeMap, BTreeSet, VecDeque};
 use std::rc::Rc;
 
+pub(crate) use names::predeclared_name;
 pub use names::result_identity;
 pub(crate) use prim::{machine_type, packed, param_default};
 #[cfg(test)]
@@ -164,7 +167,13 @@ struct Checker<'a> {
     aliases: Vec<DeclId>,
     /// Those that stand for themselves.
     ringed: BTreeSet<DeclId>,
+    /// How many names may still be looked at for "did you mean".
+    patience: Cell<usize>,
 }
+
+/// Names that are looked at for "did you mean", all findings of a program together: whoever has very many wrong names
+/// gets to know of the first ones what was meant.
+const PATIENCE: usize = 200_000;
 
 impl<'a> Checker<'a> {
     fn new(program: &'a Program<'a>) -> Self {
@@ -183,12 +192,20 @@ impl<'a> Checker<'a> {
             too_deep: false,
             aliases: Vec::new(),
             ringed: BTreeSet::new(),
+            patience: Cell::new(PATIENCE),
         }
     }
 
     fn is_lustre(&self, id: DeclId) -> bool {
         let module = self.program.decl(id).module;
         self.program.module(module).mode == rpi_syntax::Mode::Lustre
+    }
+
+    /// The nearest of these names, if one is near enough to be meant.
+    fn suggest<'n>(&self, name: &str, names: impl Iterator<Item = &'n str>) -> Option<String> {
+        let names = names.take(self.patience.get());
+        let names = names.inspect(|_| self.patience.set(self.patience.get().saturating_sub(1)));
+        rpi_diag::suggest(name, names)
     }
 
     /// Checks a declaration of the first module by itself; a callable that needs no static arguments gives a unit.

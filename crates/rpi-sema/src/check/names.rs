@@ -49,6 +49,12 @@ const fn flow(name: &'static str, prim: &'static str, ty: Ty, of_command: bool) 
     }
 }
 
+/// The name of the predeclared flow that a primitive gives.
+pub(crate) fn predeclared_name(prim: &str) -> Option<&'static str> {
+    let flow = PREDECLARED.iter().find(|flow| flow.prim == prim);
+    flow.map(|flow| flow.name)
+}
+
 impl<'a> Body<'_, 'a> {
     /// A plain or qualified name.
     pub(super) fn name(&mut self, name: &Name, span: Span) -> ExprId {
@@ -147,12 +153,15 @@ impl<'a> Body<'_, 'a> {
     }
 
     fn unknown_flow(&mut self, name: &Name, span: Span) -> ExprId {
-        let near = rpi_diag::suggest(name, self.local_names());
+        let near = self.c.suggest(name, self.local_names());
         let is_value = |id: DeclId| {
             let kind = self.c.program.decl(id).kind;
             matches!(kind, DeclKind::Const(_) | DeclKind::EnumValue { .. })
         };
-        let near = near.or_else(|| self.c.program.nearest(self.module, name, is_value));
+        let near = near.or_else(|| {
+            self.c
+                .suggest(name, self.c.program.visible(self.module, is_value))
+        });
         let predeclared = PREDECLARED.iter().map(|flow| flow.name);
         let near = near.or_else(|| rpi_diag::suggest(name, predeclared));
         self.fault_with(unknown("flow", name, span, near), span)

@@ -6,7 +6,7 @@ use super::order::{Goal, Pending, State};
 use super::report::Wanted;
 use super::types::PortTy;
 use crate::ty::{Subst, Ty, fit};
-use crate::typed::{self, BlockId, Claim, End, Equation, ExprId, FlowId, FlowRole, Optional};
+use crate::typed::{self, BlockId, End, Equation, ExprId, FlowId, FlowRole, Optional};
 use rpi_diag::{Code, Finding, Span};
 use rpi_syntax::Mode;
 use rpi_syntax::ast::{self, FragmentDecl, Ident, Locals, Statement, StatementKind, VarDecl};
@@ -17,6 +17,8 @@ pub(super) enum Later<'a> {
     Call(&'a ast::Expr),
     /// A claim.
     Claim(&'a ast::Claim, Span),
+    /// A contract, in its block.
+    Contract(&'a ast::Contract),
     /// How the command ends.
     End(&'a ast::End, Span),
     /// A flow made visible.
@@ -211,6 +213,9 @@ impl<'a> Body<'_, 'a> {
             if let Some(outputs) = &decl.signature.outputs {
                 outputs.iter().for_each(|var| body.declare_var(var));
             }
+            if let Some(contract) = &decl.contract {
+                later.push((body.declare_contract(contract), Later::Contract(contract)));
+            }
             body.declare_body(&decl.body, later);
         });
     }
@@ -219,6 +224,7 @@ impl<'a> Body<'_, 'a> {
         match item {
             Later::Call(call) => self.check_call(call),
             Later::Claim(claim, span) => self.check_claim(claim, span),
+            Later::Contract(contract) => self.check_contract(contract),
             Later::End(end, span) => self.check_end(end, span),
             Later::Export(flow) => self.check_export(flow),
             Later::Activation(block, decl) => self.check_activation(block, decl),
@@ -232,16 +238,6 @@ impl<'a> Body<'_, 'a> {
         self.current().equations.push(Equation {
             targets: Vec::new(),
             value,
-            span,
-        });
-    }
-
-    pub(super) fn check_claim(&mut self, claim: &'a ast::Claim, span: Span) {
-        let condition = self.condition(&claim.condition, "a claim");
-        let label = claim.label.as_ref().map(|label| label.name.clone());
-        self.current().claims.push(Claim {
-            condition,
-            label,
             span,
         });
     }

@@ -97,7 +97,7 @@ impl<'a> Body<'_, 'a> {
             Some(Local::Block(_)) => self.not_definable(name, "a fragment"),
             None if name.name == "_" => (Place::Nowhere, Ty::Unknown),
             None => {
-                let near = rpi_diag::suggest(&name.name, self.local_names());
+                let near = self.c.suggest(&name.name, self.local_names());
                 let finding = unknown("flow", &name.name, name.span, near);
                 let finding = finding.help("flows are declared after `returns` or `var`");
                 self.report(finding);

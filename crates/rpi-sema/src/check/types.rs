@@ -204,7 +204,9 @@ impl<'a> Body<'_, 'a> {
             let kind = self.c.program.decl(id).kind;
             matches!(kind, DeclKind::Type(_) | DeclKind::Device(_))
         };
-        let declared = self.c.program.nearest(self.module, name, is_type);
+        let declared = self
+            .c
+            .suggest(name, self.c.program.visible(self.module, is_type));
         declared.or_else(|| rpi_diag::suggest(name, builtin.into_iter()))
     }
 

@@ -7,7 +7,7 @@ use super::statics::{Statics, key};
 use crate::program::{DeclId, DeclKind};
 use crate::typed::{Kind, Unit, UnitId, UnitKind};
 use rpi_diag::{Code, Finding, Span};
-use rpi_syntax::ast::{CommandDecl, Contract, FragmentDecl, Locals, NodeDecl, NodeDef};
+use rpi_syntax::ast::{self, CommandDecl, Contract, FragmentDecl, NodeDecl, NodeDef};
 use std::rc::Rc;
 
 /// The most units that a program may have: a recursion over static parameters that does not end makes more.
@@ -185,9 +185,7 @@ impl<'a> Body<'_, 'a> {
     fn check_node(&mut self, node: &'a NodeDecl) {
         match &node.definition {
             NodeDef::Body(body) => {
-                self.declare_contract(node.contract.as_ref());
-                self.check_body(body);
-                self.check_contract(node.contract.as_ref());
+                self.check_body_with(node.contract.as_ref(), body);
             }
             NodeDef::Alias(callee) => self.check_alias(callee),
             NodeDef::Extern => {}
@@ -217,43 +215,22 @@ impl<'a> Body<'_, 'a> {
         if let Some(budget) = &fragment.budget {
             self.current().budget_ns = self.nanoseconds(budget);
         }
-        self.declare_contract(fragment.contract.as_ref());
-        self.check_body(&fragment.body);
-        self.check_contract(fragment.contract.as_ref());
+        self.check_body_with(fragment.contract.as_ref(), &fragment.body);
     }
 
     fn check_command(&mut self, command: &'a CommandDecl) {
         if let Some(budget) = &command.budget {
             self.current().budget_ns = self.nanoseconds(budget);
         }
-        self.declare_contract(command.contract.as_ref());
-        self.check_body(&command.body);
-        self.check_contract(command.contract.as_ref());
+        self.check_body_with(command.contract.as_ref(), &command.body);
     }
 
-    fn declare_contract(&mut self, contract: Option<&'a Contract>) {
-        let Some(contract) = contract else {
-            return;
-        };
-        for section in &contract.locals {
-            match section {
-                Locals::Var(vars) => vars.iter().for_each(|var| self.declare_var(var)),
-                Locals::Const(defs) => defs.iter().for_each(|def| self.declare_const(def)),
-            }
-        }
-    }
-
-    fn check_contract(&mut self, contract: Option<&'a Contract>) {
-        let Some(contract) = contract else {
-            return;
-        };
-        for claim in &contract.claims {
-            self.check_claim(claim, claim.condition.span);
-        }
-        for mode in &contract.modes {
-            for claim in mode.requires.iter().chain(&mode.ensures) {
-                self.condition(&claim.condition, "a claim");
-            }
+    /// A body and the contract that it keeps.
+    fn check_body_with(&mut self, contract: Option<&'a Contract>, body: &'a ast::Body) {
+        let contract = contract.map(|contract| (self.declare_contract(contract), contract));
+        self.check_body(body);
+        if let Some((block, contract)) = contract {
+            self.within(block, |body| body.check_contract(contract));
         }
     }
 

@@ -155,7 +155,7 @@ impl<'u> Elab<'u> {
         self.begin(&format!("{}{}", scope.prefix, flow.name));
         let scalars = leaf_scalars(&flow.ty);
         let mut merged: Option<Vec<Signal>> = None;
-        for inner in shared.states.iter().flatten() {
+        for inner in &shared.states {
             let wire = self.read_flow(scope, *inner, at, span).to_vec();
             merged = Some(match merged {
                 None => wire,

@@ -3,9 +3,8 @@
 use super::expr::leaf_scalars;
 use super::scope::Scope;
 use super::signal::{Signal, Wire, alias_of};
-use super::{At, Elab, Mode};
-use crate::ty::Ty;
-use crate::typed::{BlockId, Claim, Equation, Expr, Place, Target, Unit, UnitKind};
+use super::{At, Claims, Elab, Mode};
+use crate::typed::{BlockId, Equation, Expr, Place, Target, Unit};
 use rpi_net::{self as net, PortRef, Restart};
 
 impl<'u> Elab<'u> {
@@ -18,11 +17,29 @@ impl<'u> Elab<'u> {
         {
             let at = match block {
                 BlockId::ROOT => at,
+                _ if scope.unit.block(block).is_contract => {
+                    let Some(at) = self.in_contract(scope, block, at) else {
+                        continue;
+                    };
+                    at
+                }
                 _ => At::fragment(self.fragment_in_place(scope, block)),
             };
             self.content(scope, block, at);
         }
         self.find_gates(scope);
+    }
+
+    /// Where a contract is elaborated: with what it is about. None if claims are left out.
+    fn in_contract(&self, scope: &mut Scope<'u>, block: BlockId, at: At) -> Option<At> {
+        let parent = scope.unit.block(block).parent.unwrap_or(BlockId::ROOT);
+        let fragment = scope.fragment(parent)?;
+        scope.fragments[block.0 as usize] = Some(fragment);
+        let place = match parent {
+            BlockId::ROOT => at,
+            _ => At::fragment(fragment),
+        };
+        (self.claims != Claims::Off).then_some(place)
     }
 
     fn fragment_in_place(&mut self, scope: &mut Scope<'u>, block: BlockId) -> rpi_net::FragmentId {
@@ -60,32 +77,12 @@ impl<'u> Elab<'u> {
             self.equation(scope, block, equation, at);
         }
         for claim in &content.claims {
-            self.claim(scope, claim, at);
+            self.claim(scope, block, claim, at);
         }
         for automaton in &content.automata {
             self.automaton(scope, automaton, at);
         }
         scope.base = around;
-    }
-
-    fn claim(&mut self, scope: &mut Scope<'u>, claim: &'u Claim, at: At) {
-        let label = claim
-            .label
-            .as_ref()
-            .map_or("assert", |label| label.as_str());
-        self.begin(&format!("{}{label}", scope.prefix));
-        let condition = self.one(scope, claim.condition, at);
-        if scope.unit.kind == UnitKind::Test {
-            return self.expectation(scope, claim, &condition);
-        }
-        match self.watches_claims {
-            true => {
-                let name = self.name.clone();
-                let port = self.export_port(&name, &condition, &Ty::Bool, claim.span);
-                self.watched.extend(port);
-            }
-            false => self.assert(&condition, at, claim.span),
-        }
     }
 
     /// Starts naming nodes after a flow.

@@ -5,9 +5,24 @@ use super::pack::natural;
 use super::scope::Scope;
 use super::signal::{Signal, Wire, nothing, single};
 use super::{At, Elab, Mode, NotConstant};
-use crate::typed::{ExprId, Kind, PrimCall};
+use crate::typed::{Activation, ExprId, Kind, PrimCall};
 use rpi_diag::Span;
 use rpi_image::{ParamType, PortType, Scalar, Type, Value};
+
+/// Calls in one another that may be elaborated from outside.
+const NESTED: usize = 30;
+
+/// The first argument of a call, or the call whose part this is.
+fn first_operand(scope: &Scope<'_>, id: ExprId) -> Option<ExprId> {
+    match &scope.unit.expr(id).kind {
+        Kind::Call(call) if matches!(call.activation, Activation::Always) => {
+            call.args.first().copied().flatten()
+        }
+        Kind::Prim(call) => call.inputs.first().copied().flatten(),
+        Kind::Part { base, .. } => Some(*base),
+        _ => None,
+    }
+}
 
 impl<'u> Elab<'u> {
     /// The wire of an expression.
@@ -16,9 +31,26 @@ impl<'u> Elab<'u> {
             return wire;
         }
         let at = self.placed(scope, id, at);
+        self.innermost_first(scope, id, at);
         let wire = self.fresh(scope, id, at);
         scope.remember(id, &wire);
         wire
+    }
+
+    /// An iterator over an array is a call of a call of a call, as many as there are elements: these are elaborated from
+    /// inside, for each level of nesting costs stack.
+    fn innermost_first(&mut self, scope: &mut Scope<'u>, id: ExprId, at: At) {
+        let mut chain = Vec::new();
+        let mut next = first_operand(scope, id);
+        while let Some(inner) = next.filter(|inner| !scope.is_known(*inner)) {
+            chain.push(inner);
+            next = first_operand(scope, inner);
+        }
+        if chain.len() > NESTED {
+            for inner in chain.into_iter().rev() {
+                self.expr(scope, inner, at);
+            }
+        }
     }
 
     fn fresh(&mut self, scope: &mut Scope<'u>, id: ExprId, at: At) -> Wire {
@@ -153,12 +185,9 @@ impl<'u> Elab<'u> {
         self.assert(&inside, at, span);
     }
 
-    /// A check that ends the command by a fault in the cycle in which it fails.
-    pub(super) fn assert(&mut self, condition: &Signal, at: At, span: Span) {
-        if *condition == Signal::Const(Value::bool(true)) {
-            return;
-        }
-        let condition = match at.guard {
+    /// A condition that matters only in the cycles in which the branch around it is chosen.
+    pub(super) fn where_chosen(&mut self, condition: &Signal, at: At, span: Span) -> Signal {
+        match at.guard {
             Some(guard) => self.named(
                 "Rpi::BooleanImplies",
                 &[Signal::Port(guard), condition.clone()],
@@ -166,7 +195,15 @@ impl<'u> Elab<'u> {
                 span,
             ),
             None => condition.clone(),
-        };
+        }
+    }
+
+    /// A check that ends the command by a fault in the cycle in which it fails.
+    pub(super) fn assert(&mut self, condition: &Signal, at: At, span: Span) {
+        if *condition == Signal::Const(Value::bool(true)) {
+            return;
+        }
+        let condition = self.where_chosen(condition, at, span);
         if self.mode != Mode::Constant {
             self.named("Rpi::Assert", &[condition], at, span);
         } else {

@@ -13,16 +13,16 @@
 //! | `nodes.rs`, `pack.rs`, `promise.rs` | adding nodes, folding them; arrays at ports |
 //! | `scope.rs`, `flows.rs` | one inlined unit and its flows |
 //! | `expr.rs`, `each.rs`, `guarded.rs`, `call.rs` | expressions |
-//! | `block.rs`, `automaton.rs`, `clocks.rs`, `leaving.rs` | bodies, fragments, states, sampled flows |
+//! | `block.rs`, `claims.rs`, `automaton.rs`, `clocks.rs`, `leaving.rs` | bodies, fragments, states, sampled flows |
 //! | `device.rs`, `root.rs`, `settle.rs` | devices, commands and nodes that are run, the end |
 
 mod automaton;
 mod block;
 mod call;
+mod claims;
 mod clocks;
 mod device;
 mod each;
-mod expect;
 mod expr;
 mod families;
 mod flows;
@@ -36,7 +36,7 @@ mod scope;
 mod settle;
 mod signal;
 
-pub use expect::Expectation;
+pub use claims::Claims;
 pub use root::{
     Argument, Elaborated, Local, PortShape, elaborate, elaborate_alone, elaborate_steps, parameters,
 };
@@ -128,6 +128,8 @@ struct Elab<'u> {
     /// What each alias stands for, once it is known.
     aliases: Vec<Option<Signal>>,
     alias_types: Vec<Scalar>,
+    /// The aliases that are just being followed, to see when one comes round.
+    settling: Vec<bool>,
     /// The fragments that aliases lead out of: outside their constants are there only while these are active.
     gates: Map<usize, FragmentId>,
     /// Arrays that stand for aliases, in the order of these.
@@ -154,11 +156,11 @@ struct Elab<'u> {
     calling: Vec<UnitId>,
     /// How many calls have been written out.
     calls: usize,
-    /// What the test that is elaborated expects.
-    expectations: Vec<Expectation>,
     findings: Vec<Finding>,
-    /// Whether claims are watched; else one that does not hold ends the command.
-    watches_claims: bool,
+    /// Whether a claim was met.
+    has_claims: bool,
+    /// What becomes of claims.
+    claims: Claims,
     /// Flows that somebody looks at although they leave the net nowhere.
     watched: Vec<rpi_net::ExportPort>,
 }
@@ -182,6 +184,7 @@ impl<'u> Elab<'u> {
             net: Net::new(""),
             aliases: Vec::new(),
             alias_types: Vec::new(),
+            settling: Vec::new(),
             gates: Map::default(),
             promises: Vec::new(),
             top: None,
@@ -195,9 +198,9 @@ impl<'u> Elab<'u> {
             serial: 0,
             calling: Vec::new(),
             calls: 0,
-            expectations: Vec::new(),
             findings: Vec::new(),
-            watches_claims: false,
+            has_claims: false,
+            claims: Claims::default(),
             watched: Vec::new(),
         }
     }

@@ -257,6 +257,7 @@ impl Elab<'_> {
     pub(super) fn new_alias(&mut self, scalar: Scalar) -> PortRef {
         self.aliases.push(None);
         self.alias_types.push(scalar);
+        self.settling.push(false);
         alias(self.aliases.len() - 1)
     }
 

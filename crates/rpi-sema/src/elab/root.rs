@@ -1,9 +1,8 @@
 //! What is run: a command, or a node by itself.
 
-use super::expect::Expectation;
 use super::scope::{Scope, State};
 use super::signal::{Signal, single};
-use super::{At, Elab, Mode};
+use super::{At, Claims, Elab, Mode};
 use crate::facts::Facts;
 use crate::ty::Ty;
 use crate::typed::{BlockId, FlowId, FlowRole, Leaf, Unit, UnitId, UnitKind};
@@ -48,36 +47,47 @@ pub struct Elaborated {
     pub inputs: Vec<PortShape>,
     /// Out-ports, leaf by leaf.
     pub outputs: Vec<PortShape>,
-    /// What a test expects.
-    pub expectations: Vec<Expectation>,
+    /// Whether there are claims in it, whatever has become of them.
+    pub has_claims: bool,
     /// Other flows of the unit itself, leaf by leaf, if they were asked for.
     pub locals: Vec<Local>,
-    /// Conditions that the text claims to hold, if they are watched; each bears what it is about and its place.
-    pub claims: Vec<ExportPort>,
     /// What was found on the way.
     pub findings: Vec<Finding>,
 }
 
 /// Makes the net of a unit. `args` are for its parameters, in order; what is missing is not known.
 #[must_use]
-pub fn elaborate(units: &[Unit], facts: &[Facts], id: UnitId, args: &[Argument]) -> Elaborated {
-    Job::new(units, facts, id, args, None).net()
+pub fn elaborate(
+    units: &[Unit],
+    facts: &[Facts],
+    id: UnitId,
+    args: &[Argument],
+    claims: Claims,
+) -> Elaborated {
+    Job::new(units, facts, id, args, claims).net()
 }
 
 /// The net of a unit with a node for every equation, so that a dependency cycle through it names each step.
 #[must_use]
 pub fn elaborate_steps(units: &[Unit], facts: &[Facts], id: UnitId, args: &[Argument]) -> Net {
-    Job::new(units, facts, id, args, None)
+    Job::new(units, facts, id, args, Claims::Report)
         .run(Mode::Steps, false)
         .0
         .net
 }
 
-/// Makes the net of a node that runs by itself, outside of any command: what its text claims is watched instead of ending
-/// the run, and its local flows can be looked at if they are asked for.
+/// Makes the net of a node that runs by itself, outside of any command; its local flows can be looked at if they are
+/// asked for.
 #[must_use]
-pub fn elaborate_alone(units: &[Unit], facts: &[Facts], id: UnitId, locals: bool) -> Elaborated {
-    Job::new(units, facts, id, &[], Some(locals)).net()
+pub fn elaborate_alone(
+    units: &[Unit],
+    facts: &[Facts],
+    id: UnitId,
+    claims: Claims,
+    locals: bool,
+) -> Elaborated {
+    let job = Job::new(units, facts, id, &[], claims);
+    Job { locals, ..job }.net()
 }
 
 /// What is to be elaborated.
@@ -86,8 +96,9 @@ struct Job<'u, 'a> {
     facts: &'u [Facts],
     id: UnitId,
     args: &'a [Argument],
-    /// Whether it runs by itself, and if so, whether its local flows are asked for.
-    alone: Option<bool>,
+    claims: Claims,
+    /// Whether its local flows are asked for.
+    locals: bool,
 }
 
 impl<'u, 'a> Job<'u, 'a> {
@@ -96,14 +107,15 @@ impl<'u, 'a> Job<'u, 'a> {
         facts: &'u [Facts],
         id: UnitId,
         args: &'a [Argument],
-        alone: Option<bool>,
+        claims: Claims,
     ) -> Self {
         Job {
             units,
             facts,
             id,
             args,
-            alone,
+            claims,
+            locals: false,
         }
     }
 
@@ -124,7 +136,7 @@ impl<'u, 'a> Job<'u, 'a> {
     /// What became of it, and whether there are fragments of clocks.
     fn run(&self, mode: Mode, splits_clocks: bool) -> (Elaborated, bool) {
         let mut elab = Elab::new(self.units, self.facts, mode);
-        elab.watches_claims = self.alone.is_some();
+        elab.claims = self.claims;
         elab.splits_clocks = splits_clocks;
         let unit = &self.units[self.id.0 as usize];
         elab.net.name = unit.name.to_string();
@@ -139,9 +151,9 @@ impl<'u, 'a> Job<'u, 'a> {
         elab.exports(&mut scope);
         elab.driver(&mut scope);
         let claims = elab.watched.len();
-        let locals = match self.alone {
-            Some(true) => elab.locals(&mut scope),
-            _ => Vec::new(),
+        let locals = match self.locals {
+            true => elab.locals(&mut scope),
+            false => Vec::new(),
         };
         for (port, value) in unknown {
             elab.bind_alias(port, &Signal::Const(value));
@@ -149,13 +161,13 @@ impl<'u, 'a> Job<'u, 'a> {
         elab.settle();
         let ports = elab.watched.split_off(claims);
         let locals = locals.into_iter().zip(ports);
+        elab.net.exports.append(&mut elab.watched);
         let elaborated = Elaborated {
             net: elab.net,
             inputs,
             outputs,
-            expectations: elab.expectations,
+            has_claims: elab.has_claims,
             locals: locals.map(|(shape, port)| Local { shape, port }).collect(),
-            claims: elab.watched,
             findings: elab.findings,
         };
         (elaborated, !elab.clocks.is_empty())

@@ -53,6 +53,10 @@ impl<'u> Scope<'u> {
         self.memo[id.0 as usize].clone()
     }
 
+    pub(super) fn is_known(&self, id: ExprId) -> bool {
+        self.memo[id.0 as usize].is_some()
+    }
+
     pub(super) fn remember(&mut self, id: ExprId, wire: &Wire) {
         self.memo[id.0 as usize] = Some(wire.clone());
     }

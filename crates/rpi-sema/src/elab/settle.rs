@@ -39,12 +39,16 @@ impl Elab<'_> {
     /// primitive in it: one is put in, so that the net shows the cycle.
     fn settle_alias(&mut self, alias: usize) {
         let mut chain = vec![alias];
+        self.settling[alias] = true;
         let end = loop {
             let last = chain[chain.len() - 1];
             match &self.aliases[last] {
                 Some(Signal::Port(port)) => match alias_of(*port) {
-                    Some(next) if chain.contains(&next) => break self.knot(last, *port),
-                    Some(next) => chain.push(next),
+                    Some(next) if self.settling[next] => break self.knot(last, *port),
+                    Some(next) => {
+                        self.settling[next] = true;
+                        chain.push(next);
+                    }
                     None => break Signal::Port(*port),
                 },
                 Some(other) => break other.clone(),
@@ -53,6 +57,7 @@ impl Elab<'_> {
         };
         let mut seen = end;
         for alias in chain.into_iter().rev() {
+            self.settling[alias] = false;
             seen = self.behind_gate(alias, seen);
             self.aliases[alias] = Some(seen.clone());
         }

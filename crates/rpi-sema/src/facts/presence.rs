@@ -179,8 +179,8 @@ impl<'u> Inference<'u> {
             }
             Definition::Shared(shared) => {
                 let count = self.unit.flow(shared.flow).ty.leaf_count();
-                let mut absence = Absence::All(shared.states.iter().any(Option::is_none));
-                for inner in shared.states.iter().flatten() {
+                let mut absence = Absence::All(shared.partial);
+                for inner in &shared.states {
                     let inner = self.flows[inner.0 as usize].clone();
                     absence = absence.with(&inner, count, |a, b| a || b);
                 }

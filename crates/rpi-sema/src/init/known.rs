@@ -2,6 +2,7 @@
 
 use rpi_image::Value;
 use rpi_net::{NodeId, PortRef};
+use std::rc::Rc;
 
 /// A condition of the same cycle: a Boolean flow, and which value of it is meant.
 pub(super) type Condition = (PortRef, bool);
@@ -12,7 +13,7 @@ pub(super) enum Known {
     /// There is no such cycle.
     Never,
     /// This value.
-    Value(Value),
+    Value(Rc<Value>),
     /// Some value.
     Defined,
     /// It may have none.
@@ -25,6 +26,11 @@ pub(super) enum Known {
 }
 
 impl Known {
+    /// A value that is known.
+    pub(super) fn value(value: Value) -> Known {
+        Known::Value(Rc::new(value))
+    }
+
     /// What holds if either may be the case.
     pub(super) fn join(&self, other: &Known) -> Known {
         use Known::{Defined, Never, Undefined};
@@ -65,12 +71,12 @@ impl Known {
     }
 
     /// In cycles in which the conditions hold.
-    pub(super) fn given(self, holds: &[Condition]) -> Known {
+    pub(super) fn given(self, holds: impl FnOnce() -> Vec<Condition>) -> Known {
         match self {
             Known::Undefined {
                 unless: Some(unless),
                 ..
-            } if holds.contains(&unless) => Known::Defined,
+            } if holds().contains(&unless) => Known::Defined,
             known => known,
         }
     }

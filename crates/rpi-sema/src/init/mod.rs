@@ -20,28 +20,40 @@ mod phases;
 mod rules;
 mod solve;
 
+use crate::hash::Set;
 use known::Known;
 use phases::PHASES;
 use rpi_diag::{Code, Finding, Fix};
 use rpi_image::Role;
+use rpi_net::claim::is_for_claim;
 use rpi_net::{Activation, Driver, FragmentId, Input, Net, NodeId, PortRef};
 use rules::{Rule, rule};
 use solve::Solution;
 
-/// What is read before it has a value. What the program claims to hold may be relied upon.
+/// What is read before it has a value. What the program claims to hold by its writer's or its caller's word may be
+/// relied upon.
 #[must_use]
-pub fn check(net: &Net, claims: &[PortRef]) -> Vec<Finding> {
-    let delays = net.nodes.iter().any(|node| rule(node) == Rule::Delay);
-    if !delays {
+pub fn check(net: &Net) -> Vec<Finding> {
+    let rules = rules::rules(net);
+    if !rules.contains(&Rule::Delay) {
         return Vec::new();
     }
-    let claims: Vec<PortRef> = asserted(net).chain(claims.iter().copied()).collect();
-    let solution = Solution::new(net, &claims);
+    let given: Vec<PortRef> = asserted(net).chain(given(net)).collect();
+    let solution = Solution::new(net, rules, &given);
     let mut findings = Vec::new();
     for root in read_early(&solution) {
         findings.push(finding(net, root));
     }
     findings
+}
+
+/// What is claimed without being shown.
+fn given(net: &Net) -> impl Iterator<Item = PortRef> + '_ {
+    let given = net.claims.iter().filter(|claim| claim.kind.is_given());
+    let keys: Set<&str> = given.map(|claim| claim.key.as_str()).collect();
+    let exports = net.exports.iter();
+    let claimed = exports.filter(move |export| keys.contains(export.key.as_str()));
+    claimed.map(|export| export.source)
 }
 
 /// What ends the command where it does not hold.
@@ -85,7 +97,10 @@ fn root(known: &Known) -> Option<NodeId> {
 /// What leaves the net, or decides what is active in it, and the fragment that looks at it.
 fn sinks(net: &Net) -> impl Iterator<Item = (PortRef, FragmentId)> + '_ {
     let own = |port: PortRef| (port, net.node(port.node).fragment);
-    let exports = net.exports.iter().map(move |export| own(export.source));
+    // What a claim reads is only looked at.
+    let exports = net.exports.iter();
+    let exports = exports.filter(|export| !is_for_claim(&export.key));
+    let exports = exports.map(move |export| own(export.source));
     let results = match &net.driver {
         Driver::Results(results) => &results[..],
         Driver::Ports { .. } => &[],

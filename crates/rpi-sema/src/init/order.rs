@@ -1,14 +1,19 @@
 //! In which order nodes are looked at, and who has to be looked at again.
 
+use crate::hash::Map;
 use rpi_image::Role;
+use rpi_net::passes::Users;
 use rpi_net::{Activation, FragmentId, Net, NodeId};
+use std::cmp::Reverse;
+use std::collections::BinaryHeap;
 
 /// For each node its place in an order in which sources come first, as far as there is one.
-pub(super) fn order(net: &Net) -> Vec<u32> {
+fn order(net: &Net) -> Vec<u32> {
     let mut place = vec![u32::MAX; net.nodes.len()];
     let mut next = 0;
+    let mut open = Vec::new();
     for start in net.node_ids() {
-        let mut open = vec![(start, false)];
+        open.push((start, false));
         while let Some((id, done)) = open.pop() {
             if done {
                 place[id.index()] = next;
@@ -33,10 +38,59 @@ pub(super) fn order(net: &Net) -> Vec<u32> {
     place
 }
 
+/// The nodes that have to be looked at, sources first: once all of them, then those that were added again.
+pub(super) struct Agenda {
+    order: Vec<u32>,
+    sorted: Vec<NodeId>,
+    /// How many of the first round are done.
+    done: u32,
+    /// Whether a node waits in a later round.
+    waits: Vec<bool>,
+    again: BinaryHeap<Reverse<u32>>,
+}
+
+impl Agenda {
+    pub(super) fn all(net: &Net) -> Self {
+        let order = order(net);
+        let mut sorted = vec![NodeId(0); net.nodes.len()];
+        for id in net.node_ids() {
+            sorted[order[id.index()] as usize] = id;
+        }
+        Agenda {
+            waits: vec![false; sorted.len()],
+            again: BinaryHeap::new(),
+            done: 0,
+            order,
+            sorted,
+        }
+    }
+
+    pub(super) fn next(&mut self) -> Option<NodeId> {
+        let earlier = self.again.peek().is_some_and(|place| place.0 < self.done);
+        if !earlier && (self.done as usize) < self.sorted.len() {
+            self.done += 1;
+            return Some(self.sorted[self.done as usize - 1]);
+        }
+        let place = self.again.pop()?.0 as usize;
+        self.waits[place] = false;
+        Some(self.sorted[place])
+    }
+
+    /// Adds nodes; those whose turn is still to come need not be.
+    pub(super) fn add(&mut self, nodes: &[NodeId]) {
+        for id in nodes {
+            let place = self.order[id.index()];
+            if place < self.done && !std::mem::replace(&mut self.waits[place as usize], true) {
+                self.again.push(Reverse(place));
+            }
+        }
+    }
+}
+
 /// Who reads a flow.
 pub(super) struct Readers {
-    of: Vec<Vec<NodeId>>,
-    activated_by: Vec<Vec<FragmentId>>,
+    of: Users,
+    activated_by: Map<NodeId, Vec<FragmentId>>,
     /// For each fragment the nodes that read across its border.
     across: Vec<Vec<NodeId>>,
 }
@@ -44,8 +98,8 @@ pub(super) struct Readers {
 impl Readers {
     pub(super) fn new(net: &Net) -> Self {
         let mut readers = Readers {
-            of: vec![Vec::new(); net.nodes.len()],
-            activated_by: vec![Vec::new(); net.nodes.len()],
+            of: Users::new(net),
+            activated_by: Map::default(),
             across: vec![Vec::new(); net.fragments.len()],
         };
         for id in net.node_ids() {
@@ -53,7 +107,8 @@ impl Readers {
         }
         for fragment in net.fragment_ids() {
             if let Activation::When { condition, .. } = net.fragment(fragment).activation {
-                readers.activated_by[condition.node.index()].push(fragment);
+                let activated = readers.activated_by.entry(condition.node);
+                activated.or_default().push(fragment);
             }
         }
         readers
@@ -62,7 +117,6 @@ impl Readers {
     fn add(&mut self, net: &Net, id: NodeId) {
         let node = net.node(id);
         for port in node.inputs.iter().filter_map(|input| input.port()) {
-            self.of[port.node.index()].push(id);
             let source = net.node(port.node).fragment;
             if source == node.fragment {
                 continue;
@@ -74,11 +128,11 @@ impl Readers {
     }
 
     pub(super) fn of(&self, id: NodeId) -> &[NodeId] {
-        &self.of[id.index()]
+        self.of.of(id)
     }
 
     pub(super) fn activated_by(&self, id: NodeId) -> &[FragmentId] {
-        &self.activated_by[id.index()]
+        self.activated_by.get(&id).map_or(&[], Vec::as_slice)
     }
 
     pub(super) fn across(&self, fragment: FragmentId) -> &[NodeId] {

@@ -3,9 +3,11 @@
 use super::known::{Condition, Known};
 use super::phases::Active;
 use super::solve::{Seen, Solution, before};
-use rpi_image::{Presence, Role, Value};
-use rpi_net::{Node, NodeId, PortRef};
-use rpi_prims::fold;
+use crate::hash::Map;
+use rpi_image::{Presence, PrimDesc, Role, Value};
+use rpi_net::{Net, Node, NodeId, PortRef};
+use rpi_prims::{PrimId, fold};
+use std::rc::Rc;
 
 /// How a primitive passes on what is known.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
@@ -44,9 +46,24 @@ const NAMED: &[(&str, Rule)] = &[
     ("Coalesce", Rule::Coalesce),
 ];
 
+/// The rules of all nodes, looked up once per primitive.
+pub(super) fn rules(net: &Net) -> Vec<Rule> {
+    let mut known: Map<PrimId, Rule> = Map::default();
+    let nodes = net.nodes.iter();
+    let rule = |node: &Node| {
+        *known
+            .entry(node.prim)
+            .or_insert_with(|| of_prim(node.desc()))
+    };
+    nodes.map(rule).collect()
+}
+
 /// The rule of a node's primitive.
 pub(super) fn rule(node: &Node) -> Rule {
-    let desc = node.desc();
+    of_prim(node.desc())
+}
+
+fn of_prim(desc: &PrimDesc) -> Rule {
     match desc.role {
         Role::First => return Rule::First,
         Role::Delay => {
@@ -77,7 +94,7 @@ pub(super) fn rule(node: &Node) -> Rule {
 pub(super) fn apply(rule: Rule, all: &Solution<'_>, id: NodeId, phase: usize) -> Known {
     let input = |k: usize| all.input(id, k, phase).known;
     match rule {
-        Rule::First => Known::Value(Value::bool(phase == 0)),
+        Rule::First => Known::value(Value::bool(phase == 0)),
         Rule::Delay | Rule::OptionalDelay => delay(rule, all, id, phase),
         Rule::Choice => choice(all, id, phase),
         Rule::And | Rule::Or => connective(rule == Rule::Or, all, id, phase, [false, false]),
@@ -107,7 +124,7 @@ fn choice(all: &Solution<'_>, id: NodeId, phase: usize) -> Known {
     let condition = all.input(id, 0, phase).known;
     let port = all.net().node(id).inputs[0].port();
     let implied = |value: bool| port.map_or_else(Vec::new, |port| all.implied(port, value));
-    let branch = |k: usize, value: bool| all.input(id, k, phase).known.given(&implied(value));
+    let branch = |k: usize, value: bool| all.input(id, k, phase).known.given(|| implied(value));
     match (&condition, condition.truth()) {
         (Known::Never, _) => Known::Never,
         (_, Some(true)) => branch(1, true),
@@ -141,16 +158,18 @@ fn connective(
     let operand = |k: usize| {
         let other = inputs[1 - k].port();
         // The other operand has not decided: what that implies.
-        let holds: Vec<Condition> = other.map_or_else(Vec::new, |port| {
-            all.implied(port, !absorbing ^ negated[1 - k])
-        });
-        all.input(id, k, phase).known.given(&holds)
+        let holds = || -> Vec<Condition> {
+            other.map_or_else(Vec::new, |port| {
+                all.implied(port, !absorbing ^ negated[1 - k])
+            })
+        };
+        all.input(id, k, phase).known.given(holds)
     };
     let (a, b) = (operand(0), operand(1));
     let decides = |known: &Known, negated: bool| known.truth() == Some(absorbing ^ negated);
     match decides(&a, negated[0]) || decides(&b, negated[1]) {
-        true => Known::Value(Value::bool(absorbing)),
-        false => strict_of(all, id, vec![a, b]),
+        true => Known::value(Value::bool(absorbing)),
+        false => strict_of(all, id, [a, b].into_iter()),
     }
 }
 
@@ -174,27 +193,30 @@ fn coalesce(all: &Solution<'_>, id: NodeId, phase: usize) -> Known {
 
 fn strict(all: &Solution<'_>, id: NodeId, phase: usize) -> Known {
     let count = all.net().node(id).inputs.len();
-    let inputs = (0..count).map(|k| all.input(id, k, phase).known).collect();
+    let inputs = (0..count).map(|k| all.input(id, k, phase).known);
     strict_of(all, id, inputs)
 }
 
-fn strict_of(all: &Solution<'_>, id: NodeId, inputs: Vec<Known>) -> Known {
+fn strict_of(all: &Solution<'_>, id: NodeId, inputs: impl Iterator<Item = Known>) -> Known {
     let node = all.net().node(id);
     let mut worst = Known::Defined;
-    let mut values = Vec::with_capacity(inputs.len());
-    for known in &inputs {
+    // The values are of interest only as long as every in-port has one.
+    let (mut values, mut count) = (Vec::new(), 0);
+    for known in inputs {
         match known {
             Known::Never => return Known::Never,
-            Known::Value(value) => values.push(value),
-            Known::Defined => {}
-            undefined @ Known::Undefined { .. } => worst = worst.join(undefined),
+            Known::Value(value) if values.len() == count => values.push(value),
+            Known::Value(_) | Known::Defined => {}
+            undefined @ Known::Undefined { .. } => worst = worst.join(&undefined),
         }
+        count += 1;
     }
-    if values.len() < inputs.len() || inputs.is_empty() {
+    if values.len() < count || count == 0 {
         return worst;
     }
+    let values: Vec<&Value> = values.iter().map(Rc::as_ref).collect();
     match fold(node.prim, &values, &node.params, &node.outputs) {
-        Some(Ok(results)) if results.len() == 1 => Known::Value(results[0].clone()),
+        Some(Ok(results)) if results.len() == 1 => Known::value(results[0].clone()),
         _ => Known::Defined,
     }
 }

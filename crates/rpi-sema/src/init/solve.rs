@@ -2,10 +2,9 @@
 
 use super::known::{Condition, Known};
 use super::phases::{Active, PHASES, PerPhase, PhaseSet, REST, parents};
-use super::rules::{Rule, rule};
+use super::rules::Rule;
 use rpi_image::Value;
 use rpi_net::{Activation, FragmentId, Input, Net, NodeId, PortRef, Restart};
-use std::collections::BTreeSet;
 
 /// What is known of a net's flows.
 pub(super) struct Solution<'n> {
@@ -29,11 +28,11 @@ pub(super) struct Seen {
 
 impl<'n> Solution<'n> {
     /// Solves the rules of all nodes.
-    pub(super) fn new(net: &'n Net, claims: &[PortRef]) -> Self {
+    pub(super) fn new(net: &'n Net, rules: Vec<Rule>, claims: &[PortRef]) -> Self {
         let mut solution = Solution {
             net,
             known: vec![std::array::from_fn(|_| Known::Never); net.nodes.len()],
-            rules: net.node_ids().map(|id| rule(net.node(id))).collect(),
+            rules,
             active: vec![[Active::Always; PHASES]; net.fragments.len()],
             parents: vec![std::array::from_fn(PhaseSet::only); net.fragments.len()],
             claimed: Vec::new(),
@@ -50,11 +49,9 @@ impl<'n> Solution<'n> {
 
     fn solve(&mut self) {
         let net = self.net;
-        let order = super::order::order(net);
         let readers = super::order::Readers::new(net);
-        let mut open: BTreeSet<(u32, NodeId)> =
-            net.node_ids().map(|id| (order[id.index()], id)).collect();
-        while let Some((_, id)) = open.pop_first() {
+        let mut open = super::order::Agenda::all(net);
+        while let Some(id) = open.next() {
             let next: PerPhase<Known> = std::array::from_fn(|phase| {
                 let known = self.of_node(id, phase);
                 self.known[id.index()][phase].join(&self.forced(id, phase, known))
@@ -63,12 +60,10 @@ impl<'n> Solution<'n> {
                 continue;
             }
             self.known[id.index()] = next;
-            let affected = readers.of(id);
-            open.extend(affected.iter().map(|id| (order[id.index()], *id)));
+            open.add(readers.of(id));
             for fragment in readers.activated_by(id) {
                 if self.activate(*fragment) {
-                    let touched = readers.across(*fragment);
-                    open.extend(touched.iter().map(|id| (order[id.index()], *id)));
+                    open.add(readers.across(*fragment));
                 }
             }
         }
@@ -109,7 +104,7 @@ impl<'n> Solution<'n> {
         let node = self.net.node(id);
         match &node.inputs[input] {
             Input::Port(port) => self.seen(*port, node.fragment, phase),
-            Input::Const(value) => Seen::there(Known::Value((**value).clone())),
+            Input::Const(value) => Seen::there(Known::value((**value).clone())),
             Input::Open => Seen {
                 known: Known::Defined,
                 there: Active::Never,
@@ -255,8 +250,8 @@ impl<'n> Solution<'n> {
     fn forced(&self, id: NodeId, phase: usize, known: Known) -> Known {
         let claimed = |value| self.claimed.binary_search(&(id, phase, value)).is_ok();
         match known {
-            Known::Defined if claimed(true) => Known::Value(Value::bool(true)),
-            Known::Defined if claimed(false) => Known::Value(Value::bool(false)),
+            Known::Defined if claimed(true) => Known::value(Value::bool(true)),
+            Known::Defined if claimed(false) => Known::value(Value::bool(false)),
             known => known,
         }
     }

@@ -1,7 +1,6 @@
 //! Finding a declaration by name.
 
 use super::{DeclId, Module, ModuleId, Program};
-use rpi_diag::suggest;
 use rpi_syntax::{Mode, Name};
 
 /// What a name finds.
@@ -68,21 +67,20 @@ impl Program<'_> {
         found.map_or(Lookup::Missing, |id| Lookup::Found(*id))
     }
 
-    /// The nearest visible name among declarations that `fits`, for "did you mean".
-    #[must_use]
-    pub fn nearest(
+    /// The names of visible declarations that `fits`, for "did you mean".
+    pub fn visible(
         &self,
         from: ModuleId,
-        name: &str,
         fits: impl Fn(DeclId) -> bool,
-    ) -> Option<String> {
-        let own = std::iter::once(&from).chain(&self.module(from).uses);
+    ) -> impl Iterator<Item = &str> {
+        let own = std::iter::once(from).chain(self.module(from).uses.iter().copied());
         let implicit = self.implicit_of(self.module(from));
-        let modules = own.chain(implicit).map(|id| self.module(*id));
+        let modules = own
+            .chain(implicit.iter().copied())
+            .map(|id| self.module(id));
         let decls = modules.flat_map(|module| module.decls.iter().copied());
-        let names = decls
-            .filter(|id| fits(*id))
-            .map(|id| self.decl(id).name.as_str());
-        suggest(name, names)
+        decls
+            .filter(move |id| fits(*id))
+            .map(|id| self.decl(id).name.as_str())
     }
 }

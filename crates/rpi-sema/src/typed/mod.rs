@@ -13,6 +13,7 @@ pub use verify::verify;
 use crate::ty::{DeviceTy, Ty};
 use rpi_diag::Span;
 use rpi_image::Value;
+pub use rpi_net::ClaimKind;
 use rpi_prims::PrimId;
 use rpi_syntax::Name;
 use std::rc::Rc;
@@ -157,6 +158,8 @@ pub struct Block {
     pub restart: bool,
     /// Stated budget in nanoseconds.
     pub budget_ns: Option<u64>,
+    /// Whether it is a contract: nothing outside reads it, and it may be left out.
+    pub is_contract: bool,
     /// Its equations, in text order.
     pub equations: Vec<Equation>,
     /// Conditions that are claimed to hold.
@@ -217,8 +220,12 @@ pub enum Place {
 /// A condition that is claimed to hold in every cycle.
 #[derive(Clone, Debug)]
 pub struct Claim {
+    /// By whom it must hold.
+    pub kind: ClaimKind,
     /// The condition.
     pub condition: ExprId,
+    /// The mode of the contract whose `ensure` it is; the condition then says `require => ensure`.
+    pub mode: Option<Name>,
     /// What it is about, in words.
     pub label: Option<Name>,
     /// Where it stands.
@@ -289,8 +296,10 @@ pub struct Transition {
 pub struct Shared {
     /// The flow as it is seen from outside.
     pub flow: FlowId,
-    /// The flow inside each state, by index of the state.
-    pub states: Vec<Option<FlowId>>,
+    /// The flow inside each state that defines it, in the order of the states.
+    pub states: Vec<FlowId>,
+    /// Whether some state does not define it.
+    pub partial: bool,
 }
 
 /// An expression.
@@ -506,6 +515,7 @@ impl Block {
             when: None,
             restart: false,
             budget_ns: None,
+            is_contract: false,
             equations: Vec::new(),
             claims: Vec::new(),
             ends: Vec::new(),

@@ -29,6 +29,12 @@ fn print_block(unit: &Unit, id: BlockId, block: &Block, out: &mut String) {
     for equation in &block.equations {
         let _ = writeln!(out, "    {}", print_equation(unit, equation));
     }
+    for claim in &block.claims {
+        let kind = format!("{:?}", claim.kind).to_lowercase();
+        let mode = claim.mode.as_ref().map(|mode| format!(" of {mode}"));
+        let mode = mode.unwrap_or_default();
+        let _ = writeln!(out, "    {kind}{mode} {}", expr(unit, claim.condition));
+    }
     for end in &block.ends {
         let kind = format!("{:?}", end.kind).to_lowercase();
         let _ = writeln!(

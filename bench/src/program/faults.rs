@@ -1,0 +1,78 @@
+//! Programs with faults all over.
+
+use super::{lines, names};
+
+/// Declarations that do not parse.
+pub(super) fn broken_items(n: usize) -> String {
+    lines(n, |k| format!("node broken{k} (x: real returns y = x; tel"))
+}
+
+/// Equations that do not parse.
+pub(super) fn broken_equations(n: usize) -> String {
+    node(n, |k| format!("  a{k} = u + ;"))
+}
+
+/// Names that nothing declares, most of them like one that is.
+pub(super) fn unknown_names(n: usize) -> String {
+    node(n, |k| format!("  flow{k} = u * glow{k};"))
+}
+
+/// Declarations of one name.
+pub(super) fn duplicates(n: usize) -> String {
+    lines(n, |_| "const same: int = 1;".to_owned())
+}
+
+/// Equations for one flow.
+pub(super) fn defined_twice(n: usize) -> String {
+    node(n, |_| "  y = u;".to_owned())
+}
+
+/// Operands of different types and units.
+pub(super) fn wrong_types(n: usize) -> String {
+    node(n, |k| format!("  a{k} = u + {k}[m];"))
+}
+
+/// Flows that nothing reads.
+pub(super) fn unused(n: usize) -> String {
+    node(n, |k| format!("  a{k} = u * {k}.0;"))
+}
+
+/// Pairs that wait for each other.
+pub(super) fn rings(n: usize) -> String {
+    let count = n / 2;
+    let declared = lines(count, |k| format!("  a{k}, b{k}: real;"));
+    let body = lines(count, |k| {
+        format!("  a{k} = b{k} + u;\n  b{k} = a{k} * 2.0;")
+    });
+    format!("node faulty (u: real) returns (y: real)\nvar\n{declared}let\n{body}  y = u;\ntel\n")
+}
+
+/// A ring through everything.
+pub(super) fn one_ring(n: usize) -> String {
+    let body = lines(n, |k| format!("  a{k} = a{} * 0.5;", (k + 1) % n));
+    let flows = names("a", n);
+    format!(
+        "node faulty (u: real) returns (y: real)\nvar {flows}: real;\nlet\n{body}  y = u;\ntel\n"
+    )
+}
+
+/// Delays that are read in the first cycle.
+pub(super) fn no_first_value(n: usize) -> String {
+    node(n, |k| format!("  a{k} = pre u + {k}.0;"))
+}
+
+/// Flows that may be absent where one is needed.
+pub(super) fn absent(n: usize) -> String {
+    let count = n / 3;
+    let declared = lines(count, |k| format!("  b{k}: real;"));
+    let body = lines(count, |k| {
+        format!("  fragment F{k} when u > {k}.0 let a = u; tel\n  b{k} = F{k}.a;")
+    });
+    format!("node faulty (u: real) returns (y: real)\nvar\n{declared}let\n{body}  y = u;\ntel\n")
+}
+
+/// A node around equations.
+fn node(count: usize, line: impl Fn(usize) -> String) -> String {
+    let body = lines(count, line);
+    format!("node faulty (u: real) returns (y: real)\nlet\n{body}  y = u;\ntel\n")
+}

@@ -1,0 +1,122 @@
+//! Claims of commands that run on a clock: watched on the samples that the cycle hands out, so that the cycle itself only
+//! computes and publishes them.
+
+use rpi_diag::Finding;
+use rpi_image::Type;
+use rpi_net::Claim;
+
+use super::{Broken, Flows, Watch};
+use crate::run::{Channel, Outcome, Sink};
+
+/// Watches the claims of the commands of a run.
+#[derive(Debug)]
+pub struct ClaimSink {
+    commands: Vec<Watched>,
+    /// For each channel the command and the flow that it belongs to.
+    of: Vec<Option<(usize, usize)>>,
+}
+
+#[derive(Debug)]
+struct Watched {
+    name: String,
+    claims: Vec<Claim>,
+    watch: Watch,
+    /// The values of this tick.
+    row: Row,
+    tick: Option<u64>,
+    broken: Vec<(u64, Broken)>,
+}
+
+#[derive(Debug, Default)]
+struct Row(Vec<Option<Vec<u64>>>);
+
+impl Flows for Row {
+    fn cells(&self, export: usize) -> Option<&[u64]> {
+        self.0[export].as_deref()
+    }
+}
+
+impl ClaimSink {
+    /// Watches what these commands claim: the name of each, and its claims.
+    #[must_use]
+    pub fn new<'n>(commands: impl Iterator<Item = (&'n str, &'n [Claim])>) -> ClaimSink {
+        let watched = |(name, claims): (&str, &[Claim])| Watched {
+            name: name.to_owned(),
+            claims: claims.to_vec(),
+            watch: Watch::new(&[], |_| None),
+            row: Row::default(),
+            tick: None,
+            broken: Vec::new(),
+        };
+        ClaimSink {
+            commands: commands.map(watched).collect(),
+            of: Vec::new(),
+        }
+    }
+
+    /// What did not hold, once the run is over, and how often.
+    #[must_use]
+    pub fn told(mut self, outcome: &Outcome) -> (Vec<Finding>, String) {
+        let (mut findings, mut summary) = (Vec::new(), String::new());
+        for command in &mut self.commands {
+            command.look();
+            for (tick, broken) in &command.broken {
+                let cycle = cycle(outcome, &command.name, *tick);
+                findings.push(command.watch.told(broken, cycle));
+            }
+            summary.push_str(&command.watch.summary());
+        }
+        (findings, summary)
+    }
+}
+
+/// The cycle of a command in a tick.
+fn cycle(outcome: &Outcome, command: &str, tick: u64) -> u64 {
+    let runs = outcome.commands.iter().filter(|run| run.name == command);
+    let starts = runs.filter_map(|run| run.first_tick);
+    let start = starts.filter(|start| *start <= tick).max();
+    tick - start.unwrap_or(0)
+}
+
+impl Sink for ClaimSink {
+    fn channels(&mut self, channels: &[Channel]) {
+        self.of = vec![None; channels.len()];
+        for (number, command) in self.commands.iter_mut().enumerate() {
+            let mut places: Vec<(String, Type)> = Vec::new();
+            for (channel, of) in channels.iter().zip(&mut self.of) {
+                let key = channel.name.strip_prefix(&command.name);
+                if let Some(key) = key.and_then(|key| key.strip_prefix('.')) {
+                    *of = Some((number, places.len()));
+                    places.push((key.to_owned(), channel.ty));
+                }
+            }
+            command.row.0 = vec![None; places.len()];
+            command.watch = Watch::new(&command.claims, |key| {
+                let place = places.iter().position(|(known, _)| known == key)?;
+                Some((place, places[place].1))
+            });
+        }
+    }
+
+    fn sample(&mut self, channel: usize, tick: u64, value: Option<&[u64]>) {
+        let Some((command, place)) = self.of[channel] else {
+            return;
+        };
+        let command = &mut self.commands[command];
+        if command.tick != Some(tick) {
+            command.look();
+            command.tick = Some(tick);
+        }
+        command.row.0[place] = value.map(<[u64]>::to_vec);
+    }
+}
+
+impl Watched {
+    /// Looks at the tick whose samples are complete.
+    fn look(&mut self) {
+        if let Some(tick) = self.tick.take() {
+            let broken = self.watch.look(&self.row);
+            self.broken.extend(broken.into_iter().map(|b| (tick, b)));
+        }
+    }
+}

@@ -1,0 +1,82 @@
+//! What is told of a claim that does not hold: whose fault it is, in which cycle, with which values.
+
+use rpi_diag::{Code, Finding};
+use rpi_image::Type;
+use rpi_net::{Claim, ClaimKind, ClaimRead, literal};
+
+use super::Broken;
+
+/// The finding of a claim that does not hold in a cycle.
+pub(super) fn finding(claim: &Claim, broken: &Broken, cycle: u64) -> Finding {
+    let row = row(claim.kind);
+    let message = format!("{} {} in cycle {cycle}", what(claim), row.verb);
+    let mut finding = Finding::new(row.code, message).at(claim.span, row.label);
+    if !broken.now.is_empty() {
+        finding = finding.note(format!("in this cycle {}", broken.now));
+    }
+    if let Some(before) = broken.before.as_ref().filter(|before| !before.is_empty()) {
+        finding = finding.note(format!("in the cycle before {before}"));
+    }
+    match &claim.path[..] {
+        "" => finding,
+        path => finding.note(format!("in the call `{path}`")),
+    }
+}
+
+/// A value as the program writes it.
+pub(super) fn value(read: &ClaimRead, cells: Option<&[u64]>, ty: Type) -> String {
+    let Some(cells) = cells else {
+        return "none".to_owned();
+    };
+    let name = cells.first().and_then(|cell| usize::try_from(*cell).ok());
+    let name = name.and_then(|place| read.values.get(place));
+    name.cloned()
+        .unwrap_or_else(|| format!("{}{}", literal::write(cells, ty), read.unit))
+}
+
+/// What is told of a kind of claim.
+struct Row {
+    kind: ClaimKind,
+    code: Code,
+    what: &'static str,
+    verb: &'static str,
+    label: &'static str,
+}
+
+const fn told(
+    kind: ClaimKind,
+    code: Code,
+    what: &'static str,
+    verb: &'static str,
+    label: &'static str,
+) -> Row {
+    Row {
+        kind,
+        code,
+        what,
+        verb,
+        label,
+    }
+}
+
+#[rustfmt::skip]
+const ROWS: &[Row] = &[
+    told(ClaimKind::Assert,    Code::RPI9012, "the assertion",  "does not hold", "this is false"),
+    told(ClaimKind::Check,     Code::RPI9012, "the property",   "does not hold", "this is false"),
+    told(ClaimKind::Assume,    Code::RPI9013, "the assumption", "is broken by the caller", "the caller sees to this"),
+    told(ClaimKind::Guarantee, Code::RPI9014, "the guarantee",  "is not kept", "this is promised"),
+    told(ClaimKind::Modes,     Code::RPI9015, "the contract",   "has no mode that applies", "one of these applies, it is said"),
+];
+
+fn row(kind: ClaimKind) -> &'static Row {
+    let row = ROWS.iter().find(|row| row.kind == kind);
+    row.unwrap_or(&ROWS[0])
+}
+
+/// `the guarantee "smaller" of Half, mode up`
+pub(super) fn what(claim: &Claim) -> String {
+    let label = claim.label.as_ref().map(|label| format!(" \"{label}\""));
+    let mode = claim.mode.as_ref().map(|mode| format!(" in mode `{mode}`"));
+    let (label, mode) = (label.unwrap_or_default(), mode.unwrap_or_default());
+    format!("{}{label} of `{}`{mode}", row(claim.kind).what, claim.of)
+}
