@@ -1,4 +1,5 @@
-//! Kinematics of serial arms: chains by Denavit-Hartenberg tables, forward and analytic inverse.
+//! Kinematics of serial arms: chains by Denavit-Hartenberg tables, forward and analytic inverse; motion of an axis within
+//! its bounds.
 //!
 //! Everything here is a pure function of its arguments: no allocation, no panic, bounded time, the same bits on every
 //! machine (all transcendental functions are `libm`'s). This crate must not know devices, cycles, files or clocks.
@@ -23,6 +24,7 @@ pub mod limits;
 pub mod model;
 pub mod models;
 pub mod opw;
+pub mod reach;
 pub mod six;
 pub mod srs;
 pub mod stop;

@@ -13,16 +13,25 @@ pub struct Motion {
 
 /// A part of constant jerk.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-struct Part {
-    duration: f64,
-    jerk: f64,
+pub(crate) struct Part {
+    pub(crate) duration: f64,
+    pub(crate) jerk: f64,
+}
+
+impl Part {
+    pub(crate) fn mirrored(self) -> Self {
+        Part {
+            jerk: -self.jerk,
+            ..self
+        }
+    }
 }
 
 /// The way to rest.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Stop {
     start: Motion,
-    parts: [Part; 3],
+    pub(crate) parts: [Part; 3],
 }
 
 impl Stop {

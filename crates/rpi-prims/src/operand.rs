@@ -153,6 +153,45 @@ pub trait Memory: Sized {
     fn store(self, cells: &mut [u64], words: &[u32]);
 }
 
+/// What a state is made of, at fixed cells.
+pub trait Stored: Sized {
+    /// Number of cells.
+    const CELLS: usize;
+    /// Reads it from `cells[at..]`.
+    fn recall(cells: &[u64], at: usize) -> Self;
+    /// Writes it to `cells[at..]`.
+    fn keep(self, cells: &mut [u64], at: usize);
+}
+
+impl<T: Flow> Stored for T {
+    const CELLS: usize = <T as Flow>::CELLS;
+    #[inline(always)]
+    fn recall(cells: &[u64], at: usize) -> Self {
+        <T as Flow>::load(cells, at)
+    }
+    #[inline(always)]
+    fn keep(self, cells: &mut [u64], at: usize) {
+        Flow::store(self, cells, at);
+    }
+}
+
+/// Reals in a row.
+impl<const N: usize> Stored for [f64; N] {
+    const CELLS: usize = N;
+    #[inline(always)]
+    fn recall(cells: &[u64], at: usize) -> Self {
+        core::array::from_fn(|k| f64::from_bits(cells[at + k]))
+    }
+    #[inline(always)]
+    fn keep(self, cells: &mut [u64], at: usize) {
+        let slots = &mut cells[at..at + N];
+        slots
+            .iter_mut()
+            .zip(self)
+            .for_each(|(slot, value)| *slot = value.to_bits());
+    }
+}
+
 macro_rules! tuples {
     ($(($($t:ident . $i:tt),*))*) => { $(
         impl<$($t: Operand),*> Operand for ($($t,)*) {
@@ -183,21 +222,21 @@ macro_rules! tuples {
                 ($(maybe.$i.unwrap_or_else(<$t as Port>::neutral),)*)
             }
         }
-        /// Flows side by side: a state of fixed size.
-        impl<$($t: Flow),*> Memory for ($($t,)*) {
+        /// Stored values side by side: a state of fixed size.
+        impl<$($t: Stored),*> Memory for ($($t,)*) {
             const WORDS: usize = (Self::CELLS > 0) as usize;
-            const CELLS: u32 = 0 $(+ $t::SCALAR.cells())*;
+            const CELLS: u32 = 0 $(+ <$t as Stored>::CELLS as u32)*;
             #[inline(always)]
             #[allow(unused_variables, unused_mut, unused_assignments, clippy::unused_unit)]
             fn load(cells: &[u64], words: &[u32]) -> Self {
                 let mut at = words.first().map_or(0, |&w| w as usize);
-                ($({ let v = <$t as Flow>::load(cells, at); at += $t::CELLS; v },)*)
+                ($({ let v = <$t as Stored>::recall(cells, at); at += <$t as Stored>::CELLS; v },)*)
             }
             #[inline(always)]
             #[allow(unused_variables, unused_mut, unused_assignments)]
             fn store(self, cells: &mut [u64], words: &[u32]) {
                 let mut at = words.first().map_or(0, |&w| w as usize);
-                $( <$t as Flow>::store(self.$i, cells, at); at += $t::CELLS; )*
+                $( <$t as Stored>::keep(self.$i, cells, at); at += <$t as Stored>::CELLS; )*
             }
         }
     )* };

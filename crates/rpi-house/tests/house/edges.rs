@@ -9,7 +9,7 @@ use rpi_house::{Package, packages};
 const EDGES: &[(&str, &[&str])] = &[
     ("rpi-image", &[]),
     ("rpi-device", &["rpi-image"]),
-    ("rpi-prims", &["rpi-device", "rpi-image"]),
+    ("rpi-prims", &["rpi-device", "rpi-image", "rpi-kin"]),
     ("rpi-core", &["rpi-device", "rpi-image", "rpi-prims"]),
     ("rpi-kin", &[]),
     ("rpi-sim", &["rpi-device", "rpi-image", "rpi-kin"]),

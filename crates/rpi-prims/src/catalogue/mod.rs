@@ -70,6 +70,7 @@ const FAMILIES: &[&[Prim]] = &[
     own::int::ALL,
     own::logic::ALL,
     own::profile::ALL,
+    own::reach::ALL,
     own::real::ALL,
     own::spatial::ALL,
     own::typed::boolean::ALL,

@@ -222,6 +222,15 @@ pub(super) const PORTS: &[Line] = &[
     of_axis("joints", REAL, |arm, axis, out| {
         out.real(arm.commanded(|s| s.position)[axis])
     }),
+    of_axis("commanded", REAL, |arm, axis, out| {
+        out.real(arm.commanded_at(axis).position)
+    }),
+    of_axis("commanded_velocity", REAL, |arm, axis, out| {
+        out.real(arm.commanded_at(axis).velocity)
+    }),
+    of_axis("commanded_acceleration", REAL, |arm, axis, out| {
+        out.real(arm.commanded_at(axis).acceleration)
+    }),
     of_axis("position", REAL, |arm, axis, out| {
         out.real(arm.measured(|s| s.position)[axis])
     }),

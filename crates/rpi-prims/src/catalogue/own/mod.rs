@@ -6,6 +6,7 @@ pub(super) mod guarded;
 pub(super) mod int;
 pub(super) mod logic;
 pub(super) mod profile;
+pub(super) mod reach;
 pub(super) mod real;
 pub(super) mod spatial;
 pub(super) mod typed;

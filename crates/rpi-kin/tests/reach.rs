@@ -1,0 +1,136 @@
+//! Ways to a goal from random states: the bounds hold for whoever takes the backward differences of their samples.
+
+mod common;
+
+use common::Random;
+use rpi_kin::reach::{Bounds, Reach, State};
+
+const DT: f64 = 1e-3;
+
+/// Bounds of any magnitude between a thousandth and a thousand, and a start within them.
+fn case(random: &mut Random) -> (State, f64, Bounds) {
+    let mut bound = || 10_f64.powf(random.between(-3.0, 3.0));
+    let bounds = Bounds {
+        speed: bound(),
+        acceleration: bound(),
+        jerk: bound(),
+    };
+    let start = State {
+        position: random.between(-1.0, 1.0),
+        velocity: bounds.speed * random.between(-1.0, 1.0),
+        acceleration: bounds.acceleration * random.between(-1.0, 1.0),
+    };
+    (start, random.between(-2.0, 2.0), bounds)
+}
+
+/// The velocity that it comes to once the acceleration has run out stays within the bounds: such a start can keep them.
+fn can_keep(start: State, bounds: Bounds) -> bool {
+    let coming =
+        start.velocity + start.acceleration * start.acceleration.abs() / (2.0 * bounds.jerk);
+    coming.abs() <= bounds.speed
+}
+
+#[test]
+fn every_goal_is_reached_at_rest() {
+    let mut random = Random(1);
+    for k in 0..200_000 {
+        let (start, goal, bounds) = case(&mut random);
+        let way = Reach::new(start, goal, bounds).unwrap();
+        let (end, duration) = (way.at(way.duration()), way.duration());
+        assert_eq!(
+            (end.position, end.velocity, end.acceleration),
+            (goal, 0.0, 0.0)
+        );
+        let before = way.at(duration * (1.0 - 1e-9));
+        let scale = 1.0 + bounds.speed * duration;
+        assert!(
+            (before.position - goal).abs() < 1e-7 * scale,
+            "case {k}: {before:?} before {goal} of {start:?} {bounds:?}"
+        );
+    }
+}
+
+#[test]
+fn bounds_hold_on_the_whole_way() {
+    let mut random = Random(2);
+    for k in 0..20_000 {
+        let (start, goal, bounds) = case(&mut random);
+        if !can_keep(start, bounds) {
+            continue;
+        }
+        let way = Reach::new(start, goal, bounds).unwrap();
+        for step in 0..=500 {
+            let state = way.at(way.duration() * f64::from(step) / 500.0);
+            let much = 1.0 + 1e-9;
+            assert!(
+                state.velocity.abs() <= bounds.speed * much
+                    && state.acceleration.abs() <= bounds.acceleration * much,
+                "case {k}, step {step}: {state:?} of {start:?} to {goal} {bounds:?}"
+            );
+        }
+    }
+}
+
+/// What a device sees: set-points in a row, of which each next way starts from the differences. Goals change on the way.
+#[test]
+fn goals_may_change_on_the_way() {
+    let bounds = Bounds {
+        speed: 1.9,
+        acceleration: 4.0,
+        jerk: 39.0,
+    };
+    let mut random = Random(3);
+    let mut seen = State::default();
+    for case in 0..20_000 {
+        let way = Reach::following(seen, DT, random.between(-3.0, 3.0), bounds).unwrap();
+        let cycles = random.between(1.0, 200.0) as u32;
+        for cycle in 1..=cycles {
+            let target = way.at(f64::from(cycle) * DT).position;
+            let velocity = (target - seen.position) / DT;
+            let acceleration = (velocity - seen.velocity) / DT;
+            let jerk = (acceleration - seen.acceleration) / DT;
+            let much = 1.0 + 1e-6;
+            assert!(
+                velocity.abs() <= bounds.speed * much
+                    && acceleration.abs() <= bounds.acceleration * much
+                    && jerk.abs() <= bounds.jerk * much,
+                "case {case}, cycle {cycle}: {velocity} {acceleration} {jerk}"
+            );
+            seen = State {
+                position: target,
+                velocity,
+                acceleration,
+            };
+        }
+    }
+}
+
+/// From rest it is the double-S profile: in time with the closed form for a way on which all bounds are reached.
+#[test]
+fn from_rest_it_takes_the_least_time() {
+    let bounds = Bounds {
+        speed: 2.0,
+        acceleration: 4.0,
+        jerk: 20.0,
+    };
+    let way = Reach::new(State::default(), 5.0, bounds).unwrap();
+    // T = d/v + v/a + a/j.
+    let least = 5.0 / 2.0 + 2.0 / 4.0 + 4.0 / 20.0;
+    assert!((way.duration() - least).abs() < 1e-12, "{}", way.duration());
+}
+
+#[test]
+fn what_cannot_be_planned_is_none() {
+    let good = Bounds {
+        speed: 1.0,
+        acceleration: 1.0,
+        jerk: 1.0,
+    };
+    for bad in [0.0, -1.0, f64::NAN, f64::INFINITY] {
+        assert_eq!(
+            Reach::new(State::default(), 1.0, Bounds { jerk: bad, ..good }),
+            None
+        );
+    }
+    assert_eq!(Reach::new(State::default(), f64::NAN, good), None);
+}

@@ -1,0 +1,126 @@
+//! An axis on its way to a goal that may change.
+
+use crate::cx::{Cx, FaultCode};
+use crate::macros::primitive;
+use crate::registry::Prim;
+use rpi_kin::reach::{Bounds, Reach, State};
+
+pub(in crate::catalogue) const ALL: &[Prim] = &[REACH];
+
+primitive! {
+    /// Brings an axis from any state of motion to rest at a goal: the fastest way with bounded velocity, acceleration and jerk
+    /// that passes its greatest velocity without acceleration (double-S profile from rest; Biagiotti and Melchiorri,
+    /// Trajectory Planning for Automatic Machines and Robots, 2008, 3.4). The state is read in the first cycle, velocity
+    /// and acceleration as backward differences of set-points, which is how devices tell them; the first output is one
+    /// period on the way. Goal and bounds may change in any cycle: then the way is planned anew from its own
+    /// last set-points. Backward differences of the outputs keep the bounds if those at the start do. `outDone` holds from the
+    /// cycle after the goal was reached on. Bounds that are not positive are a fault; numbers that are not finite give NaN.
+    REACH = "Rpi::Reach";
+    in {
+        inPosition: f64;
+        inVelocity: f64 = Velocity(Real(0.0));
+        inAcceleration: f64 = Acceleration(Real(0.0));
+        inGoal: f64;
+        inMaxVelocity: f64 = MaxVelocity(Real(1.0));
+        inMaxAcceleration: f64 = MaxAcceleration(Real(2.0));
+        inMaxJerk: f64 = MaxJerk(Real(20.0))
+    }
+    out { outPosition: f64; outVelocity: f64; outAcceleration: f64; outDone: bool }
+    state { [f64; CELLS] }
+    presence strict work 120 faults;
+    full |cx, place, (cells,), _, (position, velocity, acceleration, goal, speed, most_acceleration, jerk)| {
+        let bounds = Bounds { speed, acceleration: most_acceleration, jerk };
+        let start = State { position, velocity, acceleration };
+        if !bounds.are_usable() {
+            cx.fault(FaultCode::AssertionFailed, place);
+        }
+        let mut memory = Memory::recall(cells);
+        let done = memory.step(cx, start, goal, bounds);
+        *cells = memory.keep();
+        let State { position, velocity, acceleration } = memory.at;
+        (position, velocity, acceleration, done)
+    }
+}
+
+/// What is kept: cycle of the way, state, bounds, the way.
+const CELLS: usize = HEAD + Reach::NUMBERS;
+const HEAD: usize = 7;
+
+struct Memory {
+    /// Cycles on this way; 0 before the first one ever.
+    cycle: f64,
+    /// The last set-point with its differences.
+    at: State,
+    bounds: Bounds,
+    way: Reach,
+}
+
+impl Memory {
+    fn recall(cells: &[f64; CELLS]) -> Memory {
+        let [
+            cycle,
+            position,
+            velocity,
+            acceleration,
+            speed,
+            most,
+            jerk,
+            rest @ ..,
+        ] = *cells;
+        Memory {
+            cycle,
+            at: State {
+                position,
+                velocity,
+                acceleration,
+            },
+            bounds: Bounds {
+                speed,
+                acceleration: most,
+                jerk,
+            },
+            way: Reach::from_numbers(&rest),
+        }
+    }
+
+    fn keep(&self) -> [f64; CELLS] {
+        let mut cells = [0.0; CELLS];
+        let (head, rest) = cells.split_at_mut(HEAD);
+        head.copy_from_slice(&[
+            self.cycle,
+            self.at.position,
+            self.at.velocity,
+            self.at.acceleration,
+            self.bounds.speed,
+            self.bounds.acceleration,
+            self.bounds.jerk,
+        ]);
+        rest.copy_from_slice(&self.way.to_numbers());
+        cells
+    }
+
+    /// One period on; true once the goal had been reached before.
+    fn step(&mut self, cx: &Cx<'_>, start: State, goal: f64, bounds: Bounds) -> bool {
+        let dt = cx.clock.dt;
+        if self.cycle == 0.0 {
+            self.at = start;
+        }
+        if self.cycle == 0.0 || self.way.goal() != goal || self.bounds != bounds {
+            let Some(way) = Reach::following(self.at, dt, goal, bounds) else {
+                self.at.position = f64::NAN;
+                return false;
+            };
+            (self.way, self.bounds, self.cycle) = (way, bounds, 0.0);
+        }
+        let done = self.cycle > 0.0 && self.cycle * dt >= self.way.duration();
+        self.cycle += 1.0;
+        let position = self.way.at(self.cycle * dt).position;
+        let velocity = (position - self.at.position) / dt;
+        self.at = State {
+            position,
+            velocity,
+            acceleration: (velocity - self.at.velocity) / dt,
+        };
+        done
+    }
+}
