@@ -30,13 +30,15 @@ const CHORES: &[Chore] = &[
     ),
     (
         "soak",
-        "a million random steps of the control core beside its model",
+        "a million random steps of the control core beside its model, and as many takeovers of two arms",
         soak,
     ),
 ];
 
 /// Histories of up to 120 steps: together more than a million.
-const SOAK: &str = "20000";
+const HISTORIES: &str = "20000";
+
+const TAKEOVERS: &str = "1000000";
 
 fn main() -> ExitCode {
     let mut args = std::env::args().skip(1);
@@ -69,15 +71,31 @@ fn generate(_: &[String]) -> Result<(), String> {
     Ok(())
 }
 
-/// Takeovers, cancels, aborts, faults and lost clients in random order: the test of the core's rules, for longer.
+/// Long runs of tests that are short in the suite: the core beside its model, and two arms through a million takeovers.
 fn soak(_: &[String]) -> Result<(), String> {
+    cargo_test(
+        &["-p", "rpi-core", "--test", "model"],
+        ("RPI_HISTORIES", HISTORIES),
+    )?;
+    cargo_test(
+        &["-p", "rpi", "--test", "soak"],
+        ("RPI_TAKEOVERS", TAKEOVERS),
+    )
+}
+
+fn cargo_test(which: &[&str], (name, value): (&str, &str)) -> Result<(), String> {
     let status = std::process::Command::new(env!("CARGO"))
-        .args(["test", "-p", "rpi-core", "--test", "model"])
-        .env("RPI_HISTORIES", SOAK)
+        .args(["test", "--release"])
+        .args(which)
+        .args(["--", "--nocapture"])
+        .env(name, value)
         .status()
         .map_err(|error| format!("cargo: {error}"))?;
     match status.success() {
         true => Ok(()),
-        false => Err("core and model differ".to_owned()),
+        false => Err(format!(
+            "{} with {name}={value} has failed",
+            which.join(" ")
+        )),
     }
 }

@@ -40,9 +40,11 @@ impl Brake {
         self.axes.iter().map(|stop| stop.at(self.time).velocity)
     }
 
-    /// Whether all axes have come to rest.
-    pub(super) fn is_over(&self) -> bool {
-        self.axes.iter().all(|stop| self.time >= stop.duration())
+    /// Whether all axes have come to rest, and have stood for two ticks (s): only then do the first and second differences
+    /// of their positions tell so, which is what the next set-points are held against.
+    pub(super) fn is_over(&self, tick: f64) -> bool {
+        let stood = self.time - 2.0 * tick;
+        self.axes.iter().all(|stop| stood >= stop.duration())
     }
 }
 

@@ -135,6 +135,7 @@ impl Arm {
 
     /// Adds a fault to those that are planned. Not for the cycle: it may allocate.
     pub fn inject(&mut self, fault: Fault) {
+        self.faults.retain(|fault| fault.until > self.time);
         self.faults.push(fault);
         self.make_room();
     }

@@ -78,7 +78,7 @@ impl Arm {
         for (axis, velocity) in self.axes.iter_mut().zip(brake.pass(self.tick)) {
             axis.coast(velocity, self.tick);
         }
-        let over = brake.is_over();
+        let over = brake.is_over(self.tick);
         self.watch_ranges();
         if over {
             self.brake = None;

@@ -1,0 +1,38 @@
+//! Random takeovers, cancels, aborts, emergency stops and device faults on two simulated arms, through the same interface
+//! that programs use: no cycle between two commands, set-points within the limits of the arms in every cycle, also
+//! where they brake on their own, nothing leaked, nothing allocated in the cycle.
+//!
+//! `RPI_TAKEOVERS` sets how many; `cargo xtask soak` runs a million.
+
+mod cell;
+mod life;
+mod watch;
+
+use life::Life;
+
+rpi_testkit::trap_allocations!();
+
+const TAKEOVERS: u64 = 10_000;
+
+#[test]
+fn arms_are_never_let_go_of() {
+    let wanted = std::env::var("RPI_TAKEOVERS").map_or(TAKEOVERS, |n| n.parse().expect("a number"));
+    let mut life = Life::new(wanted);
+    let early = wanted / 10;
+    life.run_until(early);
+    let settled = resident();
+    life.run_until(wanted);
+    let grown = resident().saturating_sub(settled);
+    println!("{life}, {grown} kB more than after {early}");
+    life.come_to_rest();
+    life.is_eventful();
+    assert!(grown < 4096, "{grown} kB of memory were not given back");
+}
+
+/// Memory that the process holds, in kB; 0 where the system does not tell.
+fn resident() -> u64 {
+    let status = std::fs::read_to_string("/proc/self/status").unwrap_or_default();
+    let line = status.lines().find(|line| line.starts_with("VmRSS:"));
+    let number = line.and_then(|line| line.split_whitespace().nth(1)?.parse().ok());
+    number.unwrap_or(0)
+}
