@@ -30,7 +30,7 @@ const CHORES: &[Chore] = &[
     ),
     (
         "soak",
-        "a million random steps of the control core beside its model, and as many takeovers of two arms",
+        "a million random steps of the control core beside its model, as many takeovers of two arms, a day of blending",
         soak,
     ),
 ];
@@ -39,6 +39,9 @@ const CHORES: &[Chore] = &[
 const HISTORIES: &str = "20000";
 
 const TAKEOVERS: &str = "1000000";
+
+/// Of the cell's time.
+const DAY: &str = "86400s";
 
 fn main() -> ExitCode {
     let mut args = std::env::args().skip(1);
@@ -71,7 +74,8 @@ fn generate(_: &[String]) -> Result<(), String> {
     Ok(())
 }
 
-/// Long runs of tests that are short in the suite: the core beside its model, and two arms through a million takeovers.
+/// Long runs of tests that are short in the suite: the core beside its model, two arms through a million takeovers, and a
+/// day of blending.
 fn soak(_: &[String]) -> Result<(), String> {
     cargo_test(
         &["-p", "rpi-core", "--test", "model"],

@@ -106,7 +106,8 @@ impl Base {
     }
 
     fn is_moving(&self) -> bool {
-        self.velocity.iter().any(|part| part.abs() > STANDING)
+        let mut parts = self.velocity.iter().chain(self.staged.iter().flatten());
+        parts.any(|part| part.abs() > STANDING)
     }
 
     /// The velocity that a set-point asks for, or what it breaks: code, value, limit.

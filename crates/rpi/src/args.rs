@@ -109,6 +109,9 @@ pub(crate) struct RunArgs {
     /// Record exports and devices: cycle, flow, value; JSON lines for .jsonl, else comma-separated.
     #[arg(long, value_name = "FILE")]
     pub(crate) record: Option<PathBuf>,
+    /// Print one number for all that the devices did: equal for runs with the same bits in every tick.
+    #[arg(long)]
+    pub(crate) digest: bool,
     /// Draw the motion as SVG.
     #[arg(long, value_name = "FILE")]
     pub(crate) plot: Option<PathBuf>,

@@ -10,7 +10,7 @@ use rpi_diag::{Style, render};
 use rpi_driver::Compiled;
 use rpi_host::claims::ClaimSink;
 use rpi_host::plot;
-use rpi_host::record::{Form, Motion, Rows};
+use rpi_host::record::{Digest, Form, Motion, Rows};
 use rpi_host::run::{self, CommandEnd, Job, Limits, Outcome, Pace, Several, Sink, Status};
 
 use rpi_net::Net;
@@ -45,9 +45,14 @@ pub(crate) fn run(args: &RunArgs) -> exit::Outcome {
     several
         .0
         .extend(motion.as_mut().map(|motion| motion as &mut dyn Sink));
+    let mut digest = args.digest.then(Digest::default);
+    several
+        .0
+        .extend(digest.as_mut().map(|digest| digest as &mut dyn Sink));
     let mut claims = claims(&compiled, &script);
     several.0.push(&mut claims);
-    let outcome = execute(args, &script, &mut several)?;
+    let mut outcome = execute(args, &script, &mut several)?;
+    outcome.digest = digest.map(|digest| digest.digits());
     let (findings, summary) = claims.told(&outcome);
     let style = Style::of(&std::io::stderr());
     eprint!("{}{summary}", render(&findings, &compiled.sources, style));

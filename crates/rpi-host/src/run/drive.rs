@@ -124,6 +124,7 @@ fn outcome(
         figures: cycle.meter.figures(),
         tick_ns: listener.tick_ns,
         cut_off: cycle.cut_off,
+        digest: None,
         samples_lost: cycle.watcher.tap.lost,
     })
 }

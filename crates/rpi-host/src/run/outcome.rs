@@ -21,6 +21,9 @@ pub struct Outcome {
     pub tick_ns: u64,
     /// True if it was cut off because it had run as long as asked for.
     pub cut_off: bool,
+    /// One number for all that the devices did, if it was asked for.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub digest: Option<String>,
     /// Samples that were lost because the recording could not keep up.
     pub samples_lost: u64,
 }

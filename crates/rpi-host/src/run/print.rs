@@ -35,6 +35,9 @@ impl fmt::Display for Outcome {
         for device in &self.devices {
             write!(f, "{device}")?;
         }
+        if let Some(digest) = &self.digest {
+            writeln!(f, "digest      {digest}")?;
+        }
         match self.samples_lost {
             0 => Ok(()),
             lost => writeln!(

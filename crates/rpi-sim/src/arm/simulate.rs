@@ -129,9 +129,12 @@ impl Arm {
         self.history.add(sample, age);
     }
 
-    /// Whether it moves, or is about to because it has not reached its last set-point.
+    /// Whether it moves, or is about to because it has not reached its last set-point or was just told one.
     pub(super) fn is_moving(&self) -> bool {
-        let moves = |axis: &Axis| axis.commanded.is_moving();
+        let moves = |axis: &Axis| {
+            let told = axis.staged.is_some_and(|state| state.is_moving());
+            told || axis.commanded.is_moving()
+        };
         self.brake.is_some() || self.left > 0 || self.axes.iter().any(moves)
     }
 

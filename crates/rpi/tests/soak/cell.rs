@@ -66,7 +66,7 @@ fn command(k: usize, set: Arms, random: &mut Random) -> String {
         .collect();
     let params: Vec<String> = arms.iter().map(|arm| format!("{arm}: Arm")).collect();
     let mut text = format!("command Go{k} ({})\nlet\n", params.join("; "));
-    let mut done = Vec::new();
+    let (mut done, mut broken) = (Vec::new(), Vec::new());
     for arm in arms {
         let goal: Vec<String> = (0..AXES)
             .map(|_| format!("{:.3}[rad]", random.between(-1.0, 1.0)))
@@ -80,12 +80,13 @@ fn command(k: usize, set: Arms, random: &mut Random) -> String {
             goal.join(", ")
         );
         done.push(format!("{arm}_way.done"));
+        broken.push(format!("{arm}.error"));
     }
     let after = random.between(2.0, 60.0);
-    let done = done.join(" and ");
+    let (done, broken) = (done.join(" and "), broken.join(" or "));
     let _ = writeln!(
         text,
-        "  finish done when {done};\n  yield early when time > {after:.1}[ms];\ntel"
+        "  finish done when {done};\n  yield early when time > {after:.1}[ms];\n  fail broken when {broken};\ntel"
     );
     text
 }

@@ -153,8 +153,11 @@ impl Life {
 
     fn ended(&mut self, command: CommandId, tick: u64, ending: Ending) {
         match ending.cause {
-            Cause::Result(k) => self.tally.in_motion += u64::from(k == EARLY as usize),
-            Cause::Fault(_) => self.tally.faults += 1,
+            Cause::Result(_) if ending.error == 0 => {
+                let early = ending.cause == Cause::Result(EARLY as usize);
+                self.tally.in_motion += u64::from(early);
+            }
+            Cause::Result(_) | Cause::Fault(_) => self.tally.faults += 1,
             _ => self.tally.aborted += 1,
         }
         self.tally.cancelled += u64::from(ending.cancelled);
