@@ -173,7 +173,9 @@ impl Command {
 
     /// Identity of its result, as its successor's `predecessor` flow carries it.
     pub(crate) fn result_id(&self) -> Option<i64> {
-        Some(result_id(&self.machine.image().name, self.result()?))
+        // `MoveTo(arm, home)` is the command MoveTo for these arguments: its results are those of MoveTo.
+        let command = self.machine.image().name.split('(').next();
+        Some(result_id(command.unwrap_or_default(), self.result()?))
     }
 
     /// Lets an event happen, if it fits the state.

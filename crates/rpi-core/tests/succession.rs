@@ -18,6 +18,7 @@ fn steps(bank: &Axes, axis: u32) -> Vec<i64> {
         .collect()
 }
 
+/// M10.1.
 #[test]
 fn a_command_runs_to_its_end() {
     let mut bank = Axes::new();
@@ -35,7 +36,7 @@ fn a_command_runs_to_its_end() {
     assert_eq!(steps(&bank, 0), [1, 1, 1, 1, 0]);
 }
 
-/// Fig. 5 (a): scheduled in time, the predecessor yields in motion and the successor goes on in the next tick.
+/// Fig. 5 (a): scheduled in time, the predecessor yields in motion and the successor goes on in the next tick. (M1.4, M10.2, M11.2)
 #[test]
 fn a_successor_takes_over_in_motion() {
     let mut bank = Axes::new();
@@ -49,7 +50,7 @@ fn a_successor_takes_over_in_motion() {
     assert_eq!(bank.stops, [0; 4]);
 }
 
-/// Fig. 5 (b): scheduled too late, the regular end comes first, and the successor starts right after it.
+/// Fig. 5 (b): scheduled too late, the regular end comes first, and the successor starts right after it. (M10.2)
 #[test]
 fn without_a_successor_a_yield_is_passed_over() {
     let mut bank = Axes::new();
@@ -144,6 +145,7 @@ fn who_waits_for_a_failed_or_cancelled_command_is_not_started() {
     }
 }
 
+/// M10.3.
 #[test]
 fn cancel_is_a_request_that_drops_the_successor() {
     let mut bank = Axes::new();
@@ -164,7 +166,7 @@ fn cancel_is_a_request_that_drops_the_successor() {
     core.start(ids[1], &mut bank).unwrap();
 }
 
-/// Two writers of one axis in a cycle: the second is told, the command ends with a fault, the axis stops by itself.
+/// Two writers of one axis in a cycle: the second is told, the command ends with a fault, the axis stops by itself. (M9.4)
 #[test]
 fn concurrent_access_is_a_fault() {
     let mut bank = Axes::new();
@@ -187,7 +189,7 @@ fn concurrent_access_is_a_fault() {
     );
 }
 
-/// A failed device refuses set-points; what moves without one is stopped, and the command ends.
+/// A failed device refuses set-points; what moves without one is stopped, and the command ends. (M9.2)
 #[test]
 fn a_moving_axis_without_set_point_is_stopped() {
     let mut bank = Axes::new();

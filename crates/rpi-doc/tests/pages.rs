@@ -49,6 +49,7 @@ fn page<'s>(site: &'s Site, name: &str) -> &'s str {
     &found.unwrap_or_else(|| panic!("no {name}")).1
 }
 
+/// M12.2.
 #[test]
 fn a_page_is_what_it_was() {
     let path = workspace_root().join("crates/rpi-doc/tests/data/belt.html");

@@ -99,6 +99,11 @@ impl Modules {
         files.flat_map(|file| &file.items)
     }
 
+    /// The first file of the first module.
+    pub(crate) fn own_file(&self) -> Option<&File> {
+        self.modules.first()?.files.first()
+    }
+
     /// The declarations of the first module.
     pub(crate) fn own_items(&self) -> impl Iterator<Item = &Item> {
         let files = self.modules.iter().take(1).flat_map(|module| &module.files);

@@ -13,6 +13,7 @@ use rpi_sema::{Checked, check};
 
 use crate::files::Disk;
 use crate::modules::Modules;
+use crate::task::{self, Instance};
 use crate::tests::{Test, branches, fragments};
 use crate::unwanted;
 use crate::violation;
@@ -55,7 +56,9 @@ pub(crate) struct Front<'p> {
 
 /// Takes parsed modules through all other stages; in what can be run claims are as asked for. What the checker made of them is kept for who wants to look at it.
 pub(crate) fn build_modules(modules: &Modules, claims: Claims) -> (Built, Checked) {
-    let back = |front: &Front<'_>, findings: &mut Vec<Finding>| roots(front, claims, findings);
+    let instances = modules.own_file().map(task::instances).unwrap_or_default();
+    let back =
+        |front: &Front<'_>, findings: &mut Vec<Finding>| roots(front, &instances, claims, findings);
     let (roots, findings, checked) = with_front(modules, back);
     let roots = roots.unwrap_or_default();
     let built = Built {
@@ -106,7 +109,12 @@ struct Roots {
     tests: Vec<Test>,
 }
 
-fn roots(front: &Front<'_>, claims: Claims, findings: &mut Vec<Finding>) -> Roots {
+fn roots(
+    front: &Front<'_>,
+    instances: &[Instance],
+    claims: Claims,
+    findings: &mut Vec<Finding>,
+) -> Roots {
     let checked = front.checked;
     let called = called(checked);
     let mut roots = Roots::default();
@@ -127,8 +135,36 @@ fn roots(front: &Front<'_>, claims: Claims, findings: &mut Vec<Finding>) -> Root
             (UnitKind::Test, Some(made)) => roots.tests.push(test(checked.unit(*unit), made)),
             _ => {}
         }
+        let name = &checked.unit(*unit).name;
+        let of_unit = instances.iter().filter(|i| i.command == name.as_str());
+        let nets = of_unit.filter_map(|i| instance(front, *unit, i, claims, findings));
+        roots.nets.extend(nets);
     }
     roots
+}
+
+/// The net of a command for the arguments that a task gives it.
+fn instance(
+    front: &Front<'_>,
+    unit: UnitId,
+    instance: &Instance,
+    claims: Claims,
+    findings: &mut Vec<Finding>,
+) -> Option<Net> {
+    let of = front.checked.unit(unit);
+    let params = rpi_sema::elab::parameters(of).into_iter();
+    let args = params.zip(&instance.args).map(|(id, name)| {
+        let flow = of.flow(id);
+        front.checked.argument_called(front.program, flow, name)
+    });
+    let args: Vec<Argument> = args.collect();
+    let made = one(front, unit, &args, findings)?;
+    if args.contains(&Argument::Unknown) {
+        return None;
+    }
+    let name = instance.name();
+    let made = with_claims(front, unit, &args, made, claims);
+    Some(Net { name, ..made.net })
 }
 
 fn test(unit: &Unit, made: Elaborated) -> Test {

@@ -1,8 +1,12 @@
 //! Tasks as the host runs them: which command follows which result.
 //!
-//! A task becomes a plan of nodes that lead to one another. Tasks that it calls are put in its place; commands and tasks are
-//! called with the names of their own parameters. A task that does more is refused with the reason.
+//! A task becomes a plan of nodes that lead to one another. Tasks that it calls are put in its place. Commands and tasks are
+//! called with names, of devices and constants; a command with other names than its parameters have is an [`Instance`], with a
+//! net of its own. A task that does more is refused with the reason.
 
+use std::collections::BTreeMap;
+
+use rpi_syntax::Name;
 use rpi_syntax::ast::{
     Arg, Branch, ExprKind, File, ItemKind, Next, OnResult, Run, Step, StepKind, TaskDecl, VarDecl,
 };
@@ -46,7 +50,7 @@ pub enum TaskNode {
     },
     /// A command.
     Run {
-        /// Its name.
+        /// Its name, with the arguments where these are not called as its parameters: `MoveTo(arm, home)`.
         command: String,
         /// What follows these results.
         on: Vec<(String, Target)>,
@@ -57,14 +61,40 @@ pub enum TaskNode {
     },
 }
 
+/// A command with arguments that are not called as its parameters.
+#[derive(Clone, PartialEq, Eq, PartialOrd, Ord, Debug)]
+pub(crate) struct Instance {
+    /// The command's name.
+    pub(crate) command: String,
+    /// What each of its parameters is: a device or a constant.
+    pub(crate) args: Vec<Name>,
+}
+
+impl Instance {
+    /// `MoveTo(arm, home)`: the name of its net.
+    pub(crate) fn name(&self) -> String {
+        let args: Vec<&str> = self.args.iter().map(Name::as_str).collect();
+        format!("{}({})", self.command, args.join(", "))
+    }
+}
+
 /// The tasks of a file, in the order of the text.
 pub(crate) fn tasks(file: &File) -> Vec<Task> {
     declared(file)
         .map(|task| Task {
             name: task.name.name.to_string(),
-            plan: plan(file, task),
+            plan: plan(file, task).map(|built| built.0),
         })
         .collect()
+}
+
+/// The instances of commands that the tasks of a file need, each once.
+pub(crate) fn instances(file: &File) -> Vec<Instance> {
+    let plans = declared(file).filter_map(|task| plan(file, task).ok());
+    let mut all: Vec<Instance> = plans.flat_map(|(_, instances)| instances).collect();
+    all.sort();
+    all.dedup();
+    all
 }
 
 fn declared(file: &File) -> impl Iterator<Item = &TaskDecl> {
@@ -74,22 +104,25 @@ fn declared(file: &File) -> impl Iterator<Item = &TaskDecl> {
     })
 }
 
-fn plan(file: &File, task: &TaskDecl) -> Result<TaskPlan, String> {
+fn plan(file: &File, task: &TaskDecl) -> Result<(TaskPlan, Vec<Instance>), String> {
     let mut builder = Builder {
         file,
         nodes: Vec::new(),
+        instances: Vec::new(),
         within: Vec::new(),
+        names: BTreeMap::new(),
     };
     let start = builder.task(task, None, None)?;
-    Ok(TaskPlan {
-        nodes: builder.nodes,
-        start,
-    })
+    let nodes = builder.nodes;
+    Ok((TaskPlan { nodes, start }, builder.instances))
 }
 
-struct Builder<'a> {
-    file: &'a File,
+struct Builder<'f> {
+    file: &'f File,
     nodes: Vec<TaskNode>,
+    instances: Vec<Instance>,
+    /// What the parameters of the task that is being put in place stand for; those of the outermost for themselves.
+    names: BTreeMap<Name, Name>,
     /// The tasks that are being put in place, outermost first.
     within: Vec<String>,
 }
@@ -105,7 +138,7 @@ struct Scope {
     labels: Vec<(String, usize)>,
 }
 
-impl Builder<'_> {
+impl<'f> Builder<'f> {
     /// Puts a task in place; gives its first node.
     fn task(
         &mut self,
@@ -195,26 +228,66 @@ impl Builder<'_> {
         let on_fail = branches.fail.or(branches.any).or(scope.fail);
         let called = declared(self.file).find(|task| task.name.name.to_string() == name);
         if let Some(task) = called {
-            takes_its_own(&name, &task.params, &run.args)?;
+            let args = self.arguments(&name, &task.params, &run.args)?;
             if let Some((result, _)) = branches.named.first() {
                 return Err(format!(
                     "the result {result} of {name}, which is a task and has none"
                 ));
             }
+            let params = task.params.iter().flat_map(|var| &var.names);
+            let inner = params.map(|param| param.name.clone()).zip(args).collect();
+            let outer = std::mem::replace(&mut self.names, inner);
             let start = self.task(task, otherwise.unwrap_or(next), on_fail)?;
+            self.names = outer;
             return Ok(TaskNode::Pass(start));
         }
-        takes_its_own(&name, self.command(&name)?, &run.args)?;
         Ok(TaskNode::Run {
-            command: name,
+            command: self.called(name, &run.args)?,
             on: branches.named,
             on_fail,
             otherwise,
         })
     }
 
+    /// The name of a command's net for its arguments.
+    fn called(&mut self, name: String, args: &[Arg]) -> Result<String, String> {
+        let params = self.command(&name)?;
+        let args = self.arguments(&name, params, args)?;
+        let mut names = params.iter().flat_map(|var| &var.names).zip(&args);
+        if names.all(|(param, arg)| param.name == *arg) {
+            return Ok(name);
+        }
+        let instance = Instance {
+            command: name,
+            args,
+        };
+        let name = instance.name();
+        self.instances.push(instance);
+        Ok(name)
+    }
+
+    /// What each parameter is given, in the order of the parameters.
+    fn arguments(&self, name: &str, params: &[VarDecl], args: &[Arg]) -> Result<Vec<Name>, String> {
+        let params = params.iter().flat_map(|var| &var.names);
+        let mut unnamed = args.iter().filter(|arg| arg.name.is_none());
+        let mut found = Vec::new();
+        for param in params {
+            let is_meant = |arg: &&Arg| arg.name.as_ref().is_some_and(|n| n.name == param.name);
+            let arg = args.iter().find(is_meant).or_else(|| unnamed.next());
+            let arg = arg.ok_or_else(|| format!("an argument of {name} for {}", param.name))?;
+            let given = arg.value.unparen().as_name().ok_or_else(|| {
+                format!(
+                    "{} of {name} without calculation: give the value a name by `const`",
+                    param.name
+                )
+            })?;
+            found.push(self.names.get(given).unwrap_or(given).clone());
+        }
+        Ok(found)
+    }
+
     /// The parameters of a command.
-    fn command(&self, name: &str) -> Result<&[VarDecl], String> {
+    fn command(&self, name: &str) -> Result<&'f [VarDecl], String> {
         let found = self.file.items.iter().find_map(|item| match &item.kind {
             ItemKind::Command(command) if *command.name.name == *name => {
                 Some(command.params.as_slice())
@@ -258,20 +331,6 @@ fn labelled(scope: &Scope, label: &str) -> Result<usize, String> {
         .ok_or_else(|| format!("the step {label}, which is not there"))
 }
 
-/// Checks that each parameter is given what has its own name: that is what it has when it is run by itself.
-fn takes_its_own(name: &str, params: &[VarDecl], args: &[Arg]) -> Result<(), String> {
-    let params = params.iter().flat_map(|var| &var.names);
-    let mut pairs = params.zip(args);
-    let own = pairs
-        .all(|(param, arg)| matches!(&arg.value.kind, ExprKind::Name(name) if *name == param.name));
-    match own {
-        true => Ok(()),
-        false => Err(format!(
-            "other arguments for {name} than its parameters by their names"
-        )),
-    }
-}
-
 fn whole(count: &ExprKind) -> Result<u64, String> {
     let text = match count {
         ExprKind::Number(number) => number.text.to_string(),
@@ -313,6 +372,7 @@ mod tests {
         }
     }
 
+    /// M11.1.
     #[test]
     fn branches_lead_to_named_steps() {
         let plan = planned(
@@ -339,10 +399,27 @@ mod tests {
     }
 
     #[test]
+    fn arguments_make_instances() {
+        let inner = "task Inner (one: Arm) let A(one); B(arm: one); tel\n";
+        let text =
+            format!("{COMMANDS}{inner}task T (left: Arm; arm: Arm) let Inner(left); A(arm); tel");
+        let parsed = rpi_syntax::parse(rpi_diag::FileId(0), &text, rpi_syntax::Mode::Rpi);
+        let names: Vec<String> = instances(&parsed.file).iter().map(Instance::name).collect();
+        assert_eq!(names, ["A(left)", "A(one)", "B(left)", "B(one)"]);
+        let plan = tasks(&parsed.file).pop().unwrap().plan.unwrap();
+        let (command, _, _, then) = run(&plan, plan.start);
+        assert_eq!(command, "A(left)");
+        let (command, _, _, then) = run(&plan, then.unwrap());
+        assert_eq!(command, "B(left)");
+        assert_eq!(run(&plan, then.unwrap()).0, "A");
+    }
+
+    #[test]
     fn what_cannot_be_run_is_told() {
         for (steps, word) in [
             ("C(arm);", "no command"),
-            ("A(other);", "arguments"),
+            ("A();", "argument"),
+            ("A(arm + arm);", "const"),
             ("A(arm) on done then x;", "step x"),
             ("repeat n times let A(arm); tel", "computed"),
         ] {

@@ -83,6 +83,11 @@ const PORTS: &[Line] = &[
     all("get", PortKind::Sensor, Scalar::Real, 1, false),
     all("set", PortKind::Actuator, Scalar::Bool, 0, true),
     all("set", PortKind::Actuator, Scalar::Real, 1, true),
+    // Programs read and write arrays element by element.
+    one("get", PortKind::Sensor, Scalar::Bool, 0, false),
+    one("get", PortKind::Sensor, Scalar::Real, 1, false),
+    one("set", PortKind::Actuator, Scalar::Bool, 0, true),
+    one("set", PortKind::Actuator, Scalar::Real, 1, true),
 ];
 
 /// The ports of a terminal, for people.

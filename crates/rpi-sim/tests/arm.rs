@@ -414,6 +414,7 @@ fn an_emergency_stop_refuses_everything() {
     assert!(!rig.bank.inject("leg", fault), "there is no such device");
 }
 
+/// M8.2.
 #[test]
 fn lost_samples_are_absent_and_lost_set_points_do_not_arrive() {
     let text = "[[devices.arm.faults]]\nat = 0.01\nfor = \"10 ms\"\ntrouble = \"lost-samples\"\n

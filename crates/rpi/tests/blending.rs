@@ -87,6 +87,7 @@ fn a_successor_in_time_takes_over_at_b() {
     assert_continuous(&joints);
 }
 
+/// M11.5.
 #[test]
 fn a_successor_too_late_follows_the_regular_end_at_c() {
     let (said, joints) = run(&["--planning-time", "20s"]);

@@ -84,6 +84,7 @@ fn what_needs_no_device_needs_no_cell() {
     assert!(err(&output).contains("Alone"), "{}", err(&output));
 }
 
+/// M8.3.
 #[test]
 fn a_missing_device_is_told_once_with_those_that_are_there() {
     let dir = folder();
@@ -129,6 +130,7 @@ fn what_is_no_text_is_named() {
     );
 }
 
+/// M1.1.
 #[test]
 fn the_period_matters() {
     let dir = folder();

@@ -51,6 +51,7 @@ fn run(program: &str, table: &str, more: &[&str]) -> (String, String, Option<i32
     )
 }
 
+/// M2.2.
 #[test]
 fn a_fault_ends_the_run_and_is_told_with_code_cycle_and_place() {
     let program = "node a (x, y: int) returns (z: int); let z = x * y; tel\n";

@@ -70,6 +70,7 @@ impl Model for Switching {
     }
 }
 
+/// M11.3.
 #[test]
 fn the_switching_protocol_holds_in_all_states() {
     let checker = Switching.checker().threads(2).spawn_bfs().join();

@@ -288,6 +288,7 @@ mod tests {
         );
     }
 
+    /// M11.4.
     #[test]
     fn branches_are_taken_and_a_fail_ends_it() {
         assert_eq!(walk(&nested(), "back", EndKind::Finish, 4), [1, 1, 1, 1]);

@@ -113,6 +113,7 @@ fn a_flood_is_held_back_and_carried_out_piece_by_piece() {
     assert_eq!(answered, asked + 2);
 }
 
+/// M1.3, M10.5.
 #[test]
 fn inputs_and_exports_go_through() {
     let mut rig = Rig::new(2);

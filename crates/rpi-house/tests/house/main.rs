@@ -1,5 +1,6 @@
 //! The rules of `ARCHITECTURE.md`, each as a test. One file per rule or kind of rule.
 
+mod book;
 mod codes;
 mod compile;
 mod cycle;
@@ -10,6 +11,7 @@ mod links;
 mod owners;
 mod primitives;
 mod rules;
+mod semantics;
 mod sizes;
 mod ui;
 mod unsafety;

@@ -184,7 +184,7 @@ impl<'a> Body<'_, 'a> {
         self.has_state(span);
         let operand = self.last_operand(operand);
         let ty = self.ty_of(operand).clone();
-        self.add(Kind::Each(Each::Pre, [operand].into()), ty, span)
+        self.add(Kind::Each(Each::Last, [operand].into()), ty, span)
     }
 
     /// The flow as the automaton's surroundings see it, with the fields that are read of it.

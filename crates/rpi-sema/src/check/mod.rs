@@ -55,6 +55,7 @@ use crate::ty::{Subst, Ty, fit};
 use crate::typed::{Flow, Leaf, Unit, UnitId};
 use header::Header;
 use rpi_diag::Finding;
+use rpi_syntax::Name;
 use std::cell::Cell;
 use std::collections::{BTreeMap, BTreeSet, VecDeque};
 use std::rc::Rc;
@@ -83,8 +84,14 @@ impl Checked {
     /// the same name that the first module declares.
     #[must_use]
     pub fn argument(&self, program: &Program<'_>, param: &Flow) -> Argument {
+        self.argument_called(program, param, &param.name)
+    }
+
+    /// What a parameter is if it is given the device or constant of this name.
+    #[must_use]
+    pub fn argument_called(&self, program: &Program<'_>, param: &Flow, name: &Name) -> Argument {
         if let Ty::Device(_) = param.ty {
-            return Argument::Value(vec![Leaf::Str(param.name.to_string())]);
+            return Argument::Value(vec![Leaf::Str(name.to_string())]);
         }
         let fits =
             |constant: &&Constant| fit(&param.ty, &constant.ty, &mut Subst::default()).is_ok();
@@ -92,7 +99,7 @@ impl Checked {
             .root()
             .decls
             .iter()
-            .find(|id| program.decl(**id).name == param.name);
+            .find(|id| program.decl(**id).name == *name);
         let constant = found.and_then(|id| self.constants.get(id)).filter(fits);
         constant.map_or(Argument::Unknown, |constant| {
             Argument::Value(constant.leaves.to_vec())

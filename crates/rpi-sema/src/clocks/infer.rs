@@ -148,7 +148,7 @@ impl<'u> Inference<'u> {
             }
             Kind::Call(call) => return self.call(id, call),
             Kind::Present(_) | Kind::Each(Each::Coalesce | Each::Hold, _) => self.terms.open(),
-            Kind::Each(Each::If | Each::Arrow | Each::Pre, operands) => {
+            Kind::Each(Each::If | Each::Arrow | Each::Pre | Each::Last, operands) => {
                 return self.leafwise(id, operands);
             }
             kind => {

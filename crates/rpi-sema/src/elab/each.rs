@@ -8,7 +8,7 @@ use super::{At, Elab, Mode, NotConstant};
 use crate::typed::{Each, ExprId, Kind};
 use rpi_diag::Span;
 use rpi_image::{Scalar, Type, Value};
-use rpi_net::{Input, PortRef};
+use rpi_net::{FragmentId, Input, PortRef};
 
 impl<'u> Elab<'u> {
     pub(super) fn each(
@@ -24,6 +24,11 @@ impl<'u> Elab<'u> {
         match (each, operands) {
             (Each::If, [condition, yes, no]) => self.choice(scope, *condition, [*yes, *no], id, at),
             (Each::Pre, [x]) => self.pre(scope, *x, id, at),
+            (Each::Last, [x]) => {
+                let level = self.level(scope, *x, at.fragment);
+                let level = level.map_or(at, At::fragment);
+                self.pre(scope, *x, id, level)
+            }
             (Each::Arrow, [a, b]) => self.arrow(scope, *a, *b, id, at),
             (Each::Coalesce, [a, b]) => {
                 let scalars = leaf_scalars(ty);
@@ -166,6 +171,23 @@ impl<'u> Elab<'u> {
         }
         let absence = self.absence(scope, x);
         self.delayed(scope, x, id, at, |leaf| absence.leaf(leaf))
+    }
+
+    /// The fragment in which the flow is defined that is read, if that is one around the reader.
+    fn level(&self, scope: &Scope<'u>, x: ExprId, reader: FragmentId) -> Option<FragmentId> {
+        let kind = &scope.unit.expr(x).kind;
+        let &Kind::Flow(flow) = kind else {
+            let mut inner = None;
+            kind.operands(&mut |operand| inner = inner.or(Some(operand)));
+            return self.level(scope, inner?, reader);
+        };
+        let block = scope.unit.flow(flow).block;
+        let fragments = || scope.unit.blocks.iter().zip(&scope.fragments);
+        let is_below = |id: &FragmentId| {
+            fragments().any(|(of, own)| of.parent == Some(block) && *own == Some(*id))
+        };
+        let below = self.net.enclosing(reader).find(is_below)?;
+        self.net.fragment(below).parent
     }
 
     fn delayed(

@@ -35,7 +35,7 @@ pub(super) fn can_fault(units: &[Unit], unit: &Unit, id: ExprId) -> bool {
         match kind {
             Kind::Select { .. } => return true,
             Kind::Prim(call) if call.prim.desc().may_fault => return true,
-            Kind::Each(Each::Pre, _) => continue,
+            Kind::Each(Each::Pre | Each::Last, _) => continue,
             Kind::Call(call) if units[call.unit.0 as usize].kind == UnitKind::Function => {
                 let callee = &units[call.unit.0 as usize];
                 let values = callee.blocks.iter().flat_map(|block| &block.equations);

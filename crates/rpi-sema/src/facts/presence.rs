@@ -305,7 +305,7 @@ impl<'u> Inference<'u> {
                 true => Absence::MAYBE,
                 false => self.of(*yes).with(&self.of(*no), count, or),
             },
-            (Each::Pre, [x]) => self.of(*x),
+            (Each::Pre | Each::Last, [x]) => self.of(*x),
             (Each::Arrow, [a, b]) => self.of(*a).with(&self.of(*b), count, or),
             (Each::Coalesce, [a, b]) if self.covers(*a, *b) => Absence::NEVER,
             (Each::Coalesce | Each::Hold, [a, b]) => {

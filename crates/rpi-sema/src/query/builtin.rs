@@ -31,7 +31,7 @@ const CALLS: &[(&str, &str, &str)] = &[
     ),
     (
         "condact",
-        "condact(c, f(x), d)",
+        "condact<<f, d>>(c, x)",
         "`f(x)` in the cycles in which `c` holds, else what it gave last; `d` before the first.",
     ),
     (

@@ -412,6 +412,8 @@ pub enum Each {
     If,
     /// `pre x`
     Pre,
+    /// `last x`: the delay stands where x is defined, not in the state that reads it
+    Last,
     /// `x -> y`
     Arrow,
     /// `x ?? y`

@@ -38,6 +38,7 @@ fn move_the_arms_alike(nets: &[PathBuf]) {
     assert!(2 * moving >= nets.len(), "only {moving} nets moved an arm");
 }
 
+/// M10.6.
 #[test]
 fn programs_of_the_examples_come_back_from_their_nets() {
     let programs = rpi_testkit::files_below("examples", &[".rpi"]);
