@@ -90,7 +90,8 @@ codes! {
     RPI1009 Error "flow that is never defined";
     RPI1010 Error "arguments that do not match";
     RPI1011 Error "recursion without end";
-    RPI1012 Error "node that is defined outside";
+    RPI1012 Error "defined outside";
+    RPI1013 Note "value that is left open";
     RPI1101 Error "unknown primitive";
     RPI1102 Warning "unknown in-port";
     RPI1103 Error "unknown parameter";
@@ -124,6 +125,7 @@ codes! {
     RPI3102 Warning "claim that can never hold";
     RPI4001 Error "dependency cycle";
     RPI4002 Error "port that stands for itself";
+    RPI4003 Error "assumption about what it allows";
     RPI5001 Error "`pre` without a first value";
     RPI5002 Error "`current` before the first tick";
     RPI6001 Error "device port used the wrong way";

@@ -4,9 +4,10 @@ use rpi_diag::{FileId, Finding, Severity, SourceMap};
 use rpi_image::Scalar;
 use rpi_net::{Column, Net};
 use rpi_sema::elab::{Claims, Elaborated, PortShape, elaborate_alone};
+use rpi_sema::program::DeclKind;
 use rpi_sema::ty::Ty;
 use rpi_sema::typed::UnitId;
-use rpi_syntax::ast::ItemKind;
+use rpi_syntax::ast::{ItemKind, NodeKind};
 use rpi_syntax::{CommentKind, Mode};
 
 use crate::compile::{display, program_text};
@@ -96,6 +97,7 @@ fn chosen(
         .checked
         .runnable
         .iter()
+        .filter(|(decl, _)| !is_contract(front.program.decl(*decl).kind))
         .map(|(decl, unit)| (front.program.decl(*decl).name.as_str(), *unit))
         .collect();
     let named = |name: &str| nodes.iter().find(|node| node.0 == name).map(|node| node.1);
@@ -107,6 +109,10 @@ fn chosen(
     let marked = marked.iter().find_map(|name| named(name));
     let found = marked.or_else(|| named(stem)).or(last.map(|node| node.1));
     found.ok_or_else(|| "there is no node in it that can be run".to_owned())
+}
+
+fn is_contract(kind: DeclKind<'_>) -> bool {
+    matches!(kind, DeclKind::Node(node) if node.kind == NodeKind::Contract)
 }
 
 fn missing(front: &Front<'_>, name: &str, nodes: &[(&str, UnitId)]) -> String {

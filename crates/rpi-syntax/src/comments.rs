@@ -14,7 +14,7 @@ pub enum CommentKind {
     Pragma,
     /// `(* remark *)`, `/* remark */`
     Block,
-    /// `(*@contract ... *)`: a contract in the manner of Kind 2, not read
+    /// `(*@contract ... *)`: a contract in the manner of Kind 2 that is not read
     Contract,
 }
 

@@ -5,6 +5,7 @@ use crate::token::Token;
 use crate::{Mode, lexical, words};
 use logos::Logos;
 use rpi_diag::{FileId, Finding, Span};
+use std::collections::BTreeSet;
 
 /// A token at its place, as byte offsets.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
@@ -19,51 +20,69 @@ pub(crate) struct Lexed {
     pub(crate) lexemes: Vec<Lexeme>,
     pub(crate) comments: Comments,
     pub(crate) findings: Vec<Finding>,
+    /// Contracts in comments that have been read.
+    pub(crate) contracts: Vec<Span>,
 }
 
 /// The longest text that is read; places are 32-bit.
 const MAX_LEN: usize = u32::MAX as usize / 2;
 
 pub(crate) fn lex(file: FileId, text: &str, mode: Mode) -> Lexed {
-    let mut lexer = Lexer::new(file, text, mode);
+    lex_skipping(file, text, mode, &BTreeSet::new())
+}
+
+/// Contracts in comments that begin at these offsets are comments and nothing else.
+pub(crate) fn lex_skipping(file: FileId, text: &str, mode: Mode, skipped: &BTreeSet<u32>) -> Lexed {
+    let mut lexer = Lexer::new(file, text, mode, skipped);
     if text.len() > MAX_LEN {
         lexer.out.findings.push(lexical::file_too_long(file));
         return lexer.out;
     }
-    for (result, range) in Token::lexer(text).spanned() {
-        let (start, end) = (range.start as u32, range.end as u32);
-        match result {
-            Ok(token) => lexer.token(Lexeme { token, start, end }),
-            Err(()) => lexer.unknown(start, end),
-        }
-    }
+    lexer.stretch(0, text.len());
     lexer.report_unknown();
     words::settle(&mut lexer.out.lexemes);
     lexer.out
 }
 
+/// How a contract in a comment begins.
+const CONTRACT: &str = "@contract";
+
 struct Lexer<'t> {
     file: FileId,
     text: &'t str,
     mode: Mode,
+    skipped: &'t BTreeSet<u32>,
     out: Lexed,
     /// Unknown characters in a row, reported together.
     unknown: Option<Span>,
 }
 
 impl<'t> Lexer<'t> {
-    fn new(file: FileId, text: &'t str, mode: Mode) -> Lexer<'t> {
+    fn new(file: FileId, text: &'t str, mode: Mode, skipped: &'t BTreeSet<u32>) -> Lexer<'t> {
         let out = Lexed {
             lexemes: Vec::with_capacity(text.len() / 4),
             comments: Comments::default(),
             findings: Vec::new(),
+            contracts: Vec::new(),
         };
         Lexer {
             file,
             text,
             mode,
+            skipped,
             out,
             unknown: None,
+        }
+    }
+
+    /// The tokens of a part of the text.
+    fn stretch(&mut self, from: usize, to: usize) {
+        for (result, range) in Token::lexer(&self.text[from..to]).spanned() {
+            let [start, end] = [range.start, range.end].map(|at| (from + at) as u32);
+            match result {
+                Ok(token) => self.token(Lexeme { token, start, end }),
+                Err(()) => self.unknown(start, end),
+            }
         }
     }
 
@@ -135,9 +154,37 @@ impl<'t> Lexer<'t> {
         self.push(Token::Str, lexeme);
     }
 
+    /// `(*@contract ... *)` of Kind 2 is read as `con ... noc`.
+    fn contract(&mut self, lexeme: Lexeme) {
+        let head = self.slice(lexeme).find(CONTRACT).unwrap_or_default() + CONTRACT.len();
+        let (inner, close) = (lexeme.start + head as u32, lexeme.end - 2);
+        self.out.contracts.push(self.span(lexeme));
+        self.push(
+            Token::Con,
+            Lexeme {
+                end: inner,
+                ..lexeme
+            },
+        );
+        self.stretch(inner as usize, close as usize);
+        self.report_unknown();
+        let start = close;
+        self.push(Token::Noc, Lexeme { start, ..lexeme });
+    }
+
+    fn is_read(&self, lexeme: Lexeme, kind: CommentKind) -> bool {
+        kind == CommentKind::Contract
+            && lexeme.token == Token::BlockComment
+            && self.mode == Mode::Lustre
+            && !self.skipped.contains(&lexeme.start)
+    }
+
     fn comment(&mut self, lexeme: Lexeme) {
         let span = self.span(lexeme);
         let kind = comment_kind(self.slice(lexeme));
+        if self.is_read(lexeme, kind) {
+            return self.contract(lexeme);
+        }
         let finding = match lexeme.token {
             Token::OpenComment => Some(lexical::open_comment(span)),
             Token::SlashComment if self.mode == Mode::Rpi => Some(lexical::slash_comment(span)),
@@ -180,7 +227,7 @@ fn comment_kind(text: &str) -> CommentKind {
             Some(b'%') => CommentKind::Pragma,
             _ => CommentKind::Line,
         },
-        Some(rest) if rest.trim_start().starts_with("@contract") => CommentKind::Contract,
+        Some(rest) if rest.trim_start().starts_with(CONTRACT) => CommentKind::Contract,
         _ if text.starts_with("//") => CommentKind::Line,
         _ => CommentKind::Block,
     }

@@ -105,7 +105,7 @@ pub(crate) fn slash_comment(span: Span) -> Finding {
 pub(crate) fn contract_comment(span: Span) -> Finding {
     Finding::new(Code::RPI0014, "a contract in a comment is not read")
         .at(span, "skipped")
-        .help("write it as `con assume ...; guarantee ...; noc`")
+        .help("what is read: `assume`, `guarantee`, `mode`, `import`, `var`, `const`")
 }
 
 pub(crate) fn file_too_long(file: FileId) -> Finding {

@@ -121,7 +121,14 @@ pub(crate) enum ContractPart {
     Locals(Locals),
     Claim(Box<Claim>),
     Mode(ContractMode),
+    Import(ContractImport),
     Broken,
+}
+
+/// A contract by itself has no body.
+pub(crate) fn contract_body() -> NodeDef {
+    let (locals, statements) = (Vec::new(), Vec::new());
+    NodeDef::Body(Body { locals, statements })
 }
 
 pub(crate) fn mode(name: Ident, parts: Vec<Claim>) -> ContractMode {
@@ -226,6 +233,7 @@ impl Context<'_> {
             locals: Vec::new(),
             claims: Vec::new(),
             modes: Vec::new(),
+            imports: Vec::new(),
             span: self.span(l, r),
         };
         for part in parts {
@@ -233,10 +241,28 @@ impl Context<'_> {
                 ContractPart::Locals(locals) => contract.locals.push(locals),
                 ContractPart::Claim(claim) => contract.claims.push(*claim),
                 ContractPart::Mode(mode) => contract.modes.push(mode),
+                ContractPart::Import(import) => contract.imports.push(import),
                 ContractPart::Broken => {}
             }
         }
         Box::new(contract)
+    }
+
+    pub(crate) fn import(
+        &self,
+        l: u32,
+        callee: Callee,
+        inputs: Vec<Arg>,
+        outputs: Vec<Arg>,
+        r: u32,
+    ) -> ContractPart {
+        let count = inputs.len();
+        let args = extended(inputs, outputs);
+        let call = call(callee, Activation::Always, args);
+        ContractPart::Import(ContractImport {
+            call: self.call(l, call, r),
+            inputs: count,
+        })
     }
 
     pub(crate) fn statement(&self, l: u32, kind: StatementKind, r: u32) -> Statement {

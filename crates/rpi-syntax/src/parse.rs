@@ -2,18 +2,18 @@
 
 use crate::ast::{File, Item};
 use crate::context::Context;
-use crate::lexer::{Lexed, lex};
+use crate::lexer::{Lexed, lex_skipping};
 use crate::split::{Chunk, Head, split};
 use crate::{Mode, Parse, mend, nesting, outside};
-use rpi_diag::{Code, FileId, Finding, Span};
+use rpi_diag::{Code, FileId, Finding, Severity, Span};
+use std::collections::BTreeSet;
 
 /// Parses a whole file. Never fails and never panics: every text has a tree.
 ///
 /// What has a fault becomes a `Broken` node with the names that it seems to define; the findings say
 /// why, one for each independent fault.
 pub fn parse(file: FileId, text: &str, mode: Mode) -> Parse {
-    let lexed = lex(file, text, mode);
-    let (items, found) = items(file, text, mode, &lexed);
+    let (lexed, items, found) = understood(file, text, mode);
     let mut findings = lexed.findings;
     let gaps = Gaps::new(text, &findings);
     let found = found.into_iter();
@@ -24,6 +24,31 @@ pub fn parse(file: FileId, text: &str, mode: Mode) -> Parse {
         file: File { items },
         comments: lexed.comments,
         findings,
+    }
+}
+
+/// Contracts in comments are read; those in which something is not understood are only comments again.
+fn understood(file: FileId, text: &str, mode: Mode) -> (Lexed, Vec<Item>, Vec<Finding>) {
+    let mut skipped = BTreeSet::new();
+    loop {
+        let lexed = lex_skipping(file, text, mode, &skipped);
+        let (items, found) = items(file, text, mode, &lexed);
+        let faults = lexed
+            .findings
+            .iter()
+            .chain(&found)
+            .filter(|f| f.severity() == Severity::Error);
+        let faults: Vec<Span> = faults.map(Finding::span).collect();
+        let inside = |contract: &&Span| {
+            let mut faults = faults.iter();
+            faults.any(|fault| contract.start <= fault.start && fault.end <= contract.end)
+        };
+        let strange = lexed.contracts.iter().filter(inside);
+        let strange: Vec<u32> = strange.map(|contract| contract.start).collect();
+        if strange.is_empty() {
+            return (lexed, items, found);
+        }
+        skipped.extend(strange);
     }
 }
 

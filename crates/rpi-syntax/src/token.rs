@@ -163,10 +163,12 @@ tokens! {
         Assume    "assume"    Both Statement    "a condition that the caller sees to";
         Check     "check"     Both Statement    "a condition to be shown";
         Con       "con"       Both Clause       "begins a contract";
+        Contract  "contract"  Both Declaration  "declares a contract for nodes to import";
         Default   "default"   Both AfterOperand "the value before the first activation";
         Ensure    "ensure"    Both Statement    "what holds in a mode of a contract";
         Every     "every"     Both AfterOperand "before the condition of `activate` and `restart`";
         Guarantee "guarantee" Both Statement    "a condition that the body sees to";
+        Import    "import"    Both Statement    "takes up a contract";
         Imported  "imported"  Both BeforeName   "a node that is defined outside";
         Include   "include"   Both BeforeName   "takes up another file";
         Initial   "initial"   Both BeforeName   "the state in which an automaton starts";
@@ -218,7 +220,7 @@ tokens! {
         Le "<="; Ge ">="; Ne "<>"; Lt "<"; Gt ">"; Eq "=";
         LStatic "<<"; RStatic ">>";
         Plus "+"; Minus "-"; Star "*"; Slash "/"; Percent "%"; Pow "**"; Hat "^"; Bar "|";
-        Hash "#"; Ampersand "&";
+        Hash "#"; Ampersand "&"; At "@";
         LParen "("; RParen ")"; LBracket "["; RBracket "]"; LBrace "{"; RBrace "}";
         Comma ","; Semi ";"; Colon ":"; Dot "."; DotDot "..";
     }

@@ -10,6 +10,7 @@ use crate::ty::Ty;
 use crate::typed::{Block, BlockId, Expr, ExprId, FlowId, Kind, Unit, UnitKind};
 use rpi_diag::{Finding, Span};
 use rpi_syntax::Name;
+use std::collections::BTreeSet;
 use std::rc::Rc;
 
 /// One body while it is checked.
@@ -30,6 +31,8 @@ pub(super) struct Body<'c, 'a> {
     pub(super) missing: Vec<usize>,
     /// Flows that a statement with a reported fault seems to define.
     pub(super) broken: Vec<FlowId>,
+    /// Names of flows that nothing declares, as far as that has been reported: one message is enough.
+    pub(super) unknown: BTreeSet<Name>,
     /// Whether types are being looked for: faults are reported later, when all are known.
     pub(super) inferring: bool,
     /// Whether a signature is being read, where frames need no declaration.
@@ -58,6 +61,7 @@ impl<'c, 'a> Body<'c, 'a> {
             shares: Map::default(),
             missing: Vec::new(),
             broken: Vec::new(),
+            unknown: BTreeSet::new(),
             inferring: false,
             in_signature: false,
             state_at: None,
@@ -126,6 +130,11 @@ impl<'c, 'a> Body<'c, 'a> {
         }
     }
 
+    /// Whether it is worth saying that nothing declares a flow of this name.
+    pub(super) fn is_new_unknown(&mut self, name: &Name) -> bool {
+        self.inferring || self.unknown.insert(name.clone())
+    }
+
     /// Notes that there is state here, for functions, which have none.
     pub(super) fn has_state(&mut self, span: Span) {
         self.state_at.get_or_insert(span);
@@ -146,6 +155,7 @@ impl Unit {
             exprs: Vec::new(),
             blocks: vec![Block::new(Name::from(""), None, span)],
             has_clocks: false,
+            has_state: false,
             is_lustre: false,
             free_frames: Vec::new(),
         }

@@ -196,7 +196,10 @@ impl<'a> Body<'_, 'a> {
 
     fn callee(&mut self, name: &Name, span: Span) -> Callee<'a> {
         if let Some(Static::Callee(callable, misfit)) = self.statics.get(name).cloned() {
-            self.findings.extend(misfit.as_deref().cloned());
+            if let Some(misfit) = misfit {
+                self.report((*misfit).clone());
+                return Callee::Nothing(std::marker::PhantomData);
+            }
             return Callee::Known(callable);
         }
         match self.c.program.lookup(self.module, name) {
@@ -229,7 +232,9 @@ impl<'a> Body<'_, 'a> {
         {
             return Callee::Iterator(iterator);
         }
-        if let Some(special) = SPECIALS.iter().find(|special| special.name() == plain) {
+        let specials = SPECIALS.iter();
+        let mut specials = specials.filter(|s| **s != Special::Any || !self.is_rpi());
+        if let Some(special) = specials.find(|special| special.name() == plain) {
             return Callee::Special(*special);
         }
         if let Some(operator) = super::predef::operator(name) {

@@ -47,7 +47,8 @@ impl<'a> Checker<'a> {
         let before = self.findings.len();
         self.constant(id);
         let found = self.findings.split_off(before);
-        let (outside, found): (Vec<_>, Vec<_>) = found.into_iter().partition(is_outside);
+        let (outside, found): (Vec<_>, Vec<_>) =
+            found.into_iter().partition(|f| f.code == Code::RPI1012);
         self.findings.extend(found);
         if !outside.is_empty() {
             self.constants
@@ -61,7 +62,8 @@ impl<'a> Body<'_, 'a> {
     pub(super) fn constant_def(&mut self, def: &'a ast::ConstDef) -> Option<Constant> {
         let declared = def.ty.as_ref().map(|ty| self.ty(ty));
         let Some(value) = &def.value else {
-            self.report(no_value(&def.names[0]));
+            let finding = no_value(&def.names[0], self.is_rpi());
+            self.report(finding);
             return None;
         };
         let id = self.expr(value);
@@ -140,20 +142,15 @@ impl<'a> Body<'_, 'a> {
     }
 }
 
-const OUTSIDE: &str = "its value would have to come from outside";
-
-fn no_value(name: &ast::Ident) -> Finding {
-    let message = format!("the constant `{}` has no value", name.name);
-    Finding::new(Code::RPI1009, message)
-        .at(name.span, OUTSIDE)
+/// A Lustre program may have constants from outside; here nothing gives them.
+fn no_value(name: &ast::Ident, is_rpi: bool) -> Finding {
+    let code = match is_rpi {
+        true => Code::RPI1009,
+        false => Code::RPI1012,
+    };
+    Finding::new(code, format!("the constant `{}` has no value", name.name))
+        .at(name.span, "its value would have to come from outside")
         .help("give it one: `= ...`")
-}
-
-fn is_outside(finding: &Finding) -> bool {
-    finding
-        .labels
-        .first()
-        .is_some_and(|label| label.text == OUTSIDE)
 }
 
 /// The units that an expression calls.

@@ -101,7 +101,7 @@ pub(super) fn kind_of(kind: DeclKind<'_>) -> Option<UnitKind> {
     Some(match kind {
         DeclKind::Node(node) => match node.kind {
             NodeKind::Node => UnitKind::Node,
-            NodeKind::Function => UnitKind::Function,
+            NodeKind::Function | NodeKind::Contract => UnitKind::Function,
         },
         DeclKind::Primitive(primitive) => primitive_kind(&primitive.signature.name.name),
         DeclKind::Fragment(_) => UnitKind::Fragment,
@@ -163,6 +163,7 @@ impl<'a> Body<'_, 'a> {
     fn node_ports(&mut self, node: &'a NodeDecl) {
         match (&node.definition, &node.signature.outputs) {
             (NodeDef::Alias(callee), None) => self.alias_ports(callee),
+            _ if node.kind == NodeKind::Contract => self.contract_ports(&node.signature),
             _ => self.signature_ports(&node.signature),
         }
     }
@@ -174,6 +175,13 @@ impl<'a> Body<'_, 'a> {
         self.outputs(outputs);
         self.state_clocks_of(inputs);
         self.state_clocks_of(outputs);
+    }
+
+    /// A contract looks at all its ports, whoever defines them.
+    fn contract_ports(&mut self, signature: &'a Signature) {
+        for ports in [&signature.inputs, &signature.outputs] {
+            self.inputs(ports.as_deref().unwrap_or_default(), FlowRole::Input);
+        }
     }
 
     fn fragment_ports(&mut self, fragment: &'a FragmentDecl) {

@@ -8,6 +8,7 @@
 //! | file | idea |
 //! |---|---|
 //! | `unit.rs`, `header.rs`, `alias.rs`, `statics.rs` | callables, their ports and static arguments |
+//! | `assumptions.rs` | what contracts assume, and which they take up |
 //! | `types.rs`, `device.rs`, `consts.rs` | types and constants |
 //! | `body.rs`, `locals.rs`, `order.rs`, `statement.rs`, `contract.rs`, `targets.rs`, `definitions.rs`, `automaton.rs` | bodies, their flows and equations |
 //! | `expr.rs`, `names.rs`, `ops.rs`, `access.rs`, `compose.rs`, `clocked.rs` | expressions |
@@ -19,6 +20,7 @@
 mod access;
 mod alias;
 mod args;
+mod assumptions;
 mod automaton;
 mod body;
 mod call;
@@ -54,7 +56,7 @@ use crate::program::{DeclId, DeclKind, Program};
 use crate::ty::{Subst, Ty, fit};
 use crate::typed::{Flow, Leaf, Unit, UnitId};
 use header::Header;
-use rpi_diag::Finding;
+use rpi_diag::{Code, Finding, Severity};
 use rpi_syntax::Name;
 use std::cell::Cell;
 use std::collections::{BTreeMap, BTreeSet, VecDeque};
@@ -122,6 +124,7 @@ pub fn check(program: &Program<'_>) -> Checked {
         runnable.extend(checker.declaration(*id).map(|unit| (*id, unit)));
     }
     checker.check_queued();
+    only_what_is_wrong(&mut checker.findings);
     let root = program
         .root()
         .decls
@@ -135,6 +138,16 @@ pub fn check(program: &Program<'_>) -> Checked {
         runnable,
         findings: checker.findings,
         constants: root.collect(),
+    }
+}
+
+/// What is defined outside keeps a program from running here, and is no fault of it: that is said if nothing else is wrong.
+fn only_what_is_wrong(findings: &mut Vec<Finding>) {
+    let is_outside = |finding: &Finding| finding.code == Code::RPI1012;
+    let is_fault =
+        |finding: &Finding| finding.severity() == Severity::Error && !is_outside(finding);
+    if findings.iter().any(is_fault) {
+        findings.retain(|finding| !is_outside(finding));
     }
 }
 

@@ -153,6 +153,9 @@ impl<'a> Body<'_, 'a> {
     }
 
     fn unknown_flow(&mut self, name: &Name, span: Span) -> ExprId {
+        if !self.is_new_unknown(name) {
+            return self.fault(span);
+        }
         let near = self.c.suggest(name, self.local_names());
         let is_value = |id: DeclId| {
             let kind = self.c.program.decl(id).kind;

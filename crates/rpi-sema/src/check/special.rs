@@ -20,6 +20,8 @@ pub(super) enum Special {
     Condact,
     /// `sqrt(x)`: square root; takes the root of the dimension, too.
     Sqrt,
+    /// `any<<t>>()`, `any@<t>` of Kind 2: a value that the program leaves open.
+    Any,
 }
 
 /// All of them.
@@ -28,6 +30,7 @@ pub(super) const SPECIALS: &[Special] = &[
     Special::Hold,
     Special::Condact,
     Special::Sqrt,
+    Special::Any,
 ];
 
 impl Special {
@@ -37,6 +40,7 @@ impl Special {
             Special::Hold => "hold",
             Special::Condact => "condact",
             Special::Sqrt => "sqrt",
+            Special::Any => "any",
         }
     }
 }
@@ -48,7 +52,23 @@ impl<'a> Body<'_, 'a> {
             return self.condact(call, span);
         }
         let given = self.given(&call.args);
+        if let (Special::Any, [of], []) = (special, &call.callee.statics[..], &given[..]) {
+            return self.any(of, span);
+        }
         self.apply_special(special, &given, span)
+    }
+
+    /// A value that the program leaves open, cycle by cycle: no function of what goes in.
+    fn any(&mut self, of: &'a ast::StaticArg, span: Span) -> ExprId {
+        self.has_state(span);
+        let Some(ty) = self.static_type(of) else {
+            return self.fault(span);
+        };
+        self.report(
+            Finding::new(Code::RPI1013, "this value is left open")
+                .at(span, "false or 0 when it runs here"),
+        );
+        self.add(Kind::Outside, ty, span)
     }
 
     /// A predeclared operator with checked arguments.

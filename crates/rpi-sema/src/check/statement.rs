@@ -34,16 +34,21 @@ impl<'a> Body<'_, 'a> {
     pub(super) fn check_body(&mut self, body: &'a ast::Body) {
         let mut later = Vec::new();
         self.declare_body(body, &mut later);
+        self.check_equations();
+        for (block, item) in later {
+            self.within(block, |body| body.check_later(item));
+        }
+        self.check_definitions();
+    }
+
+    /// Checks all equations that have been declared.
+    pub(super) fn check_equations(&mut self) {
         self.infer();
         self.report_unknown_types();
         for index in 0..self.pending.len() {
             let block = self.pending[index].block;
             self.within(block, |body| body.check_equation(index));
         }
-        for (block, item) in later {
-            self.within(block, |body| body.check_later(item));
-        }
-        self.check_definitions();
     }
 
     /// Declares what a body declares, in the current block.

@@ -256,7 +256,7 @@ impl<'a> Body<'_, 'a> {
         Static::Opaque
     }
 
-    fn static_type(&mut self, arg: &'a StaticArg) -> Option<Ty> {
+    pub(super) fn static_type(&mut self, arg: &'a StaticArg) -> Option<Ty> {
         match &arg.value {
             StaticValue::Type(ty) => Some(self.ty(ty)),
             StaticValue::Expr(expr) => self.type_by_name(expr),

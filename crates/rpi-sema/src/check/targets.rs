@@ -5,6 +5,7 @@ use super::locals::Local;
 use super::order::{Goal, flatten};
 use super::report::{Wanted, unknown};
 use super::statement::counted;
+use crate::program::Lookup;
 use crate::ty::{Subst, Ty, fit, join};
 use crate::typed::{Equation, ExprId, FlowId, FlowRole, Place, Target};
 use rpi_diag::{Code, Finding, Span};
@@ -96,14 +97,21 @@ impl<'a> Body<'_, 'a> {
             Some(Local::Constant(_)) => self.not_definable(name, "a constant"),
             Some(Local::Block(_)) => self.not_definable(name, "a fragment"),
             None if name.name == "_" => (Place::Nowhere, Ty::Unknown),
-            None => {
-                let near = self.c.suggest(&name.name, self.local_names());
-                let finding = unknown("flow", &name.name, name.span, near);
-                let finding = finding.help("flows are declared after `returns` or `var`");
-                self.report(finding);
-                (Place::Nowhere, Ty::Unknown)
-            }
+            None => self.no_place(name),
         }
+    }
+
+    /// Nothing in this body has the name.
+    fn no_place(&mut self, name: &Ident) -> (Place, Ty) {
+        if let Lookup::Found(id) = self.c.program.lookup(self.module, &name.name) {
+            return self.not_definable(name, self.c.program.decl(id).kind.what());
+        }
+        if self.is_new_unknown(&name.name) {
+            let near = self.c.suggest(&name.name, self.local_names());
+            let finding = unknown("flow", &name.name, name.span, near);
+            self.report(finding.help("flows are declared after `returns` or `var`"));
+        }
+        (Place::Nowhere, Ty::Unknown)
     }
 
     fn place_in_flow(&mut self, flow: FlowId, target: &'a ast::Target) -> (Place, Ty) {

@@ -47,7 +47,13 @@ impl<'a> Body<'_, 'a> {
     pub(super) fn ty(&mut self, ty: &'a Type) -> Ty {
         match &ty.kind {
             TypeKind::Bool => Ty::Bool,
-            TypeKind::Int | TypeKind::Subrange(_) => Ty::Int,
+            TypeKind::Int => Ty::Int,
+            TypeKind::Subrange(range) => {
+                for bound in [&range.from, &range.to].into_iter().flatten() {
+                    self.bound(bound);
+                }
+                Ty::Int
+            }
             TypeKind::Real(None) => Ty::REAL,
             TypeKind::Real(Some(unit)) => self.real_in(unit),
             TypeKind::Named(named) => self.named_ty(named),
@@ -55,6 +61,14 @@ impl<'a> Body<'_, 'a> {
             TypeKind::Optional(inner) => self.inner_optional(inner, ty.span),
             TypeKind::Enum(_) | TypeKind::Struct(_) => self.nameless_ty(ty.span),
             TypeKind::Broken => Ty::Unknown,
+        }
+    }
+
+    /// A bound of a subrange: a constant, which says what to prove and not what to compute.
+    fn bound(&mut self, bound: &'a rpi_syntax::ast::Expr) {
+        let id = self.expr(bound);
+        if self.expect(id, &Ty::Int, &super::report::Wanted::Here) {
+            self.fold(id);
         }
     }
 

@@ -5,9 +5,9 @@ use super::body::Body;
 use super::header::{Header, kind_of};
 use super::statics::{Statics, key};
 use crate::program::{DeclId, DeclKind};
-use crate::typed::{Kind, Unit, UnitId, UnitKind};
+use crate::typed::{ExprId, Kind, Unit, UnitId};
 use rpi_diag::{Code, Finding, Span};
-use rpi_syntax::ast::{self, CommandDecl, Contract, FragmentDecl, NodeDecl, NodeDef};
+use rpi_syntax::ast::{self, CommandDecl, Contract, FragmentDecl, NodeDecl, NodeDef, NodeKind};
 use std::rc::Rc;
 
 /// The most units that a program may have: a recursion over static parameters that does not end makes more.
@@ -185,12 +185,21 @@ impl<'a> Body<'_, 'a> {
     fn check_node(&mut self, node: &'a NodeDecl) {
         match &node.definition {
             NodeDef::Body(body) => {
-                self.check_body_with(node.contract.as_ref(), body);
+                let allowed = match node.kind {
+                    NodeKind::Contract => node.signature.outputs.as_deref(),
+                    _ => None,
+                };
+                let assumed = self.check_body_with(node.contract.as_ref(), Some(body));
+                self.check_assumptions(&assumed, allowed.unwrap_or_default());
             }
             NodeDef::Alias(callee) => self.check_alias(callee),
-            NodeDef::Extern => {}
+            NodeDef::Extern => {
+                let assumed = self.check_body_with(node.contract.as_ref(), None);
+                self.check_assumptions(&assumed, &[]);
+            }
         }
-        if let (UnitKind::Function, Some(span)) = (self.unit.kind, self.state_at) {
+        self.unit.has_state = self.state_at.is_some();
+        if let (NodeKind::Function, Some(span)) = (node.kind, self.state_at) {
             self.state_in_function(span);
         }
     }
@@ -215,23 +224,42 @@ impl<'a> Body<'_, 'a> {
         if let Some(budget) = &fragment.budget {
             self.current().budget_ns = self.nanoseconds(budget);
         }
-        self.check_body_with(fragment.contract.as_ref(), &fragment.body);
+        let assumed = self.check_body_with(fragment.contract.as_ref(), Some(&fragment.body));
+        self.check_assumptions(&assumed, &[]);
     }
 
     fn check_command(&mut self, command: &'a CommandDecl) {
         if let Some(budget) = &command.budget {
             self.current().budget_ns = self.nanoseconds(budget);
         }
-        self.check_body_with(command.contract.as_ref(), &command.body);
+        let assumed = self.check_body_with(command.contract.as_ref(), Some(&command.body));
+        self.check_assumptions(&assumed, &[]);
     }
 
-    /// A body and the contract that it keeps.
-    fn check_body_with(&mut self, contract: Option<&'a Contract>, body: &'a ast::Body) {
+    /// A body and the contract that it keeps; gives what the contract assumes. In Lustre the contract does not see what
+    /// only the body knows.
+    fn check_body_with(
+        &mut self,
+        contract: Option<&'a Contract>,
+        body: Option<&'a ast::Body>,
+    ) -> Vec<ExprId> {
         let contract = contract.map(|contract| (self.declare_contract(contract), contract));
-        self.check_body(body);
-        if let Some((block, contract)) = contract {
-            self.within(block, |body| body.check_contract(contract));
+        let (before, after) = match self.is_rpi() {
+            true => (None, contract),
+            false => (contract, None),
+        };
+        let mut assumed = Vec::new();
+        if let Some((block, contract)) = before {
+            assumed.extend(self.assumed_by(block, contract));
         }
+        match body {
+            Some(body) => self.check_body(body),
+            None => self.check_equations(),
+        }
+        if let Some((block, contract)) = after {
+            assumed.extend(self.assumed_by(block, contract));
+        }
+        assumed
     }
 
     /// Whether the file knows the words of the robot world.

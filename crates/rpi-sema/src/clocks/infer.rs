@@ -124,9 +124,12 @@ impl<'u> Inference<'u> {
     fn expr(&mut self, id: ExprId) -> Of {
         let expr = self.unit.expr(id);
         let place = match &expr.kind {
-            Kind::Fault | Kind::Const(_) | Kind::Literal(_) | Kind::None | Kind::Sensor { .. } => {
-                self.terms.open()
-            }
+            Kind::Fault
+            | Kind::Const(_)
+            | Kind::Literal(_)
+            | Kind::None
+            | Kind::Outside
+            | Kind::Sensor { .. } => self.terms.open(),
             Kind::Flow(flow) => match self.unit.flow(*flow).role {
                 FlowRole::Param => self.terms.open(),
                 _ => of(&self.flows, *flow),

@@ -206,6 +206,10 @@ impl<'u> Elab<'u> {
         path: String,
         span: Span,
     ) -> Wire {
+        if self.mode == Mode::Constant && unit.kind == UnitKind::Node {
+            // It runs, cycle by cycle; only functions are worked out beforehand.
+            return self.fail(NotConstant::Flow(span));
+        }
         let mut scope = Scope::new(unit, Some(id));
         let in_fragment = unit.kind == UnitKind::Fragment && self.mode != Mode::Constant;
         scope.prefix = if in_fragment || path.is_empty() {

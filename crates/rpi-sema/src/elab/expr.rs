@@ -64,6 +64,7 @@ impl<'u> Elab<'u> {
             Kind::None => (0..expr.ty.leaf_count().max(1))
                 .map(|_| Signal::Absent)
                 .collect(),
+            Kind::Outside => self.left_open(scope, id, at),
             Kind::Flow(flow) => self.read_flow(scope, *flow, at, span),
             Kind::Sensor { device, port } => self.sensor(scope, *device, *port, at, span),
             Kind::Part { base, at: offset } => {

@@ -1,11 +1,11 @@
 //! What is run: a command, or a node by itself.
 
 use super::scope::{Scope, State};
-use super::signal::{Signal, single};
-use super::{At, Claims, Elab, Mode};
+use super::signal::{Signal, Wire, single};
+use super::{At, Claims, Elab, Mode, NotConstant};
 use crate::facts::Facts;
 use crate::ty::Ty;
-use crate::typed::{BlockId, FlowId, FlowRole, Leaf, Unit, UnitId, UnitKind};
+use crate::typed::{BlockId, ExprId, FlowId, FlowRole, Leaf, Unit, UnitId, UnitKind};
 use rpi_diag::Finding;
 use rpi_image::{Scalar, Value};
 use rpi_net::{Driver, ExportPort, Input, Net, Origin, ResultKind, ResultPort};
@@ -247,7 +247,30 @@ impl<'u> Elab<'u> {
         shapes
     }
 
+    /// A value that the program leaves open is set from outside, if anybody sets it.
+    pub(super) fn left_open(&mut self, scope: &Scope<'u>, id: ExprId, at: At) -> Wire {
+        let expr = scope.unit.expr(id);
+        if self.mode == Mode::Constant {
+            return self.fail(NotConstant::Flow(expr.span));
+        }
+        self.serial += 1;
+        let name = format!("{}#any{}", self.name, self.serial - 1);
+        let mut leaves: Vec<(String, Ty)> = Vec::new();
+        let mut leaf = |path: String, ty: &Ty| leaves.push((format!("{name}{path}"), ty.clone()));
+        expr.ty.leaves(&mut |path, ty| leaf(path.to_owned(), ty));
+        let leaves = leaves.into_iter();
+        let signals = leaves.map(|(key, ty)| {
+            let scalar = ty.scalar().unwrap_or(Scalar::Bool);
+            self.outside_at(&key, scalar, at, expr.span)
+        });
+        signals.collect()
+    }
+
     fn outside(&mut self, key: &str, scalar: Scalar, span: rpi_diag::Span) -> Signal {
+        self.outside_at(key, scalar, At::ROOT, span)
+    }
+
+    fn outside_at(&mut self, key: &str, scalar: Scalar, at: At, span: rpi_diag::Span) -> Signal {
         let Some(prim) = super::families::member(super::families::Family::Input, scalar) else {
             return Signal::Absent;
         };
@@ -256,7 +279,7 @@ impl<'u> Elab<'u> {
             _ => crate::check::param_default(param),
         };
         let params = prim.desc().params.iter().filter_map(value).collect();
-        let wire = self.prim(prim, Vec::new(), params, At::ROOT, span);
+        let wire = self.prim(prim, Vec::new(), params, at, span);
         if let Some(Signal::Port(port)) = wire.first() {
             let node = &mut self.net.nodes[port.node.index()];
             key.clone_into(&mut node.name);

@@ -250,7 +250,9 @@ impl<'u> Inference<'u> {
         let expr = self.unit.expr(id);
         let count = expr.ty.leaf_count();
         match &expr.kind {
-            Kind::Fault | Kind::Const(_) | Kind::Literal(_) | Kind::Present(_) => Absence::NEVER,
+            Kind::Fault | Kind::Const(_) | Kind::Literal(_) | Kind::Outside | Kind::Present(_) => {
+                Absence::NEVER
+            }
             Kind::None => Absence::MAYBE,
             Kind::Flow(flow) => self.flow(*flow, reads.blocks[id.0 as usize]),
             Kind::Sensor { device, port } => self.sensor(*device, *port),

@@ -40,6 +40,11 @@ const CALLS: &[(&str, &str, &str)] = &[
         "Square root; the unit takes the root, too.",
     ),
     (
+        "any",
+        "any<<T>>()",
+        "A value that a Lustre program leaves open.",
+    ),
+    (
         "map",
         "map<<f; n>>(a, b)",
         "`f` of the elements, one by one: an array of what it gives.",

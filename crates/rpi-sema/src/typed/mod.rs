@@ -85,6 +85,8 @@ pub struct Unit {
     pub blocks: Vec<Block>,
     /// Whether it samples flows (`when`, `merge`, `current`).
     pub has_clocks: bool,
+    /// Whether it remembers earlier cycles.
+    pub has_state: bool,
     /// Whether its text is Lustre, where `current` is a plain value.
     pub is_lustre: bool,
     /// Frames that the signature names and no declaration does: each stands for the frame of the argument.
@@ -327,6 +329,8 @@ pub enum Kind {
     Literal(Leaf),
     /// `none`
     None,
+    /// A value that the program leaves open.
+    Outside,
     /// A flow.
     Flow(FlowId),
     /// A sensor or status port of a device.
@@ -532,7 +536,12 @@ impl Kind {
     /// Calls `visit` with every operand.
     pub fn operands(&self, visit: &mut impl FnMut(ExprId)) {
         match self {
-            Kind::Fault | Kind::Const(_) | Kind::Literal(_) | Kind::None | Kind::Flow(_) => {}
+            Kind::Fault
+            | Kind::Const(_)
+            | Kind::Literal(_)
+            | Kind::None
+            | Kind::Outside
+            | Kind::Flow(_) => {}
             Kind::Sensor { device: one, .. }
             | Kind::Part { base: one, .. }
             | Kind::Slice { base: one, .. }

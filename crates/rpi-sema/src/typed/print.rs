@@ -65,6 +65,7 @@ fn expr(unit: &Unit, id: ExprId) -> String {
         Kind::Const(leaves) => format!("const{}", leaves.len()),
         Kind::Literal(leaf) => literal(leaf),
         Kind::None => "none".to_owned(),
+        Kind::Outside => "any".to_owned(),
         Kind::Flow(flow) => unit.flow(*flow).name.to_string(),
         Kind::Sensor { port, .. } => format!("sensor{port}"),
         Kind::Part { at, .. } => format!("part@{at}"),

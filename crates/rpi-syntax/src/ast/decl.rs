@@ -130,6 +130,8 @@ pub enum NodeKind {
     Node,
     /// It has none.
     Function,
+    /// It is a contract for others to import: what it claims about all its ports (Kind 2).
+    Contract,
 }
 
 /// `node f (x: int) returns (y: int) let ... tel`
@@ -181,8 +183,19 @@ pub struct Contract {
     pub claims: Vec<Claim>,
     /// What holds in a mode (Kind 2).
     pub modes: Vec<ContractMode>,
+    /// Contracts that are taken up.
+    pub imports: Vec<ContractImport>,
     /// All of it.
     pub span: Span,
+}
+
+/// `import c(x, y) returns (z);`
+#[derive(Clone, PartialEq, Debug)]
+pub struct ContractImport {
+    /// The contract, applied to all of them: what goes in, then what comes out.
+    pub call: Expr,
+    /// How many of its arguments go in.
+    pub inputs: usize,
 }
 
 /// `mode m (require e; ensure e;);`

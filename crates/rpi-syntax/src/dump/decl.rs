@@ -275,9 +275,14 @@ impl Dumper {
         };
         let locals = contract.locals.iter().map(|locals| self.locals(locals));
         let claims = contract.claims.iter().map(|claim| self.claim(claim));
+        let imports = contract.imports.iter();
+        let imports = imports.map(|import| node("import", [self.expr(&import.call)]));
         node(
             "contract",
-            locals.chain(claims).chain(contract.modes.iter().map(mode)),
+            locals
+                .chain(imports)
+                .chain(claims)
+                .chain(contract.modes.iter().map(mode)),
         )
     }
 

@@ -11,6 +11,17 @@ impl Printer<'_> {
         let Some(contract) = contract else {
             return nothing();
         };
+        let parts = self.contract_parts(contract);
+        concat([Doc::Hard, word("con"), parts, Doc::Hard, word("noc")])
+    }
+
+    /// A contract by itself, `let ... tel`.
+    pub(super) fn contract_alone(&mut self, contract: Option<&Contract>) -> Doc {
+        let parts = contract.map_or_else(nothing, |contract| self.contract_parts(contract));
+        concat([Doc::Hard, word("let"), parts, Doc::Hard, word("tel")])
+    }
+
+    fn contract_parts(&mut self, contract: &Contract) -> Doc {
         self.trivia.reach(contract.span.start);
         let locals = contract
             .locals
@@ -23,9 +34,37 @@ impl Printer<'_> {
             .iter()
             .flat_map(|m| [Doc::Hard, self.mode(m)])
             .collect::<Vec<_>>();
-        let parts = indent(concat([concat(locals), claims, concat(modes)]));
+        let imports = contract
+            .imports
+            .iter()
+            .flat_map(|import| [Doc::Hard, self.contract_import(import)])
+            .collect::<Vec<_>>();
+        let parts = indent(concat([
+            concat(locals),
+            concat(imports),
+            claims,
+            concat(modes),
+        ]));
         self.trivia.reach(contract.span.end);
-        concat([Doc::Hard, word("con"), parts, Doc::Hard, word("noc")])
+        parts
+    }
+
+    fn contract_import(&mut self, import: &ContractImport) -> Doc {
+        let ExprKind::Call(call) = &import.call.kind else {
+            return nothing();
+        };
+        let (inputs, outputs) = call.args.split_at(import.inputs.min(call.args.len()));
+        let callee = self.callee(&call.callee);
+        let inputs = self.args(inputs);
+        let outputs = self.args(outputs);
+        concat([
+            word("import "),
+            callee,
+            inputs,
+            word(" returns "),
+            outputs,
+            word(";"),
+        ])
     }
 
     /// Each with its word before it: in a contract, a section has one declaration.

@@ -94,6 +94,10 @@ impl Printer<'_> {
             self.signature(&node.signature),
         ]);
         match &node.definition {
+            NodeDef::Body(_) if node.kind == NodeKind::Contract => {
+                let contract = self.contract_alone(node.contract.as_ref());
+                concat([head, word(";"), contract])
+            }
             NodeDef::Body(body) => {
                 let semi = word(if self.mode == Mode::Lustre { ";" } else { "" });
                 self.with_body(concat([head, semi]), &node.contract, body, end)
@@ -232,6 +236,7 @@ impl NodeKind {
         match self {
             NodeKind::Node => "node",
             NodeKind::Function => "function",
+            NodeKind::Contract => "contract",
         }
     }
 }

@@ -120,7 +120,7 @@ impl<'a> Builder<'a> {
 
     fn node(&mut self, at: At<'a>, node: &'a NodeDecl) {
         let kind = match node.kind {
-            NodeKind::Node => DefKind::Node,
+            NodeKind::Node | NodeKind::Contract => DefKind::Node,
             NodeKind::Function => DefKind::Function,
         };
         let (def, scope) = self.callable(at, kind, &node.signature);
@@ -283,6 +283,7 @@ impl<'a> Builder<'a> {
         let of_modes = modes.flat_map(|mode| mode.requires.iter().chain(&mode.ensures));
         let claims = contract.claims.iter().chain(of_modes);
         self.exprs(scope, claims.map(|claim: &Claim| &claim.condition));
+        self.exprs(scope, contract.imports.iter().map(|import| &import.call));
     }
 
     pub(super) fn locals(&mut self, scope: ScopeId, whole: rpi_diag::Span, all: &'a [Locals]) {

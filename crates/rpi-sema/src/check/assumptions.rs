@@ -1,0 +1,96 @@
+//! What contracts assume, and the contracts that they take up.
+
+use super::body::Body;
+use crate::typed::{BlockId, ClaimKind, Each, Equation, ExprId, FlowId, FlowRole, Kind, Place};
+use rpi_diag::{Code, Finding, Span};
+use rpi_syntax::ast::{Contract, ContractImport, Ident, VarDecl};
+use std::collections::BTreeSet;
+
+impl<'a> Body<'_, 'a> {
+    /// Checks a contract in its block. Gives what it assumes, and what goes into the contracts that it takes up.
+    pub(super) fn assumed_by(&mut self, block: BlockId, contract: &'a Contract) -> Vec<ExprId> {
+        let mut assumed = Vec::new();
+        self.within(block, |body| {
+            for import in &contract.imports {
+                assumed.extend(body.import(import));
+            }
+            body.check_contract(contract);
+        });
+        let claims = self.unit.block(block).claims.iter();
+        let about = claims.filter(|c| matches!(c.kind, ClaimKind::Assume | ClaimKind::Modes));
+        assumed.extend(about.map(|claim| claim.condition));
+        assumed
+    }
+
+    /// A contract that is taken up is an instance of its own, which only claims. Gives what goes into it.
+    fn import(&mut self, import: &'a ContractImport) -> Vec<ExprId> {
+        let span = import.call.span;
+        let value = self.expr(&import.call);
+        let targets = Vec::new();
+        self.current().equations.push(Equation {
+            targets,
+            value,
+            span,
+        });
+        let Kind::Call(call) = &self.unit.expr(value).kind else {
+            return Vec::new();
+        };
+        let unit = call.unit;
+        let given = call.args.iter().take(import.inputs);
+        let given = given.flatten().copied().collect();
+        self.c.check_now(unit);
+        if self.c.units[unit.0 as usize].has_state {
+            self.has_state(span);
+        }
+        given
+    }
+
+    /// What is assumed must be known before the outputs of the same cycle are: it allows them. In a contract by itself
+    /// these are in-ports.
+    pub(super) fn check_assumptions(&mut self, assumed: &[ExprId], allowed: &'a [VarDecl]) {
+        let names: Vec<&Ident> = allowed.iter().flat_map(|port| &port.names).collect();
+        let reads = assumed
+            .iter()
+            .filter_map(|id| self.output_read_by(*id, &names));
+        let reads: Vec<(FlowId, Span)> = reads.collect();
+        for (output, at) in reads {
+            let flow = self.unit.flow(output);
+            let message = format!("an assumption depends on `{}`, which it allows", flow.name);
+            let help =
+                "assume something about what comes in, or about outputs of earlier cycles: `pre`";
+            let finding = Finding::new(Code::RPI4003, message)
+                .at(at, "the output of this cycle is read here")
+                .also(flow.span, "declared as an output here")
+                .help(help);
+            self.report(finding);
+        }
+    }
+
+    /// An output that the value depends on in the same cycle, and where it is read.
+    fn output_read_by(&self, id: ExprId, allowed: &[&Ident]) -> Option<(FlowId, Span)> {
+        let is_output = |id: FlowId| {
+            let flow = self.unit.flow(id);
+            flow.role == FlowRole::Output || allowed.iter().any(|port| port.name == flow.name)
+        };
+        let (mut open, mut seen) = (vec![id], BTreeSet::new());
+        while let Some(id) = open.pop() {
+            let expr = self.unit.expr(id);
+            match &expr.kind {
+                Kind::Each(Each::Pre, _) => {}
+                Kind::Flow(flow) if is_output(*flow) => return Some((*flow, expr.span)),
+                Kind::Flow(flow) if seen.insert(*flow) => open.extend(self.values_of(*flow)),
+                kind => kind.operands(&mut |operand| open.push(operand)),
+            }
+        }
+        None
+    }
+
+    fn values_of(&self, flow: FlowId) -> impl Iterator<Item = ExprId> + '_ {
+        let defines = move |equation: &&Equation| {
+            let mut targets = equation.targets.iter();
+            targets.any(|t| matches!(t.place, Place::Flow { flow: defined, .. } if defined == flow))
+        };
+        let equations = self.unit.blocks.iter().flat_map(|block| &block.equations);
+        equations.filter(defines).map(|equation| equation.value)
+    }
+}
