@@ -111,6 +111,7 @@ codes! {
     RPI2009 Error "sizes that do not fit";
     RPI2010 Error "constant that can not be worked out";
     RPI2011 Error "merge with a missing case";
+    RPI2012 Error "division by zero";
     RPI2101 Error "link between ports of different types";
     RPI2102 Error "text is no value of the parameter's type";
     RPI2103 Error "in-port not connected";
@@ -133,8 +134,12 @@ codes! {
     RPI6101 Error "two writers of one actuator";
     RPI6102 Error "command that can never finish";
     RPI6103 Warning "result that can never happen";
+    RPI6201 Warning "successor that does not take over";
     RPI7001 Error "budget exceeded";
+    RPI7002 Warning "cycle longer than its period";
     RPI8001 Error "end of a command in the wrong place";
+    RPI8002 Error "result that nothing follows";
+    RPI8003 Warning "two branches for one result";
     RPI9001 Error "claim that does not hold";
     RPI9002 Error "claim that was never made";
     RPI9003 Error "fault while running";

@@ -15,7 +15,7 @@ use crate::doctext;
 use crate::files::Disk;
 use crate::input::{Input, InputError, Kind};
 use crate::modules::Modules;
-use crate::source;
+use crate::source::{self, Told};
 use crate::task::{self, Task};
 use crate::tests::Test;
 use crate::violation;
@@ -33,6 +33,8 @@ pub struct Compiled {
     pub tasks: Vec<Task>,
     /// What the program claims of itself.
     pub tests: Vec<Test>,
+    /// What the analyses established about each thing that can be run.
+    pub told: Vec<Told>,
 }
 
 /// What there is to run.
@@ -77,6 +79,7 @@ fn program(input: &Input, text: &str, claims: Claims) -> Compiled {
         findings: built.findings,
         program: Program::Nets(built.nets),
         tests: built.tests,
+        told: built.told,
         tasks: modules.own().map(task::tasks).unwrap_or_default(),
     }
 }
@@ -99,6 +102,7 @@ pub fn compile_example(input: &Input, lines: &[Range<usize>]) -> Result<Compiled
         findings: built.findings,
         program: Program::Nets(built.nets),
         tests: built.tests,
+        told: built.told,
         tasks: Vec::new(),
     })
 }
@@ -126,6 +130,7 @@ fn image(input: &Input) -> Result<Compiled, InputError> {
         program: Program::Image(Box::new(image)),
         tasks: Vec::new(),
         tests: Vec::new(),
+        told: Vec::new(),
     })
 }
 
@@ -133,21 +138,27 @@ fn net(input: &Input, text: &str) -> Compiled {
     let mut sources = SourceMap::new();
     let file = sources.add(display(&input.path), text);
     let (net, mut findings) = rpi_net::rpinet::read(&input.stem(), file, text);
-    let net = net.and_then(|net| checked(net, &mut findings));
+    let mut told = Vec::new();
+    let net = net.and_then(|net| checked(net, &mut findings, &mut told));
     Compiled {
         sources,
         findings,
         program: Program::Nets(net.into_iter().collect()),
         tasks: Vec::new(),
         tests: Vec::new(),
+        told,
     }
 }
 
 /// The net as the passes left it, if they found nothing against it.
-fn checked(net: Net, findings: &mut Vec<Finding>) -> Option<Net> {
+fn checked(net: Net, findings: &mut Vec<Finding>, told: &mut Vec<Told>) -> Option<Net> {
     match rpi_net::passes::analyse(net, |_| false) {
         Ok(analysis) => {
             findings.extend(analysis.findings);
+            told.push(Told {
+                name: analysis.net.name.clone(),
+                lines: analysis.told,
+            });
             analysis.schedule.map(|_| analysis.net)
         }
         Err(violation) => {

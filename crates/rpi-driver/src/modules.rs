@@ -4,12 +4,14 @@ use std::collections::VecDeque;
 use std::path::{Path, PathBuf};
 
 use rpi_diag::{FileId, Finding, SourceMap};
+use rpi_net::passes::Machine;
 use rpi_sema::program::{Program, Source};
 use rpi_sema::query::Index;
 use rpi_syntax::ast::{File, Item, ItemKind};
 use rpi_syntax::{Mode, Name, parse};
 
 use crate::files::Files;
+use crate::machine::machine;
 use crate::source::Text;
 
 /// A module of the standard library.
@@ -55,6 +57,8 @@ struct Module {
 #[derive(Debug)]
 pub(crate) struct Modules {
     modules: Vec<Module>,
+    /// The machine that they are checked for.
+    pub(crate) machine: Machine,
     pub(crate) findings: Vec<Finding>,
 }
 
@@ -168,6 +172,7 @@ impl<'a> Loader<'a> {
             self.find(&name);
         }
         Modules {
+            machine: machine(self.folder.as_deref(), self.disk),
             modules: self.modules,
             findings: self.findings,
         }

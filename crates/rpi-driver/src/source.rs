@@ -1,10 +1,12 @@
 //! Programs: from parsed modules to nets.
 
+use std::cell::RefCell;
 use std::collections::BTreeSet;
 use std::path::Path;
 
 use rpi_diag::{Finding, Severity, SourceMap, Span};
-use rpi_net::Net;
+use rpi_net::passes::{Analysis, Machine, over_budget};
+use rpi_net::{FragmentId, Net};
 use rpi_sema::elab::{Argument, Claims, Elaborated, elaborate, elaborate_steps};
 use rpi_sema::facts::{self, Facts};
 use rpi_sema::program::Program;
@@ -26,6 +28,8 @@ pub(crate) struct Built {
     pub(crate) tests: Vec<Test>,
     /// What was found.
     pub(crate) findings: Vec<Finding>,
+    /// What was established.
+    pub(crate) told: Vec<Told>,
 }
 
 /// A program as a file gives it.
@@ -52,6 +56,18 @@ pub(crate) struct Front<'p> {
     pub(crate) program: &'p Program<'p>,
     pub(crate) checked: &'p Checked,
     pub(crate) facts: &'p [Facts],
+    pub(crate) machine: Machine,
+    /// What was found out about each unit so far.
+    told: RefCell<Vec<Told>>,
+}
+
+/// What the analyses found out about something that can be run: its name, and a line per analysis.
+#[derive(Clone, PartialEq, Eq, Debug)]
+pub struct Told {
+    /// Its name.
+    pub name: String,
+    /// The analyses by name, each with what it established.
+    pub lines: Vec<(&'static str, String)>,
 }
 
 /// Takes parsed modules through all other stages; in what can be run claims are as asked for. What the checker made of them is kept for who wants to look at it.
@@ -64,6 +80,7 @@ pub(crate) fn build_modules(modules: &Modules, claims: Claims) -> (Built, Checke
     let built = Built {
         nets: roots.nets,
         tests: roots.tests,
+        told: roots.told,
         findings,
     };
     (built, checked)
@@ -91,6 +108,8 @@ pub(crate) fn with_front<T>(
         program: &program,
         checked: &checked,
         facts: &facts,
+        machine: modules.machine,
+        told: RefCell::default(),
     };
     let made = (!has_errors(&findings)).then(|| back(&front, &mut findings));
     // What is only worth knowing about a library is not the business of who uses it.
@@ -107,6 +126,7 @@ pub(crate) fn with_front<T>(
 struct Roots {
     nets: Vec<Net>,
     tests: Vec<Test>,
+    told: Vec<Told>,
 }
 
 fn roots(
@@ -140,6 +160,7 @@ fn roots(
         let nets = of_unit.filter_map(|i| instance(front, *unit, i, claims, findings));
         roots.nets.extend(nets);
     }
+    roots.told = front.told.take();
     roots
 }
 
@@ -225,7 +246,10 @@ pub(crate) fn analysed(
                 found.extend(rings(front, unit, args));
             }
             Ok(analysis) => {
+                front.tell(unit, &analysis, &made);
                 found.extend(analysis.findings);
+                let over = over_budget(&analysis.net, &analysis.work, front.machine);
+                found.extend(over);
                 made.net = analysis.net;
                 found.extend(rpi_sema::init::check(&made.net));
             }
@@ -239,6 +263,39 @@ pub(crate) fn analysed(
     let faulty = has_errors(&found);
     findings.append(&mut found);
     (!faulty).then_some(made)
+}
+
+impl Front<'_> {
+    /// Keeps what was found out about a unit.
+    fn tell(&self, unit: UnitId, analysis: &Analysis, made: &Elaborated) {
+        let mut lines = rpi_sema::told(&self.checked.units, unit);
+        lines.extend(analysis.told.iter().cloned());
+        lines.push(("initialisation", rpi_sema::init::told(&analysis.net)));
+        lines.push(("budget", budget(analysis, self.machine)));
+        if made.has_claims {
+            let count = analysis.net.claims.len();
+            lines.push((
+                "claims",
+                format!("{count} assertions and clauses of contracts"),
+            ));
+        }
+        let name = self.checked.unit(unit).name.to_string();
+        self.told.borrow_mut().push(Told { name, lines });
+    }
+}
+
+/// The bound on a cycle beside what is stated.
+fn budget(analysis: &Analysis, machine: Machine) -> String {
+    let bound = machine.time_of(analysis.work.of(FragmentId::ROOT)) / 1e3;
+    let fragments = analysis.net.fragments.iter();
+    let stated = fragments
+        .filter(|fragment| fragment.budget_ns.is_some())
+        .count();
+    format!(
+        "at most {bound:.2} us of {} us at {} ns an operation; {stated} budgets stated",
+        machine.period_ns / 1000,
+        machine.ns_per_operation
+    )
 }
 
 /// The rings of a unit, drawn with every equation on the way: a net for running leaves out those that only pass on.

@@ -5,6 +5,7 @@
 
 pub mod claims;
 pub mod control;
+pub mod measure;
 pub mod node;
 pub mod plot;
 pub mod record;

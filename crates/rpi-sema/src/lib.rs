@@ -20,8 +20,10 @@ mod hash;
 pub mod init;
 pub mod program;
 pub mod query;
+mod told;
 pub mod ty;
 pub mod typed;
 pub mod units;
 
 pub use check::{Checked, check, result_identity};
+pub use told::told;

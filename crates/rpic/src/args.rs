@@ -39,6 +39,8 @@ pub(crate) enum Task {
         /// Its code, RPI4001.
         code: String,
     },
+    /// Measure how long an elementary operation takes here, for the budgets of programs.
+    Machine(MachineArgs),
     /// Draw a net.
     Graph(GraphArgs),
     /// Serve an editor (Language Server Protocol, over standard input and output).
@@ -204,6 +206,14 @@ pub(crate) struct FmtArgs {
     /// Read a program from standard input and write it to standard output.
     #[arg(long, conflicts_with_all = ["files", "check"])]
     pub(crate) stdin: bool,
+}
+
+/// Options of `rpic machine`.
+#[derive(Args, Debug)]
+pub(crate) struct MachineArgs {
+    /// Where to write; programs look for `machine.toml` beside them. Standard output without it.
+    #[arg(long, short, value_name = "FILE")]
+    pub(crate) output: Option<PathBuf>,
 }
 
 /// Options of `rpic graph`.

@@ -70,15 +70,13 @@ fn fix(path: &Path, compiled: &Compiled) -> Result<bool, Box<dyn std::error::Err
     Ok(true)
 }
 
-/// What each pass found out about each command.
+/// What each analysis established about each thing that can be run.
 fn explain(compiled: &Compiled) -> Result<(), Box<dyn std::error::Error>> {
     let mut out = String::new();
-    for net in compiled.nets() {
-        let analysis = rpi_net::passes::analyse(net.clone(), |_| false);
-        let analysis = analysis.map_err(|violation| format!("{}: {violation}", net.name))?;
-        out.push_str(&format!("{}\n", net.name));
-        for (pass, told) in &analysis.told {
-            out.push_str(&format!("  {pass:<14} {told}\n"));
+    for told in &compiled.told {
+        out.push_str(&format!("{}\n", told.name));
+        for (pass, line) in &told.lines {
+            out.push_str(&format!("  {pass:<14} {line}\n"));
         }
     }
     put(None, out.as_bytes())

@@ -9,6 +9,7 @@ mod doc;
 mod explain;
 mod fmt;
 mod lsp;
+mod machine;
 mod outcome;
 mod shell;
 mod test;
@@ -29,6 +30,7 @@ fn main() -> ExitCode {
         Task::Doc(args) => doc::doc(&args),
         Task::Explain { code } => explain::explain(&code),
         Task::Lsp => lsp::lsp(),
+        Task::Machine(args) => machine::machine(&args),
         Task::Graph(args) => compile::graph(&args),
         Task::Completions { shell } => shell::completions(shell),
         Task::Man { folder } => shell::man(&folder),

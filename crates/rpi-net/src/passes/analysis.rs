@@ -1,7 +1,7 @@
 //! The list of passes and what they find.
 
 use super::proof::Background;
-use super::{Dependencies, Presences, Schedule, Sureness, Users, Work, Writers};
+use super::{Dependencies, Presences, Resource, Schedule, Sureness, Users, Work, Writers};
 use super::{causality, ends, hoist, live, schedule, verify, writers};
 use crate::net::{FragmentId, Net, PortRef};
 use crate::tree::Tree;
@@ -101,7 +101,10 @@ pub const PASSES: &[Pass] = &[
             if a.schedule.is_none() {
                 a.findings.extend(causality::check(&a.net, &a.dependencies));
             }
-            Ok(format!("{} rings", a.findings.len()))
+            Ok(match a.findings.len() {
+                0 => "nothing depends on itself within a cycle".to_owned(),
+                n => format!("{n} rings"),
+            })
         },
     },
     Pass {
@@ -138,9 +141,12 @@ pub const PASSES: &[Pass] = &[
             a.findings.extend(writers::check(&a.net, &writers));
             let watched = writers.watched().count();
             let proved = writers.pairs.len() - watched;
+            let taken: Vec<String> = writers.of.keys().map(Resource::to_string).collect();
             let told = format!(
-                "{} resources; of pairs of writers {proved} exclusive, {watched} watched",
-                writers.of.len()
+                "{} resources{}{}; of pairs of writers {proved} exclusive, {watched} watched",
+                taken.len(),
+                if taken.is_empty() { "" } else { ": " },
+                taken.join(", ")
             );
             a.writers = writers;
             Ok(told)
@@ -151,7 +157,7 @@ pub const PASSES: &[Pass] = &[
         about: "some `finish` can happen, and every result can",
         run: |a, _| {
             let findings = ends::check(a.background());
-            let told = format!("{} faults", findings.len());
+            let told = ends::told(&a.net, findings.len());
             a.findings.extend(findings);
             Ok(told)
         },

@@ -1,7 +1,7 @@
 //! Whether a command can end (M10): some `finish` must be reachable, and every result should be.
 
 use super::proof::{Background, never_true};
-use crate::net::{Driver, FragmentId, Input, ResultKind, ResultPort};
+use crate::net::{Driver, FragmentId, Input, Net, ResultKind, ResultPort};
 use rpi_diag::{Code, Finding};
 
 /// What is wrong with the ends of a program. Imported nets may run until they are stopped from outside.
@@ -21,6 +21,22 @@ pub(crate) fn check(background: Background<'_>) -> Vec<Finding> {
         findings.push(endless(background, results, all));
     }
     findings
+}
+
+/// What was found out about the ends, in words.
+pub(crate) fn told(net: &Net, faults: usize) -> String {
+    match &net.driver {
+        Driver::Results(results) if faults == 0 => {
+            let names: Vec<&str> = results.iter().map(|r| r.name.as_str()).collect();
+            format!(
+                "{} results, each can happen: {}",
+                names.len(),
+                names.join(", ")
+            )
+        }
+        Driver::Results(results) => format!("{} results, {faults} faults", results.len()),
+        Driver::Ports { .. } => "it does not end by results".to_owned(),
+    }
 }
 
 fn never(background: Background<'_>, condition: &Input) -> bool {

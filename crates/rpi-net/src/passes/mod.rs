@@ -23,5 +23,5 @@ pub use dependencies::{Dependence, Dependencies, Reader};
 pub use presence::{Presences, Sureness, View};
 pub use schedule::Schedule;
 pub use users::Users;
-pub use work::Work;
+pub use work::{Machine, Work, over_budget};
 pub use writers::{Pair, Resource, Writers};

@@ -66,28 +66,100 @@ fn exclude(prover: &mut Prover<'_>, a: FragmentId, b: FragmentId) -> bool {
     prover.is_refuted(&active(a), &active(b), 0)
 }
 
-/// Compares bounds with the budgets that a program states. `ns_per_operation` is that of a measured machine.
+/// The machine that a program is checked for.
+#[derive(Clone, Copy, PartialEq, Debug)]
+pub struct Machine {
+    /// Time of an elementary operation at worst, nanoseconds.
+    pub ns_per_operation: f64,
+    /// Period of a cycle, nanoseconds.
+    pub period_ns: u64,
+}
+
+impl Default for Machine {
+    /// A careful guess: a machine of ten years ago whose caches are cold in every cycle of a millisecond.
+    fn default() -> Machine {
+        Machine {
+            ns_per_operation: 10.0,
+            period_ns: 1_000_000,
+        }
+    }
+}
+
+impl Machine {
+    /// How long so many operations take at most, nanoseconds.
+    #[must_use]
+    pub fn time_of(&self, operations: u64) -> f64 {
+        operations as f64 * self.ns_per_operation
+    }
+}
+
+/// Compares bounds with the budgets that a program states, and with the period.
 #[must_use]
-pub fn over_budget(net: &Net, work: &Work, ns_per_operation: f64) -> Vec<Finding> {
-    let over = net.fragment_ids().filter_map(|id| {
-        let fragment = net.fragment(id);
-        let (budget, bound) = (fragment.budget_ns?, work.of(id));
-        let needed = bound as f64 * ns_per_operation;
-        let name = if fragment.name.is_empty() {
-            &net.name
-        } else {
-            &fragment.name
-        };
-        (needed > budget as f64).then(|| {
-            let message = format!(
-                "`{name}` may need {:.1} us of its budget of {:.1} us",
-                needed / 1e3,
-                budget as f64 / 1e3
-            );
-            Finding::new(Code::RPI7001, message)
-                .at(fragment.origin.span, format!("{bound} operations at most"))
-                .help("state a larger budget, or do less in one cycle")
-        })
-    });
-    over.collect()
+pub fn over_budget(net: &Net, work: &Work, machine: Machine) -> Vec<Finding> {
+    let fragments = net.fragment_ids();
+    let mut findings: Vec<Finding> = fragments
+        .filter_map(|id| of_fragment(net, work, machine, id))
+        .collect();
+    findings.extend(of_cycle(net, work, machine));
+    findings
+}
+
+fn of_fragment(net: &Net, work: &Work, machine: Machine, id: FragmentId) -> Option<Finding> {
+    let fragment = net.fragment(id);
+    let (budget, bound) = (fragment.budget_ns?, work.of(id));
+    let needed = machine.time_of(bound);
+    if needed <= budget as f64 {
+        return None;
+    }
+    let name = match fragment.name.as_str() {
+        "" => &net.name,
+        name => name,
+    };
+    let (needed, budget) = (time(needed), time(budget as f64));
+    let message = format!("`{name}` may need {needed} of its budget of {budget}");
+    let label = format!(
+        "{bound} operations at most, {} ns each",
+        machine.ns_per_operation
+    );
+    Some(
+        Finding::new(Code::RPI7001, message)
+            .at(fragment.origin.span, label)
+            .help("state a larger budget, or do less in one cycle"),
+    )
+}
+
+/// Whether a command keeps its period.
+fn of_cycle(net: &Net, work: &Work, machine: Machine) -> Option<Finding> {
+    let root = net.fragment(FragmentId::ROOT);
+    let bound = work.of(FragmentId::ROOT);
+    let (needed, period) = (machine.time_of(bound), machine.period_ns as f64);
+    let (what, took) = match root.budget_ns {
+        Some(budget) if budget as f64 > period => ("states a budget of", budget as f64),
+        _ if needed > period => ("may need", needed),
+        _ => return None,
+    };
+    let name = &net.name;
+    let message = format!(
+        "`{name}` {what} {} in a cycle of {}",
+        time(took),
+        time(period)
+    );
+    let label = format!(
+        "{bound} operations at most, {} ns each",
+        machine.ns_per_operation
+    );
+    Some(
+        Finding::new(Code::RPI7002, message)
+            .at(root.origin.span, label)
+            .help("do less in one cycle, or run it with a longer period"),
+    )
+}
+
+/// A time in a unit that suits it.
+fn time(ns: f64) -> String {
+    match ns {
+        0.0..1e3 => format!("{ns:.0} ns"),
+        1e3..1e6 => format!("{:.1} us", ns / 1e3),
+        _ => format!("{:.2} ms", ns / 1e6),
+    }
 }

@@ -9,6 +9,7 @@ use crate::net::{Driver, Input, Net, Node, NodeId};
 use rpi_diag::{Code, Finding};
 use rpi_image::{DevicePorts, Role, Value};
 use std::collections::BTreeMap;
+use std::fmt;
 
 /// Pairs of writers that are looked at, at most; further ones count as not proved.
 const PAIRS: usize = 20_000;
@@ -25,6 +26,12 @@ pub struct Resource {
     pub port: String,
     /// Which of several equal ones.
     pub index: i64,
+}
+
+impl fmt::Display for Resource {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{} {}[{}]", self.device, self.port, self.index)
+    }
 }
 
 /// Two writers of one resource, or of alternative ones.

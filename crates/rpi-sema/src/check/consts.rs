@@ -129,7 +129,7 @@ impl<'a> Body<'_, 'a> {
         self.try_fold(id).ok()
     }
 
-    fn try_fold(&mut self, id: ExprId) -> Result<Rc<[Leaf]>, NotConstant> {
+    pub(super) fn try_fold(&mut self, id: ExprId) -> Result<Rc<[Leaf]>, NotConstant> {
         match &self.unit.expr(id).kind {
             Kind::Literal(leaf) => return Ok([leaf.clone()].into()),
             Kind::Const(leaves) => return Ok(leaves.clone()),

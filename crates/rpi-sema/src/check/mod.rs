@@ -13,6 +13,7 @@
 //! | `body.rs`, `locals.rs`, `order.rs`, `statement.rs`, `contract.rs`, `targets.rs`, `definitions.rs`, `automaton.rs` | bodies, their flows and equations |
 //! | `expr.rs`, `names.rs`, `ops.rs`, `access.rs`, `compose.rs`, `clocked.rs` | expressions |
 //! | `call.rs`, `args.rs`, `prim.rs`, `predef.rs`, `special.rs`, `iterate.rs`, `condact.rs` | calls |
+//! | `task.rs` | tasks |
 //! | `nesting.rs` | how deep declarations may need one another |
 //! | `report.rs` | words that several of them use |
 //! | `words.rs` | names that are there without a declaration, for others |
@@ -46,6 +47,7 @@ mod special;
 mod statement;
 mod statics;
 mod targets;
+mod task;
 mod types;
 mod unit;
 mod words;
@@ -243,10 +245,8 @@ impl<'a> Checker<'a> {
             | DeclKind::Primitive(_)
             | DeclKind::Command(_)
             | DeclKind::Test(_) => return self.unit_alone(id),
-            DeclKind::EnumValue { .. }
-            | DeclKind::Frame(_)
-            | DeclKind::Task(_)
-            | DeclKind::Broken(_) => {}
+            DeclKind::Task(task) => self.task(id, task),
+            DeclKind::EnumValue { .. } | DeclKind::Frame(_) | DeclKind::Broken(_) => {}
         }
         None
     }

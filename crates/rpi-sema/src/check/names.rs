@@ -221,14 +221,17 @@ impl<'a> Body<'_, 'a> {
 
 /// The results of a command in text order.
 pub(crate) fn results_of(command: &CommandDecl) -> Vec<&Name> {
-    let ends = command
-        .body
-        .statements
-        .iter()
-        .filter_map(|statement| match &statement.kind {
-            ast::StatementKind::End(end) => Some(&end.result.name),
-            _ => None,
-        });
+    let ends = ends_of(command).into_iter();
+    ends.map(|end| &end.result.name).collect()
+}
+
+/// How a command can end, in text order.
+pub(crate) fn ends_of(command: &CommandDecl) -> Vec<&ast::End> {
+    let statements = command.body.statements.iter();
+    let ends = statements.filter_map(|statement| match &statement.kind {
+        ast::StatementKind::End(end) => Some(end.as_ref()),
+        _ => None,
+    });
     ends.collect()
 }
 

@@ -3,7 +3,7 @@
 use super::body::Body;
 use super::report::{Wanted, dimensions_apart};
 use crate::ty::{Geometry, Ty, join};
-use crate::typed::{Each, ExprId, Kind};
+use crate::typed::{Each, ExprId, Kind, Leaf, Unit, UnitKind};
 use crate::units::{Dim, Ratio};
 use rpi_diag::{Code, Finding, Span};
 use rpi_image::Scalar;
@@ -105,6 +105,9 @@ const BINARY: &[Row] = &[
     row(Sub,     (Time, Time),         "Core::TimeDiff",          false, Rule::Seconds),
 ];
 
+/// Those that have no result for a right operand of 0.
+const DIVISIONS: &[&str] = &["Core::IntDivide", "Rpi::IntModulo"];
+
 /// Unary operators that are one primitive.
 #[rustfmt::skip]
 const UNARY: &[(UnaryOp, Scalar, &str)] = &[
@@ -196,6 +199,29 @@ impl<'a> Body<'_, 'a> {
         }
     }
 
+    /// Whether an expression is the integer 0, written or worked out from what is written.
+    fn is_zero(&mut self, id: ExprId) -> bool {
+        let literal = |unit: &Unit, id: ExprId| matches!(unit.expr(id).kind, Kind::Literal(_));
+        let known = match &self.unit.expr(id).kind {
+            Kind::Literal(_) => true,
+            Kind::Prim(call) => {
+                let mut inputs = call.inputs.iter().flatten();
+                inputs.all(|input| literal(&self.unit, *input))
+            }
+            _ => false,
+        };
+        let value = known.then(|| self.try_fold(id).ok()).flatten();
+        value.is_some_and(|leaves| leaves.first().and_then(Leaf::as_int) == Some(0))
+    }
+
+    fn by_zero(&mut self, op: BinaryOp, divisor: ExprId) {
+        let message = format!("`{}` by zero has no result", op.spelling());
+        let finding = Finding::new(Code::RPI2012, message)
+            .at(self.span_of(divisor), "this is 0 in every cycle")
+            .help("correct the divisor");
+        self.report(finding);
+    }
+
     /// A binary operator on checked operands.
     pub(super) fn binary_prim(
         &mut self,
@@ -216,6 +242,11 @@ impl<'a> Body<'_, 'a> {
         let Some(row) = BINARY.iter().find(fits) else {
             return self.no_operator(op, left, right, span);
         };
+        // Whoever needs a constant says why it has none.
+        let is_run = self.unit.kind != UnitKind::Constant;
+        if is_run && DIVISIONS.contains(&row.prim) && self.is_zero(right) {
+            self.by_zero(op, right);
+        }
         let ty = self.result_type(row, left, right);
         let operands = if row.swapped {
             [right, left]

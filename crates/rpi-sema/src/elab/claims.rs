@@ -141,8 +141,12 @@ fn never(claim: &Claim) -> Finding {
         .help("correct the condition, or delete it")
 }
 
-/// The name of the fragment in place that a claim stands in; empty in the body.
+/// The name of the fragment in place that a claim stands in; empty in the body, and in a test, whose claims are all its
+/// own.
 fn fragment_around(scope: &Scope<'_>, block: BlockId) -> String {
+    if scope.unit.kind == UnitKind::Test {
+        return String::new();
+    }
     let content = scope.unit.block(block);
     let block = match (content.is_contract, content.parent) {
         (true, Some(parent)) => scope.unit.block(parent),

@@ -47,6 +47,24 @@ pub fn check(net: &Net) -> Vec<Finding> {
     findings
 }
 
+/// What was found out about a net without findings, in words.
+#[must_use]
+pub fn told(net: &Net) -> String {
+    let delays = net
+        .nodes
+        .iter()
+        .filter(|node| node.desc().role == Role::Delay);
+    let claims = net
+        .claims
+        .iter()
+        .filter(|claim| claim.kind.is_given())
+        .count();
+    format!(
+        "{} delays, none read before it has a value; {claims} claims relied upon",
+        delays.count()
+    )
+}
+
 /// What is claimed without being shown.
 fn given(net: &Net) -> impl Iterator<Item = PortRef> + '_ {
     let given = net.claims.iter().filter(|claim| claim.kind.is_given());

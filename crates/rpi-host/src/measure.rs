@@ -1,0 +1,49 @@
+//! How long a cycle takes on this machine, with caches as cold as they are when a cycle comes once in a millisecond.
+
+use std::hint::black_box;
+use std::time::Instant;
+
+use rpi_core::{Machine, Moment};
+use rpi_device::NoDevices;
+use rpi_image::Image;
+
+/// Bytes that are touched between two cycles: more than a core's caches hold.
+const OTHER_WORK: usize = 32 << 20;
+
+/// Bytes of a line of a cache.
+const LINE: usize = 64;
+
+/// The time of a cycle that half of all cycles keep, nanoseconds: what other programs on the machine take is not in it.
+///
+/// # Errors
+/// Why the image cannot be loaded.
+pub fn cold_cycle_ns(image: Image, cycles: usize) -> Result<u64, String> {
+    let machine = Machine::load(image, &mut NoDevices);
+    let mut machine = machine.map_err(|faults| {
+        let words: Vec<String> = faults.iter().map(ToString::to_string).collect();
+        words.join("; ")
+    })?;
+    let mut other = vec![0_u8; OTHER_WORK];
+    let mut times: Vec<u64> = (0..cycles.max(1))
+        .map(|_| {
+            other
+                .iter_mut()
+                .step_by(LINE)
+                .for_each(|byte| *byte = byte.wrapping_add(1));
+            black_box(&other);
+            cycle(&mut machine)
+        })
+        .collect();
+    times.sort_unstable();
+    Ok(times[times.len() / 2])
+}
+
+fn cycle(machine: &mut Machine) -> u64 {
+    let start = Instant::now();
+    let bank = &mut NoDevices;
+    machine.read(bank, &Moment::default());
+    machine.evaluate(bank);
+    machine.commit();
+    machine.hand_over(bank);
+    u64::try_from(start.elapsed().as_nanos()).unwrap_or(u64::MAX)
+}

@@ -1,0 +1,119 @@
+//! What the checker established about a unit, in words: for whoever asks what was looked at and found to be right.
+
+use crate::ty::Ty;
+use crate::typed::{Expr, ExprId, Kind, Unit, UnitId};
+use std::collections::BTreeSet;
+
+/// Primitives that divide integers.
+const DIVISIONS: [&str; 2] = ["Core::IntDivide", "Rpi::IntModulo"];
+
+/// The checker's analyses of a unit and all that it calls, each with a line.
+#[must_use]
+pub fn told(units: &[Unit], id: UnitId) -> Vec<(&'static str, String)> {
+    let all = reached(units, id);
+    let all: Vec<&Unit> = all.iter().map(|id| &units[id.0 as usize]).collect();
+    vec![
+        ("units", dimensions(&all)),
+        ("clocks", clocks(&all)),
+        ("bounds", bounds(&all)),
+        ("division", divisions(&all)),
+    ]
+}
+
+/// A unit and what it calls, each once.
+fn reached(units: &[Unit], id: UnitId) -> BTreeSet<UnitId> {
+    let (mut seen, mut open) = (BTreeSet::new(), vec![id]);
+    while let Some(id) = open.pop() {
+        if !seen.insert(id) {
+            continue;
+        }
+        let calls = units[id.0 as usize].exprs.iter();
+        open.extend(calls.filter_map(|expr| match &expr.kind {
+            Kind::Call(call) => Some(call.unit),
+            _ => None,
+        }));
+    }
+    seen
+}
+
+fn exprs<'u>(units: &'u [&Unit]) -> impl Iterator<Item = (&'u Unit, &'u Expr)> {
+    let of = |unit: &'u &Unit| unit.exprs.iter().map(move |expr| (*unit, expr));
+    units.iter().flat_map(of)
+}
+
+fn dimensions(units: &[&Unit]) -> String {
+    let (mut reals, mut with_unit, mut known) = (0, 0, BTreeSet::new());
+    for (_, expr) in exprs(units) {
+        if let Ty::Real(dim) = &expr.ty {
+            reals += 1;
+            if !dim.is_plain() {
+                with_unit += 1;
+                known.insert(dim.to_string());
+            }
+        }
+    }
+    let known: Vec<String> = known.into_iter().collect();
+    match known.is_empty() {
+        true => format!("{reals} real expressions, none with a unit"),
+        false => format!(
+            "{with_unit} of {reals} real expressions in {}",
+            known.join(", ")
+        ),
+    }
+}
+
+fn clocks(units: &[&Unit]) -> String {
+    let on = |unit: &&Unit| {
+        let flows = unit
+            .flows
+            .iter()
+            .filter(|flow| flow.clock.is_some())
+            .count();
+        let sampled = |expr: &&Expr| matches!(expr.kind, Kind::When { .. });
+        (flows, unit.exprs.iter().filter(sampled).count())
+    };
+    let (flows, sampled) = units
+        .iter()
+        .map(on)
+        .fold((0, 0), |a, b| (a.0 + b.0, a.1 + b.1));
+    match flows + sampled {
+        0 => "no flow is sampled".to_owned(),
+        _ => format!(
+            "{flows} flows declared on a clock, {sampled} samplings; each meets its own clock"
+        ),
+    }
+}
+
+fn bounds(units: &[&Unit]) -> String {
+    let is_array = |unit: &Unit, id: ExprId| matches!(unit.expr(id).ty, Ty::Array(..));
+    let (mut fixed, mut computed) = (0, 0);
+    for (unit, expr) in exprs(units) {
+        match &expr.kind {
+            Kind::Part { base, .. } | Kind::Slice { base, .. } if is_array(unit, *base) => {
+                fixed += 1;
+            }
+            Kind::Select { .. } => computed += 1,
+            _ => {}
+        }
+    }
+    format!("{fixed} places in arrays are constant and inside, {computed} are computed and watched")
+}
+
+fn divisions(units: &[&Unit]) -> String {
+    let (mut constant, mut computed) = (0, 0);
+    for (unit, expr) in exprs(units) {
+        let Kind::Prim(call) = &expr.kind else {
+            continue;
+        };
+        if !DIVISIONS.contains(&call.prim.desc().name) {
+            continue;
+        }
+        let divisor = call.inputs.get(1).copied().flatten();
+        let divisor = divisor.map(|id| &unit.expr(id).kind);
+        match divisor {
+            Some(Kind::Literal(_) | Kind::Const(_)) => constant += 1,
+            _ => computed += 1,
+        }
+    }
+    format!("{constant} integer divisions by a constant that is not 0, {computed} watched")
+}

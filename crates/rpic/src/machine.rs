@@ -1,0 +1,84 @@
+//! `rpic machine`: measures how long an elementary operation takes here at worst, and keeps that for the budgets of
+//! programs.
+
+use std::path::PathBuf;
+
+use rpi_driver::{Input, Kind, compile, lower_to_run, machine_text};
+use rpi_host::measure::cold_cycle_ns;
+use rpi_net::FragmentId;
+use rpi_net::passes::analyse;
+
+use crate::args::MachineArgs;
+use crate::outcome::{Exit, Outcome, put};
+
+/// Equations of the program that is measured: of all kinds, so that no branch can be foreseen.
+const EQUATIONS: usize = 2_000;
+
+/// Cycles that are measured.
+const CYCLES: usize = 500;
+
+/// What is written down exceeds what is measured so many times.
+const MARGIN: f64 = 2.0;
+
+/// Period for which the program is made, nanoseconds.
+const PERIOD: u64 = 1_000_000;
+
+/// Measures, and writes `machine.toml` or prints it.
+pub(crate) fn machine(args: &MachineArgs) -> Outcome {
+    let input = Input {
+        path: PathBuf::from("measured.rpi"),
+        kind: Kind::Rpi,
+        bytes: program(EQUATIONS).into_bytes(),
+    };
+    let compiled = compile(&input)?;
+    let [net] = compiled.nets() else {
+        return Err("the program that is measured does not compile".into());
+    };
+    let analysis = analyse(net.clone(), |_| false).map_err(|violation| violation.to_string())?;
+    let operations = analysis.work.of(FragmentId::ROOT).max(1);
+    let cycle = cold_cycle_ns(lower_to_run(net, PERIOD)?, CYCLES)?;
+    let measured = cycle as f64 / operations as f64;
+    let ns = MARGIN * measured;
+    eprintln!(
+        "a cycle of {operations} operations took {cycle} ns with cold caches: {measured:.2} ns each, written down as {ns:.2}"
+    );
+    put(args.output.as_deref(), machine_text(ns).as_bytes())?;
+    Ok(Exit::Good)
+}
+
+/// A command of sums, products, choices, comparisons and delays.
+fn program(equations: usize) -> String {
+    let mut body = String::from("  x0 = time / 1[s];\n");
+    for k in 1..equations {
+        let (one, other) = (k - 1, (k * 7919) % k);
+        let value = match (k * 31) % 5 {
+            0 => format!("0.5 * x{one} + 0.25 * x{other}"),
+            1 => format!("if x{one} > x{other} then x{one} else -x{other}"),
+            2 => format!("x{one} -> pre x{one} * 0.5"),
+            3 => format!("x{one} - x{other} * 0.125"),
+            _ => format!("if x{one} >= 0.0 and x{other} <= 1.0 then 0.5 else x{one}"),
+        };
+        body.push_str(&format!("  x{k} = {value};\n"));
+    }
+    let last = equations - 1;
+    format!(
+        "command Measured ()\nlet\n{body}  export x{last};\n  finish done when x{last} > 1000000.0;\ntel\n"
+    )
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_program_that_is_measured_compiles() {
+        let input = Input {
+            path: PathBuf::from("measured.rpi"),
+            kind: Kind::Rpi,
+            bytes: program(50).into_bytes(),
+        };
+        let compiled = compile(&input).expect("it is a program");
+        assert_eq!(compiled.findings, []);
+        assert_eq!(compiled.nets().len(), 1);
+    }
+}
