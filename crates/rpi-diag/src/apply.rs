@@ -1,25 +1,119 @@
 //! Applying fixes to texts.
 
-use crate::{Applicability, Edit, Finding};
+use crate::{Applicability, Edit, Finding, Fix};
 
-/// The edits of all sure fixes, last place first; of edits that overlap only the first in the text is kept.
+/// The sure fixes that can be applied together, in the order of the findings. A fix is taken as a whole: one that
+/// touches what an earlier one changes is left for the next look at the text, and one that makes the same change is
+/// the same fix.
+pub fn sure_fixes(findings: &[Finding]) -> Vec<&Fix> {
+    let mut taken: Vec<&Fix> = Vec::new();
+    let first = findings.iter().filter_map(|finding| finding.fixes.first());
+    for fix in first.filter(|fix| fix.applicability == Applicability::Sure) {
+        let mut edits = taken.iter().flat_map(|other| &other.edits);
+        if edits.all(|edit| fix.edits.iter().all(|own| !touch(own, edit))) {
+            taken.push(fix);
+        }
+    }
+    taken
+}
+
+/// The edits of the sure fixes, last place first.
 pub fn sure_edits(findings: &[Finding]) -> Vec<Edit> {
-    let fixes = findings.iter().filter_map(|f| f.fixes.first());
-    let sure = fixes.filter(|fix| fix.applicability == Applicability::Sure);
-    let mut edits: Vec<Edit> = sure.flat_map(|fix| fix.edits.iter().cloned()).collect();
-    edits.sort_by_key(|edit| (edit.span.file, edit.span.start, edit.span.end));
-    edits.dedup_by(|next, kept| {
-        next.span.file == kept.span.file && next.span.start < kept.span.end.max(kept.span.start + 1)
-    });
-    edits.reverse();
+    let fixes = sure_fixes(findings);
+    let mut edits: Vec<Edit> = fixes
+        .iter()
+        .flat_map(|fix| fix.edits.iter().cloned())
+        .collect();
+    last_first(&mut edits);
     edits
 }
 
-/// A text after edits, which are given last place first.
+/// Whether two edits change the same text, or insert at the same place, so that their order would matter.
+fn touch(a: &Edit, b: &Edit) -> bool {
+    let end = |edit: &Edit| edit.span.end.max(edit.span.start + 1);
+    a.span.file == b.span.file && a.span.start < end(b) && b.span.start < end(a)
+}
+
+fn last_first(edits: &mut [Edit]) {
+    edits.sort_by_key(|edit| std::cmp::Reverse((edit.span.file, edit.span.start, edit.span.end)));
+}
+
+/// A text after edits that do not touch each other. What is put in ends its lines as the text does.
 pub fn apply<'a>(text: &str, edits: impl Iterator<Item = &'a Edit>) -> String {
+    let mut edits: Vec<Edit> = edits.cloned().collect();
+    last_first(&mut edits);
+    let returns = text.contains("\r\n");
     let mut text = text.to_owned();
     for edit in edits {
-        text.replace_range(edit.span.start as usize..edit.span.end as usize, &edit.text);
+        let new = match returns {
+            true => edit.text.replace("\r\n", "\n").replace('\n', "\r\n"),
+            false => edit.text,
+        };
+        text.replace_range(edit.span.start as usize..edit.span.end as usize, &new);
     }
     text
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::{Code, FileId, Span};
+
+    fn at(start: u32, end: u32) -> Span {
+        Span::new(FileId(0), start, end)
+    }
+
+    fn finding(fix: Fix) -> Finding {
+        Finding::new(Code::RPI0001, "odd").fix(fix)
+    }
+
+    fn applied(text: &str, fixes: Vec<Fix>) -> String {
+        let findings: Vec<Finding> = fixes.into_iter().map(finding).collect();
+        apply(text, sure_edits(&findings).iter())
+    }
+
+    #[test]
+    fn fixes_that_touch_are_taken_one_by_one_and_as_a_whole() {
+        let around = Fix::sure("a")
+            .insert_before(at(0, 3), "(")
+            .insert_after(at(0, 3), ")");
+        let inside = Fix::sure("b").replace(at(1, 2), "_").replace(at(5, 6), "!");
+        assert_eq!(
+            applied("abc def", vec![around.clone(), inside.clone()]),
+            "(a_c) d!f"
+        );
+        let over = Fix::sure("c").replace(at(0, 2), "x").replace(at(6, 7), "y");
+        assert_eq!(applied("abc def", vec![over, inside]), "xc dey");
+        assert_eq!(applied("abc", vec![around.clone(), around]), "(abc)");
+    }
+
+    #[test]
+    fn only_sure_ones_are_taken() {
+        assert_eq!(
+            applied("abc", vec![Fix::maybe("a").replace(at(0, 3), "x")]),
+            "abc"
+        );
+    }
+
+    #[test]
+    fn lines_end_as_they_do_in_the_text() {
+        let tel = || vec![Fix::sure("a").insert_after(at(0, 3), "\ntel")];
+        assert_eq!(applied("let\r\n", tel()), "let\r\ntel\r\n");
+        assert_eq!(applied("let\n", tel()), "let\ntel\n");
+    }
+
+    #[test]
+    fn what_stands_before_is_not_moved_by_what_stands_behind() {
+        let edits = [
+            Edit {
+                span: at(0, 1),
+                text: "long".into(),
+            },
+            Edit {
+                span: at(2, 3),
+                text: String::new(),
+            },
+        ];
+        assert_eq!(apply("a b c", edits.iter()), "long  c");
+    }
 }

@@ -77,6 +77,7 @@ codes! {
     RPI0013 Warning "foreign comment mark";
     RPI0014 Note "contract in a comment";
     RPI0015 Warning "`when` read as in Lustre V6";
+    RPI0016 Error "spelling of another language";
     RPI0101 Error "unexpected sign in a net";
     RPI0102 Error "text without end in a net";
     RPI0103 Error "net nested too deeply";

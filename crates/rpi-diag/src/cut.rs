@@ -6,6 +6,9 @@ use crate::{Finding, Label, SourceMap, Style};
 /// Snippets up to this many bytes are drawn by whole lines.
 const WHOLE: usize = 4000;
 
+/// Lines up to this many bytes are drawn whole.
+const LINE: usize = 400;
+
 /// Characters shown before a place, of it, and behind it.
 const AROUND: usize = 30;
 
@@ -15,9 +18,18 @@ pub(crate) fn is_needed(finding: &Finding, sources: &SourceMap) -> bool {
         let bytes = sources.text(label.span.file).as_bytes();
         let (start, end) = sources.clamp(label.span);
         let before = two_lines(bytes[..start].iter().rev());
-        end - start + before + two_lines(bytes[end..].iter()) > WHOLE
+        let line = line(bytes[..start].iter().rev()) + line(bytes[start..].iter());
+        line > LINE || end - start + before + two_lines(bytes[end..].iter()) > WHOLE
     };
     finding.labels.iter().any(too_long)
+}
+
+/// The bytes up to the end of a line, counted no further than it matters.
+fn line<'b>(bytes: impl Iterator<Item = &'b u8>) -> usize {
+    bytes
+        .take(LINE + 1)
+        .take_while(|byte| **byte != b'\n')
+        .count()
 }
 
 /// The bytes of two lines, counted no further than it matters.

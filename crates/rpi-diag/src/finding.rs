@@ -1,6 +1,6 @@
 //! One finding: a code, a sentence, the places involved, and what to do about it.
 
-use crate::{Code, Severity, Span};
+use crate::{Code, FileId, Severity, Span};
 
 /// Something that a check found out about a program.
 #[derive(Clone, PartialEq, Eq, Debug)]
@@ -105,6 +105,17 @@ impl Finding {
         self
     }
 
+    /// Adds the name that may have been meant at a place, if there is one near enough.
+    #[must_use]
+    pub fn did_you_mean(self, span: Span, near: Option<impl Into<String>>) -> Finding {
+        match near.map(Into::into) {
+            Some(near) => self
+                .help(format!("did you mean `{near}`?"))
+                .fix(Fix::maybe(format!("write `{near}`")).replace(span, near)),
+            None => self,
+        }
+    }
+
     /// How much it weighs; the table of codes says so.
     pub fn severity(&self) -> Severity {
         self.code.severity()
@@ -116,6 +127,22 @@ impl Finding {
         primary
             .or(self.labels.first())
             .map_or(Span::NONE, |label| label.span)
+    }
+
+    /// The same finding where the files have other numbers: `files` tells them by the old ones.
+    #[must_use]
+    pub fn renumbered(mut self, files: &[FileId]) -> Finding {
+        let renumber = |span: &mut Span| {
+            if let Some(file) = files.get(span.file.0 as usize) {
+                span.file = *file;
+            }
+        };
+        self.labels
+            .iter_mut()
+            .for_each(|label| renumber(&mut label.span));
+        let edits = self.fixes.iter_mut().flat_map(|fix| &mut fix.edits);
+        edits.for_each(|edit| renumber(&mut edit.span));
+        self
     }
 
     fn label(mut self, span: Span, text: impl Into<String>, primary: bool) -> Finding {

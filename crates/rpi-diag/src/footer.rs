@@ -85,7 +85,7 @@ fn preview(fix: &Fix, sources: &SourceMap, style: Style) -> String {
 }
 
 /// Lines longer than this are not shown again with a fix.
-const LONGEST: u32 = 4000;
+const LONGEST: u32 = 400;
 
 /// Whole lines around an edit.
 struct Region {

@@ -36,13 +36,17 @@ fn place(finding: &Finding, sources: &SourceMap) -> Vec<String> {
         return Vec::new();
     }
     let (start, end) = (sources.line_col(span), sources.line_col_end(span));
-    vec![
+    let mut place = vec![
         format!("file={}", property(name)),
         format!("line={}", start.line),
-        format!("col={}", start.col),
         format!("endLine={}", end.line),
-        format!("endColumn={}", end.col),
-    ]
+    ];
+    // Columns are for places within one line.
+    if start.line == end.line {
+        place.push(format!("col={}", start.col));
+        place.push(format!("endColumn={}", end.col));
+    }
+    place
 }
 
 fn escape(text: &str) -> String {

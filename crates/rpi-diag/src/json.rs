@@ -113,14 +113,18 @@ fn label_row<'a>(label: &'a Label, sources: &'a SourceMap) -> LabelRow<'a> {
     }
 }
 
-fn fix_row<'a>(fix: &'a Fix, sources: &'a SourceMap) -> FixRow<'a> {
-    let applicability = match fix.applicability {
+/// `sure` or `maybe`.
+pub(crate) fn applicability(applicability: Applicability) -> &'static str {
+    match applicability {
         Applicability::Sure => "sure",
         Applicability::Maybe => "maybe",
-    };
+    }
+}
+
+fn fix_row<'a>(fix: &'a Fix, sources: &'a SourceMap) -> FixRow<'a> {
     FixRow {
         title: &fix.title,
-        applicability,
+        applicability: applicability(fix.applicability),
         edits: fix
             .edits
             .iter()

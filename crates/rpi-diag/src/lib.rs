@@ -32,7 +32,7 @@ mod style;
 mod suggest;
 mod texts;
 
-pub use apply::{apply, sure_edits};
+pub use apply::{apply, sure_edits, sure_fixes};
 pub use codes::{Code, Severity};
 pub use finding::{Applicability, Edit, Finding, Fix, Label};
 pub use format::{Format, render_as};

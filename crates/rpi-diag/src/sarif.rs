@@ -3,7 +3,7 @@
 
 use serde::Serialize;
 
-use crate::{Code, Finding, Fix, Severity, SourceMap, Span, json};
+use crate::{Code, Edit, Finding, Fix, Label, Severity, SourceMap, Span, json};
 
 /// The log of one run.
 pub(crate) fn render(findings: &[Finding], sources: &SourceMap) -> String {
@@ -108,21 +108,44 @@ struct OwnedText {
 #[derive(Serialize)]
 #[serde(rename_all = "camelCase")]
 struct Location<'a> {
-    physical_location: PhysicalLocation<'a>,
+    physical_location: PhysicalLocation,
     #[serde(skip_serializing_if = "Option::is_none")]
     message: Option<Text<'a>>,
 }
 
 #[derive(Serialize)]
 #[serde(rename_all = "camelCase")]
-struct PhysicalLocation<'a> {
-    artifact_location: Artifact<'a>,
+struct PhysicalLocation {
+    artifact_location: Artifact,
     region: Region,
 }
 
 #[derive(Serialize)]
-struct Artifact<'a> {
-    uri: &'a str,
+struct Artifact {
+    uri: String,
+}
+
+impl Artifact {
+    /// A file by its name, as RFC 3986 wants references: escaped, with slashes, absolute ones with their scheme.
+    fn of(name: &str) -> Artifact {
+        let path = name.replace('\\', "/");
+        let is_drive = path.as_bytes().get(1) == Some(&b':');
+        let start = match (path.starts_with('/'), is_drive) {
+            (true, _) => "file://",
+            (false, true) => "file:///",
+            (false, false) => "",
+        };
+        let escaped = path.bytes().enumerate().map(|(at, byte)| match byte {
+            b'A'..=b'Z' | b'a'..=b'z' | b'0'..=b'9' | b'-' | b'.' | b'_' | b'~' | b'/' => {
+                char::from(byte).to_string()
+            }
+            b':' if is_drive && at == 1 => ":".to_owned(),
+            _ => format!("%{byte:02X}"),
+        });
+        Artifact {
+            uri: format!("{start}{}", escaped.collect::<String>()),
+        }
+    }
 }
 
 #[derive(Serialize)]
@@ -141,12 +164,19 @@ struct Region {
 struct SarifFix<'a> {
     description: Text<'a>,
     artifact_changes: Vec<Change<'a>>,
+    properties: FixProperties,
+}
+
+/// What SARIF has no place for: whether the fix may be applied unasked.
+#[derive(Serialize)]
+struct FixProperties {
+    applicability: &'static str,
 }
 
 #[derive(Serialize)]
 #[serde(rename_all = "camelCase")]
 struct Change<'a> {
-    artifact_location: Artifact<'a>,
+    artifact_location: Artifact,
     replacements: Vec<Replacement<'a>>,
 }
 
@@ -192,7 +222,7 @@ fn result<'a>(finding: &'a Finding, codes: &[Code], sources: &'a SourceMap) -> S
         fixes: finding
             .fixes
             .iter()
-            .map(|fix| sarif_fix(fix, sources))
+            .filter_map(|fix| sarif_fix(fix, sources))
             .collect(),
     }
 }
@@ -202,12 +232,16 @@ fn locations<'a>(finding: &'a Finding, primary: bool, sources: &'a SourceMap) ->
         .labels
         .iter()
         .filter(|label| label.primary == primary && !label.span.is_none());
-    labels
+    let mut once: Vec<&Label> = Vec::new();
+    for label in labels {
+        if !once.contains(&label) {
+            once.push(label);
+        }
+    }
+    once.into_iter()
         .map(|label| Location {
             physical_location: PhysicalLocation {
-                artifact_location: Artifact {
-                    uri: sources.name(label.span.file),
-                },
+                artifact_location: Artifact::of(sources.name(label.span.file)),
                 region: region(label.span, sources),
             },
             message: (!label.text.is_empty()).then_some(Text { text: &label.text }),
@@ -215,21 +249,32 @@ fn locations<'a>(finding: &'a Finding, primary: bool, sources: &'a SourceMap) ->
         .collect()
 }
 
-fn sarif_fix<'a>(fix: &'a Fix, sources: &'a SourceMap) -> SarifFix<'a> {
-    let changes = fix.edits.iter().filter(|edit| !edit.span.is_none());
-    let change = |edit: &'a crate::Edit| Change {
-        artifact_location: Artifact {
-            uri: sources.name(edit.span.file),
-        },
-        replacements: vec![Replacement {
-            deleted_region: region(edit.span, sources),
-            inserted_content: Text { text: &edit.text },
-        }],
+/// A fix, its replacements file by file; none for a fix of what has no text.
+fn sarif_fix<'a>(fix: &'a Fix, sources: &'a SourceMap) -> Option<SarifFix<'a>> {
+    let mut edits: Vec<&Edit> = fix
+        .edits
+        .iter()
+        .filter(|edit| !edit.span.is_none())
+        .collect();
+    edits.sort_by_key(|edit| edit.span);
+    let files = edits.chunk_by(|a, b| a.span.file == b.span.file);
+    let change = |edits: &[&'a Edit]| Change {
+        artifact_location: Artifact::of(sources.name(edits[0].span.file)),
+        replacements: edits
+            .iter()
+            .map(|edit| Replacement {
+                deleted_region: region(edit.span, sources),
+                inserted_content: Text { text: &edit.text },
+            })
+            .collect(),
     };
-    SarifFix {
+    (!edits.is_empty()).then(|| SarifFix {
         description: Text { text: &fix.title },
-        artifact_changes: changes.map(change).collect(),
-    }
+        artifact_changes: files.map(change).collect(),
+        properties: FixProperties {
+            applicability: json::applicability(fix.applicability),
+        },
+    })
 }
 
 fn region(span: Span, sources: &SourceMap) -> Region {

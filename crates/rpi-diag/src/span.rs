@@ -104,6 +104,18 @@ impl SourceMap {
         FileId(u32::try_from(self.files.len() - 1).unwrap_or(u32::MAX))
     }
 
+    /// Takes up all files of another map; a file of the same name and text is the same file. For each file of the other
+    /// map, in its order, the file here.
+    pub fn absorb(&mut self, other: &SourceMap) -> Vec<FileId> {
+        let mut taken = Vec::with_capacity(other.files.len());
+        for file in &other.files {
+            let same = |id: &FileId| self.name(*id) == file.name && self.text(*id) == file.text;
+            let known = self.files().find(same);
+            taken.push(known.unwrap_or_else(|| self.add(file.name.clone(), file.text.clone())));
+        }
+        taken
+    }
+
     /// The name of a file; empty for one that is not in the map.
     pub fn name(&self, id: FileId) -> &str {
         self.file(id).map_or("", |f| &f.name)

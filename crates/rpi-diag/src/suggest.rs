@@ -1,11 +1,11 @@
 //! "Did you mean": the nearest of the names that would have been right.
 
 /// The candidate nearest to `name`, if one is near enough to be a slip of the fingers: at most one
-/// change for every three characters, and fewer changes than characters. Equally near ones are
+/// change for every three characters (two for five), and fewer changes than characters. Equally near ones are
 /// decided by the alphabet, so that the answer does not depend on the order of the candidates.
 pub fn suggest<'a>(name: &str, candidates: impl Iterator<Item = &'a str>) -> Option<String> {
     let wanted: Vec<char> = name.to_lowercase().chars().collect();
-    let limit = wanted.len().div_ceil(3).min(wanted.len().saturating_sub(1));
+    let limit = ((wanted.len() + 1) / 3).min(wanted.len().saturating_sub(1));
     candidates
         .filter(|candidate| *candidate != name)
         .map(|candidate| (distance(&wanted, &lower(candidate)), candidate))

@@ -74,9 +74,11 @@ fn program(input: &Input, text: &str, claims: Claims) -> Compiled {
     let (mut built, _) = source::build_modules(&modules, claims);
     let links = doctext::broken_links(&sources, mode, &|| modules.index());
     built.findings.extend(links);
+    let mut findings = built.findings;
+    crate::fixes::of_the_program(&mut findings, &sources);
     Compiled {
         sources,
-        findings: built.findings,
+        findings,
         program: Program::Nets(built.nets),
         tests: built.tests,
         told: built.told,

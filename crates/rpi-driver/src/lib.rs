@@ -8,6 +8,7 @@ mod compile;
 mod doctext;
 pub mod emit;
 mod files;
+mod fixes;
 pub mod graph;
 pub mod import;
 mod input;

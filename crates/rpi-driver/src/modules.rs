@@ -1,7 +1,8 @@
 //! The modules of a program: its file, what it includes and uses, and the standard library, which is built in.
 
-use std::collections::VecDeque;
+use std::collections::{BTreeMap, VecDeque};
 use std::path::{Path, PathBuf};
+use std::sync::OnceLock;
 
 use rpi_diag::{FileId, Finding, SourceMap};
 use rpi_net::passes::Machine;
@@ -222,7 +223,7 @@ impl<'a> Loader<'a> {
             .iter()
             .all(|module| module.name != library.name)
         {
-            let path = format!("stdlib/{}.rpi", library.name);
+            let path = library_path(library.name);
             self.module(
                 library.name,
                 &path,
@@ -274,11 +275,47 @@ fn uses(file: &File) -> Vec<String> {
     names
 }
 
+/// The name under which messages show a module of the standard library.
+pub(crate) fn library_path(name: &str) -> String {
+    format!("stdlib/{name}.rpi")
+}
+
 /// The text of a module of the standard library.
 #[must_use]
 pub fn library_text(name: &str) -> Option<&'static str> {
     let found = LIBRARY.iter().find(|library| library.name == name);
     found.map(|library| library.text)
+}
+
+/// What a program could use of the standard library.
+pub(crate) const BESIDE: rpi_sema::program::Library = rpi_sema::program::Library {
+    modules: || library_modules().collect(),
+    declaring,
+};
+
+/// The module of the standard library that declares a name, among those that have to be used.
+fn declaring(name: &str) -> Option<&'static str> {
+    static NAMES: OnceLock<BTreeMap<String, &'static str>> = OnceLock::new();
+    NAMES.get_or_init(declared).get(name).copied()
+}
+
+/// Every name that the modules of the standard library declare, with its module.
+fn declared() -> BTreeMap<String, &'static str> {
+    let mut names = BTreeMap::new();
+    for library in LIBRARY.iter().filter(|library| !library.implicit) {
+        let file = parse(FileId(0), library.text, Mode::Rpi).file;
+        let source = Source {
+            name: Name::from(library.name),
+            mode: Mode::Rpi,
+            files: vec![&file],
+            implicit: false,
+        };
+        let (program, _) = rpi_sema::program::Program::collect(&[source]);
+        for decl in &program.decls {
+            names.entry(decl.name.to_string()).or_insert(library.name);
+        }
+    }
+    names
 }
 
 /// The names of the standard library's modules.

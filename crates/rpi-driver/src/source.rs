@@ -92,7 +92,7 @@ pub(crate) fn with_front<T>(
     back: impl FnOnce(&Front<'_>, &mut Vec<Finding>) -> T,
 ) -> (Option<T>, Vec<Finding>, Checked) {
     let texts = modules.sources();
-    let (program, mut findings) = Program::collect(&texts);
+    let (program, mut findings) = Program::collect_beside(&texts, crate::modules::BESIDE);
     findings.splice(0..0, modules.findings.iter().cloned());
     let mut checked = check(&program);
     findings.append(&mut checked.findings);
@@ -112,6 +112,7 @@ pub(crate) fn with_front<T>(
         told: RefCell::default(),
     };
     let made = (!has_errors(&findings)).then(|| back(&front, &mut findings));
+    crate::fixes::typed(&mut findings, &checked);
     // What is only worth knowing about a library is not the business of who uses it.
     let own = texts.first().map_or(0, |root| root.files.len());
     findings.retain(|finding| {

@@ -202,34 +202,11 @@ fn listed(words: impl Iterator<Item = String>) -> String {
     }
 }
 
-/// Habits from other languages, by the token not accepted and the one before it.
-const HINTS: &[(Option<Token>, Option<Token>, &str)] = &[
-    (Some(Eq), Some(Eq), "equality is written `=`"),
-    (Some(Bar), Some(Bar), "disjunction is written `or`"),
-    (Some(And), Some(And), "conjunction is written `and`"),
-    (
-        None,
-        Some(Percent),
-        "the remainder is written `mod`; `60%` is 0.6",
-    ),
-    (
-        Some(Percent),
-        None,
-        "the remainder is written `mod`; `60%` is 0.6",
-    ),
-    (None, Some(LBrace), "a body stands between `let` and `tel`"),
-    (
-        None,
-        Some(Colon),
-        "an equation is written `x = e`; a type goes into the `var` section",
-    ),
-];
-
-/// What may have been meant.
-pub(crate) fn hint(before: Option<Token>, here: Option<Token>) -> Option<&'static str> {
-    let fits = |pattern: &Option<Token>, token| pattern.is_none() || *pattern == token;
-    let found = HINTS
-        .iter()
-        .find(|(a, b, _)| fits(a, before) && fits(b, here));
-    found.map(|(_, _, hint)| *hint)
+/// What may have been meant where a token was not accepted.
+pub(crate) fn hint(here: Option<Token>) -> Option<&'static str> {
+    match here {
+        Some(LBrace) => Some("a body stands between `let` and `tel`"),
+        Some(Colon) => Some("an equation is written `x = e`; a type goes into the `var` section"),
+        _ => None,
+    }
 }

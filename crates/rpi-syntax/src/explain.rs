@@ -157,10 +157,7 @@ impl Found<'_, '_> {
             None => "the declaration ends here".to_owned(),
         };
         let finding = Finding::new(Code::RPI0001, message).at(self.place(self.fault.at), found);
-        match expected::hint(
-            before.map(|lexeme| lexeme.token),
-            here.map(|lexeme| lexeme.token),
-        ) {
+        match expected::hint(here.map(|lexeme| lexeme.token)) {
             Some(hint) => finding.help(hint),
             None => finding,
         }

@@ -2,7 +2,7 @@
 
 use crate::comments::{Comment, CommentKind, Comments};
 use crate::token::Token;
-use crate::{Mode, lexical, words};
+use crate::{Mode, habits, lexical, units, words};
 use logos::Logos;
 use rpi_diag::{FileId, Finding, Span};
 use std::collections::BTreeSet;
@@ -41,6 +41,7 @@ pub(crate) fn lex_skipping(file: FileId, text: &str, mode: Mode, skipped: &BTree
     lexer.stretch(0, text.len());
     lexer.report_unknown();
     words::settle(&mut lexer.out.lexemes);
+    words::mark_types(&mut lexer.out.lexemes);
     lexer.out
 }
 
@@ -77,9 +78,21 @@ impl<'t> Lexer<'t> {
 
     /// The tokens of a part of the text.
     fn stretch(&mut self, from: usize, to: usize) {
-        for (result, range) in Token::lexer(&self.text[from..to]).spanned() {
-            let [start, end] = [range.start, range.end].map(|at| (from + at) as u32);
+        let text = &self.text[from..to];
+        let mut tokens = Token::lexer(text);
+        while let Some(result) = tokens.next() {
+            let end = tokens.span().end;
+            let comment = result.is_ok_and(|token| self.begins_comment(token, text, end as u32));
+            let more = match result {
+                _ if comment => tokens.remainder().find('\n').unwrap_or(text.len() - end),
+                Ok(Token::NumberWord) => units::rest(tokens.remainder()),
+                _ => 0,
+            };
+            tokens.bump(more);
+            let [start, end] =
+                [tokens.span().start, tokens.span().end].map(|at| (from + at) as u32);
             match result {
+                Ok(token) if comment => self.comment(Lexeme { token, start, end }),
                 Ok(token) => self.token(Lexeme { token, start, end }),
                 Err(()) => self.unknown(start, end),
             }
@@ -95,6 +108,7 @@ impl<'t> Lexer<'t> {
             IntDotDot => self.int_dot_dot(lexeme),
             NumberWord => self.number_word(lexeme),
             OpenStr => self.open_str(lexeme),
+            Foreign => self.foreign(lexeme),
             Percent if self.mode == Mode::Lustre => self.push(Mod, lexeme),
             Ampersand => self.push(And, lexeme),
             token => self.word_or_sign(token, lexeme),
@@ -132,7 +146,7 @@ impl<'t> Lexer<'t> {
         self.push(Token::DotDot, dots);
     }
 
-    /// `250mm`: reported, and read as the number alone.
+    /// `250mm/s`: reported, and read as the number with its unit.
     fn number_word(&mut self, lexeme: Lexeme) {
         let text = self.slice(lexeme);
         let digits = text.len()
@@ -147,6 +161,53 @@ impl<'t> Lexer<'t> {
             false => Token::Int,
         };
         self.push(token, Lexeme { end, ..lexeme });
+        self.unit(&text[digits..], end);
+    }
+
+    /// A unit that lacks its brackets, with them.
+    fn unit(&mut self, text: &str, start: u32) {
+        let at = |offset: usize| start + offset as u32;
+        let bracket = |token, place| Lexeme {
+            token,
+            start: place,
+            end: place,
+        };
+        self.out.lexemes.push(bracket(Token::LBracket, start));
+        for (token, range) in Token::lexer(text).spanned() {
+            let (start, end) = (at(range.start), at(range.end));
+            let token = token.unwrap_or(Token::Broken);
+            self.out.lexemes.push(Lexeme { token, start, end });
+        }
+        self.out
+            .lexemes
+            .push(bracket(Token::RBracket, at(text.len())));
+    }
+
+    /// `==`: reported, and read as what is meant.
+    fn foreign(&mut self, lexeme: Lexeme) {
+        let Some(sign) = habits::sign(self.slice(lexeme)) else {
+            return self.unknown(lexeme.start, lexeme.end);
+        };
+        let finding = habits::foreign_sign(self.span(lexeme), self.text, sign);
+        self.out.findings.push(finding);
+        self.push(sign.token, lexeme);
+    }
+
+    /// Whether a `#` or `%` begins a comment, as elsewhere: here the one is an operator before `(`, the other
+    /// stands behind a number.
+    fn begins_comment(&self, token: Token, text: &str, end: u32) -> bool {
+        let called = || {
+            text[end as usize..]
+                .trim_start_matches([' ', '\t'])
+                .starts_with('(')
+        };
+        let before = self.out.lexemes.last().map(|lexeme| lexeme.token);
+        let begins = matches!(before, None | Some(Token::Semi | Token::Let | Token::Tel));
+        match token {
+            Token::Hash => !called(),
+            Token::Percent => self.mode == Mode::Rpi && begins,
+            _ => false,
+        }
     }
 
     fn open_str(&mut self, lexeme: Lexeme) {
@@ -187,7 +248,10 @@ impl<'t> Lexer<'t> {
         }
         let finding = match lexeme.token {
             Token::OpenComment => Some(lexical::open_comment(span)),
-            Token::SlashComment if self.mode == Mode::Rpi => Some(lexical::slash_comment(span)),
+            Token::SlashComment if self.mode == Mode::Rpi => {
+                Some(lexical::foreign_comment(span, 2))
+            }
+            Token::Hash | Token::Percent => Some(lexical::foreign_comment(span, 1)),
             _ if kind == CommentKind::Contract => Some(lexical::contract_comment(span)),
             _ => None,
         };
@@ -228,7 +292,7 @@ fn comment_kind(text: &str) -> CommentKind {
             _ => CommentKind::Line,
         },
         Some(rest) if rest.trim_start().starts_with(CONTRACT) => CommentKind::Contract,
-        _ if text.starts_with("//") => CommentKind::Line,
+        _ if text.starts_with(['#', '%']) || text.starts_with("//") => CommentKind::Line,
         _ => CommentKind::Block,
     }
 }

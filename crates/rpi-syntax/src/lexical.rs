@@ -72,8 +72,7 @@ pub(crate) fn number_runs_into_word(span: Span, text: &str, digits: usize) -> Fi
         Code::RPI0007,
         format!("the number `{number}` runs into the word `{word}`"),
     )
-    .at(span, "neither a number nor a name")
-    .help(format!("a unit is written in brackets: `{meant}`"))
+    .at(span, "a unit is written in brackets")
     .fix(Fix::maybe(format!("write `{meant}`")).replace(span, meant))
 }
 
@@ -92,9 +91,10 @@ pub(crate) fn check_number(span: Span, text: &str) -> Option<Finding> {
     (!holds).then(|| Finding::new(Code::RPI0008, message()).at(span, "out of range"))
 }
 
-pub(crate) fn slash_comment(span: Span) -> Finding {
+/// A comment as other languages begin it, by a mark of so many bytes.
+pub(crate) fn foreign_comment(span: Span, mark: u32) -> Finding {
     let mark = Span {
-        end: span.start + 2,
+        end: span.start + mark,
         ..span
     };
     Finding::new(Code::RPI0013, "comments begin with `--`")

@@ -17,6 +17,7 @@ mod dump;
 mod expected;
 mod explain;
 mod grammar;
+mod habits;
 mod lexer;
 mod lexical;
 mod make;
@@ -34,6 +35,7 @@ mod split;
 mod structure;
 mod text;
 mod token;
+mod units;
 mod words;
 
 pub use comments::{Comment, CommentKind, Comments};

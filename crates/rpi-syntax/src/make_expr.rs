@@ -42,7 +42,7 @@ impl Context<'_> {
     /// The number at the head of a unit, `1` in `1/s`.
     pub(crate) fn unit_one(&self, l: u32, r: u32) -> Vec<UnitFactor> {
         if self.slice(l, r) != "1" {
-            self.report(phrase::unit_head(self.span(l, r)));
+            self.report(phrase::unit_head(self.span(l, r), self.text));
         }
         Vec::new()
     }
@@ -54,6 +54,17 @@ impl Context<'_> {
             self.report(phrase::unit_power(self.span(l, r)));
             1
         })
+    }
+
+    /// `real[m]`; of `real[3]`, which has been reported, nothing is known.
+    pub(crate) fn real_type(&self, l: u32, unit: Unit, r: u32) -> Type {
+        let is_number =
+            unit.factors.is_empty() && self.slice(unit.span.start, unit.span.end) != "1";
+        let kind = match is_number {
+            true => TypeKind::Broken,
+            false => TypeKind::Real(Some(unit)),
+        };
+        self.ty(l, kind, r)
     }
 
     pub(crate) fn ty(&self, l: u32, kind: TypeKind, r: u32) -> Type {

@@ -9,6 +9,7 @@ use crate::context::Context;
 use crate::declared;
 use crate::explain::{Fault, Found};
 use crate::grammar::ItemParser;
+use crate::habits::{self, Habit, Mend};
 use crate::lexer::Lexeme;
 use crate::structure::{Structure, closing};
 use crate::token::Token;
@@ -172,6 +173,10 @@ impl<'c, 't, 'f> Mender<'c, 't, 'f> {
             structure: &structure,
             fault,
         };
+        if let Some(habit) = habits::recognise(&found) {
+            let phrase = structure.phrase(fault.at);
+            return self.follow(habit, phrase);
+        }
         let open_let = structure.open_let().filter(|_| at_end);
         let lacks_semi = open_let.is_none() && found.lacks_semi();
         self.findings.push(match open_let {
@@ -187,6 +192,21 @@ impl<'c, 't, 'f> Mender<'c, 't, 'f> {
                 true
             }
             (None, false) => self.take_out(phrase),
+        }
+    }
+
+    /// Reports a habit and reads the tokens as they were meant; `phrase` is what is left out otherwise.
+    fn follow(&mut self, habit: Habit, phrase: Range<usize>) -> bool {
+        self.findings.push(habit.finding);
+        match habit.mend {
+            Mend::Tokens(edits) => {
+                for (range, tokens) in edits.into_iter().rev() {
+                    self.lexemes.splice(range, tokens);
+                }
+                true
+            }
+            Mend::Phrase(phrase, names) => self.take_out_defining(phrase, names),
+            Mend::Usual => self.take_out(phrase),
         }
     }
 
@@ -230,10 +250,7 @@ impl<'c, 't, 'f> Mender<'c, 't, 'f> {
         if phrase.is_empty() && self.lexemes.get(phrase.start).is_some_and(closes) {
             phrase.end += 1;
         }
-        let Some(first) = self.lexemes.get(phrase.start).copied() else {
-            return false;
-        };
-        let taken = &self.lexemes[phrase.clone()];
+        let taken = self.lexemes.get(phrase.clone()).unwrap_or(&[]);
         if let [
             Lexeme {
                 token: Token::Broken,
@@ -243,9 +260,18 @@ impl<'c, 't, 'f> Mender<'c, 't, 'f> {
         {
             return false;
         }
+        let names = declared::by_phrase(self.cx, taken);
+        self.take_out_defining(phrase, names)
+    }
+
+    /// Replaces a phrase by a broken one that defines these names.
+    fn take_out_defining(&mut self, phrase: Range<usize>, names: Vec<Ident>) -> bool {
+        let Some(first) = self.lexemes.get(phrase.start).copied() else {
+            return false;
+        };
+        let taken = &self.lexemes[phrase.clone()];
         let end = taken.last().map_or(first.start, |lexeme| lexeme.end);
-        self.cx
-            .set_broken(first.start, declared::by_phrase(self.cx, taken));
+        self.cx.set_broken(first.start, names);
         let broken = Lexeme {
             token: Token::Broken,
             start: first.start,

@@ -25,9 +25,23 @@ pub(crate) fn when_binds_tightly(part: Span) -> Finding {
     .fix(fix)
 }
 
-pub(crate) fn unit_head(span: Span) -> Finding {
-    Finding::new(Code::RPI0001, "only `1` may stand for no unit")
-        .at(span, "expected `1`, as in `1/s`, or the name of a unit")
+pub(crate) fn unit_head(span: Span, text: &str) -> Finding {
+    let finding = Finding::new(Code::RPI0001, "a number is no unit")
+        .at(span, "expected the name of a unit, or `1` as in `1/s`");
+    let number = &text[span.start as usize..span.end as usize];
+    let brackets = Span {
+        start: span.start.saturating_sub(1),
+        end: span.end + 1,
+        ..span
+    };
+    match text.get(brackets.start as usize..brackets.end as usize) {
+        Some(whole) if whole == format!("[{number}]") => finding
+            .help(format!(
+                "the size of an array stands behind `^`: `real^{number}`"
+            ))
+            .fix(Fix::maybe(format!("write `^{number}`")).replace(brackets, format!("^{number}"))),
+        _ => finding,
+    }
 }
 
 pub(crate) fn unit_power(span: Span) -> Finding {

@@ -131,6 +131,16 @@ impl<'t> Structure<'t> {
         parent.is_some_and(|open| is_block(self.lexemes[open].token))
     }
 
+    /// What closes or opens what the token opens or closes.
+    pub(crate) fn partner(&self, at: usize) -> Option<usize> {
+        self.partners.get(at).copied().flatten()
+    }
+
+    /// The innermost opening token around the token.
+    pub(crate) fn parent(&self, at: usize) -> Option<usize> {
+        self.parents.get(at).copied().flatten()
+    }
+
     fn start(&self, at: usize, parent: Option<usize>) -> usize {
         let first = parent.map_or(0, |open| open + 1);
         let mut start = at;

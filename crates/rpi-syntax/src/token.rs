@@ -98,6 +98,9 @@ macro_rules! tokens {
             OpenComment,
             /// A text that names a claim: `assume "sensor range" x < 5.0`.
             Label,
+            /// A sign of another language; the lexer puts in ours, see [`crate::habits::SIGNS`].
+            #[regex(r"==>?|===|!==?|~=|&&|\|\||:=|!|~")]
+            Foreign,
             /// Stands for a phrase with a fault that has been reported.
             Broken,
         }

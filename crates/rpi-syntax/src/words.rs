@@ -30,6 +30,65 @@ fn settle_text(lexemes: &mut [Lexeme], at: usize) {
     }
 }
 
+/// Puts in the `type` of `f<<type real[m]>>` where it was left out: nothing else than a type can be meant.
+pub(crate) fn mark_types(lexemes: &mut Vec<Lexeme>) {
+    use Token::{Comma, LBracket, LStatic, RealType};
+    let begins = |at: &usize| {
+        let is_type = lexemes[at + 1].token == RealType && lexemes[at + 2].token == LBracket;
+        match lexemes[*at].token {
+            LStatic => is_type,
+            Comma => is_type && opened_by(&lexemes[..*at]) == Some(LStatic),
+            _ => false,
+        }
+    };
+    let marks: Vec<usize> = (0..lexemes.len().saturating_sub(2))
+        .filter(begins)
+        .collect();
+    if marks.is_empty() {
+        return;
+    }
+    let mut marked = Vec::with_capacity(lexemes.len() + marks.len());
+    let mut from = 0;
+    for at in marks {
+        marked.extend_from_slice(&lexemes[from..=at]);
+        let start = lexemes[at + 1].start;
+        marked.push(Lexeme {
+            token: Token::Type,
+            start,
+            end: start,
+        });
+        from = at + 1;
+    }
+    marked.extend_from_slice(&lexemes[from..]);
+    *lexemes = marked;
+}
+
+/// How far back the bracket around a type is looked for.
+const NEAR: usize = 200;
+
+/// The bracket that is open behind these tokens.
+fn opened_by(before: &[Lexeme]) -> Option<Token> {
+    use Token::{LBrace, LBracket, LParen, LStatic, RBrace, RBracket, RParen, RStatic};
+    let mut depth = 0u32;
+    let opens = before
+        .iter()
+        .rev()
+        .take(NEAR)
+        .find(|lexeme| match lexeme.token {
+            RParen | RBracket | RBrace | RStatic => {
+                depth += 1;
+                false
+            }
+            LParen | LBracket | LBrace | LStatic if depth == 0 => true,
+            LParen | LBracket | LBrace | LStatic => {
+                depth -= 1;
+                false
+            }
+            _ => false,
+        });
+    opens.map(|lexeme| lexeme.token)
+}
+
 /// The tokens around a word: those before it are settled, the next one is not.
 struct Around {
     second_before: Option<Token>,

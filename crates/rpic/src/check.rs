@@ -4,29 +4,54 @@ use std::io::IsTerminal;
 use std::path::Path;
 
 use rpi_diag::{Finding, Format, Severity, SourceMap, Style, render_as};
-use rpi_diag::{apply, sure_edits};
 use rpi_driver::Compiled;
 
 use crate::args::CheckArgs;
+use crate::mend::mend;
 use crate::outcome::{Exit, Outcome, put};
 
 /// Checks each file; the worst of them decides.
 pub(crate) fn check(args: &CheckArgs) -> Outcome {
-    let mut exit = Exit::Good;
+    let mut report = Report::default();
     for file in &args.files {
-        let mut compiled = rpi_driver::compile(&rpi_driver::read(file)?)?;
-        if args.fix && fix(file, &compiled)? {
-            compiled = rpi_driver::compile(&rpi_driver::read(file)?)?;
-        }
+        let compiled = match args.fix {
+            true => mend(file)?,
+            false => compile(file)?,
+        };
         if args.explain_analysis {
             explain(&compiled)?;
         }
-        show(args.format, &compiled.findings, &compiled.sources)?;
-        if compiled.has_errors() {
-            exit = Exit::Found;
+        report.add(compiled);
+    }
+    show(args.format, &report.findings, &report.sources)?;
+    Ok(match has_errors(&report.findings) {
+        true => Exit::Found,
+        false => Exit::Good,
+    })
+}
+
+/// A file, compiled.
+pub(crate) fn compile(path: &Path) -> Result<Compiled, Box<dyn std::error::Error>> {
+    Ok(rpi_driver::compile(&rpi_driver::read(path)?)?)
+}
+
+/// The findings of several files; what they share is told once.
+#[derive(Default)]
+struct Report {
+    findings: Vec<Finding>,
+    sources: SourceMap,
+}
+
+impl Report {
+    fn add(&mut self, compiled: Compiled) {
+        let files = self.sources.absorb(&compiled.sources);
+        for finding in compiled.findings {
+            let finding = finding.renumbered(&files);
+            if !self.findings.contains(&finding) {
+                self.findings.push(finding);
+            }
         }
     }
-    Ok(exit)
 }
 
 /// Prints findings in the form asked for: for people to standard error, for programs to standard output.
@@ -52,24 +77,6 @@ pub(crate) fn show(
     }
 }
 
-/// Applies the sure fixes to the file itself; true if there were any.
-fn fix(path: &Path, compiled: &Compiled) -> Result<bool, Box<dyn std::error::Error>> {
-    let sources = &compiled.sources;
-    let name = path.display().to_string();
-    let Some(file) = sources.files().find(|id| sources.name(*id) == name) else {
-        return Ok(false);
-    };
-    let edits = sure_edits(&compiled.findings);
-    let here: Vec<_> = edits.iter().filter(|edit| edit.span.file == file).collect();
-    if here.is_empty() {
-        return Ok(false);
-    }
-    let text = apply(sources.text(file), here.iter().copied());
-    put(Some(path), text.as_bytes())?;
-    eprintln!("{name}: {} applied", plural(here.len(), "edit"));
-    Ok(true)
-}
-
 /// What each analysis established about each thing that can be run.
 fn explain(compiled: &Compiled) -> Result<(), Box<dyn std::error::Error>> {
     let mut out = String::new();
@@ -80,10 +87,6 @@ fn explain(compiled: &Compiled) -> Result<(), Box<dyn std::error::Error>> {
         }
     }
     put(None, out.as_bytes())
-}
-
-fn plural(n: usize, what: &str) -> String {
-    format!("{n} {what}{}", if n == 1 { "" } else { "s" })
 }
 
 /// True if something was found that is an error.

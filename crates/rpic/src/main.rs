@@ -10,6 +10,7 @@ mod explain;
 mod fmt;
 mod lsp;
 mod machine;
+mod mend;
 mod outcome;
 mod shell;
 mod test;

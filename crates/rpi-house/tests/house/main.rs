@@ -6,6 +6,7 @@ mod compile;
 mod cycle;
 mod docs;
 mod edges;
+mod fixes;
 mod generated;
 mod links;
 mod owners;

@@ -7,7 +7,7 @@ use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
-use rpi_diag::{Style, render};
+use rpi_diag::{Code, Style, render};
 use rpi_testkit::{files_below, workspace_root};
 
 use crate::compile::{Said, check};
@@ -17,11 +17,29 @@ const HANG: Duration = Duration::from_secs(30);
 
 const PROGRAMS: &[&str] = &[".rpi", ".lus", ".rpinet"];
 
+/// Folders of `tests/ui` whose programs say nothing when they are checked: the tests of the tools run them.
+const TOLD_BY_TOOLS: &[&str] = &["emitting", "running", "testing"];
+
+/// What no program brings about.
+const NO_PROGRAM: &[Code] = &[Code::RPI9901];
+
+/// The programs that are checked here.
+pub(crate) fn programs() -> Vec<PathBuf> {
+    let mut paths = files_below("tests/ui", PROGRAMS);
+    paths.retain(|path| {
+        let folder = path.parent().and_then(Path::file_name);
+        !TOLD_BY_TOOLS
+            .iter()
+            .any(|name| folder.is_some_and(|folder| folder == *name))
+    });
+    paths
+}
+
 #[test]
 fn programs_give_the_messages_beside_them() {
     let bless = std::env::var_os("RPI_BLESS").is_some();
     let mut wrong = Vec::new();
-    for path in files_below("tests/ui", PROGRAMS) {
+    for path in programs() {
         let (expected, message) = (message_file(&path), message(&path));
         if bless {
             std::fs::write(&expected, &message).expect("tests/ui can be written");
@@ -41,7 +59,7 @@ fn programs_give_the_messages_beside_them() {
 fn there_are_programs_and_each_message_has_one() {
     let programs = files_below("tests/ui", PROGRAMS);
     assert!(
-        programs.len() >= 20,
+        programs.len() >= 150,
         "only {} broken programs",
         programs.len()
     );
@@ -53,14 +71,26 @@ fn there_are_programs_and_each_message_has_one() {
     assert!(stray.is_empty(), "messages without a program: {stray:?}");
 }
 
+/// A code that no program shows is one whose message nobody has seen.
+#[test]
+fn every_code_has_a_program() {
+    let messages = files_below("tests/ui", &[".stderr"]);
+    let messages: String = messages
+        .iter()
+        .filter_map(|path| std::fs::read_to_string(path).ok())
+        .collect();
+    let shown = |code: &&Code| messages.contains(&format!("{} {code}:", code.severity().as_str()));
+    let unseen: Vec<_> = Code::ALL
+        .iter()
+        .filter(|code| !NO_PROGRAM.contains(code) && !shown(code))
+        .collect();
+    assert!(unseen.is_empty(), "no program in tests/ui gives {unseen:?}");
+}
+
 /// Every start of every program here and of every example gives findings or none, soon, and no panic.
 #[test]
 fn no_prefix_of_a_program_makes_the_compiler_panic_or_hang() {
-    let programs = [
-        files_below("tests/ui", PROGRAMS),
-        files_below("examples", PROGRAMS),
-    ]
-    .concat();
+    let programs = [programs(), files_below("examples", PROGRAMS)].concat();
     for path in programs {
         let text = std::fs::read_to_string(&path).expect("it is UTF-8");
         for (end, _) in text.char_indices() {
@@ -84,7 +114,7 @@ fn message(path: &Path) -> String {
 }
 
 /// The name under which messages show a program: no folder of this machine.
-fn name(path: &Path) -> String {
+pub(crate) fn name(path: &Path) -> String {
     let below = path
         .strip_prefix(workspace_root().join("tests/ui"))
         .unwrap_or(path);

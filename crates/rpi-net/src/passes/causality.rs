@@ -7,7 +7,8 @@ use crate::net::{Net, NodeId, PortRef};
 use crate::passes::dependencies::{Dependence, Dependencies, Graph, Reader};
 use crate::passes::rings::Rings;
 use crate::tree::Item;
-use petgraph::graph::EdgeIndex;
+use petgraph::graph::{EdgeIndex, NodeIndex};
+use petgraph::visit::EdgeRef;
 use rpi_diag::{Code, Finding, Fix, Span};
 use rpi_image::{Scalar, Type};
 
@@ -34,14 +35,62 @@ struct Step {
     to: String,
     reader: Reader,
     span: Span,
+    /// The places of all reads that make `to` wait for `from`; none if they lie inside a fragment, where a `pre` would
+    /// not break the ring.
+    reads: Vec<Span>,
 }
+
+/// A flow that needs another within the cycle, as its author knows both, and where it reads it.
+#[derive(Clone, PartialEq, Eq, Debug)]
+pub struct Read {
+    /// What is read.
+    pub from: String,
+    /// What reads it.
+    pub to: String,
+    /// Where.
+    pub span: Span,
+}
+
+/// The finding about a ring of reads, each reading what the one before it defines, with a `pre` at each as a way out.
+#[must_use]
+pub fn ring(reads: &[Read]) -> Finding {
+    let told = |read: &Read| format!("`{}` reads `{}` here", read.to, read.from);
+    let steps = reads
+        .iter()
+        .map(|read| (read.from.as_str(), read.span, told(read)));
+    let mut finding = drawn(&steps.collect::<Vec<_>>());
+    let spans = |read: &Read| [read.span];
+    finding.fixes = reads
+        .iter()
+        .map(|read| delayed(&read.from, &read.to, &spans(read), None))
+        .collect();
+    finding.help(BREAK)
+}
+
+const BREAK: &str =
+    "delay one step: `pre` gives the value of the cycle before, and with `->` a first one";
 
 fn finding(net: &Net, graph: &Graph, ring: &[EdgeIndex]) -> Finding {
     let steps = steps(net, graph, ring);
+    let mut finding = drawn(
+        &steps
+            .iter()
+            .map(|s| (s.from.as_str(), s.span, told(s)))
+            .collect::<Vec<_>>(),
+    );
+    finding.fixes = steps.iter().filter_map(|s| fix(net, s)).collect();
+    finding.help(match is_program(net) {
+        true => BREAK,
+        false => "delay one step by a `Pre`; one inside a fragment breaks only rings inside it",
+    })
+}
+
+/// A ring, drawn: each step by what is read, where, and in words.
+fn drawn(steps: &[(&str, Span, String)]) -> Finding {
     let mut names: Vec<String> = steps
         .iter()
         .take(SHOWN)
-        .map(|s| format!("`{}`", s.from))
+        .map(|s| format!("`{}`", s.0))
         .collect();
     if steps.len() > SHOWN {
         names.push(format!("{} more", steps.len() - SHOWN));
@@ -51,24 +100,14 @@ fn finding(net: &Net, graph: &Graph, ring: &[EdgeIndex]) -> Finding {
     let ring = names.join(" -> ");
     let message = format!("{first} depends on itself in the same cycle: {ring}");
     let mut finding = Finding::new(Code::RPI4001, message);
-    for (k, step) in steps.iter().take(SHOWN).enumerate() {
-        if !step.span.is_none() {
-            let text = told(step);
-            finding = match k {
-                0 => finding.at(step.span, text),
-                _ => finding.also(step.span, text),
-            };
-        }
+    let places = steps.iter().take(SHOWN).filter(|step| !step.1.is_none());
+    for (k, (_, span, text)) in places.enumerate() {
+        finding = match k {
+            0 => finding.at(*span, text),
+            _ => finding.also(*span, text),
+        };
     }
-    let fixes = steps.iter().filter_map(|s| fix(net, s));
-    finding.fixes.extend(fixes);
-    let help = match is_program(net) {
-        true => {
-            "delay one step: `pre` gives the value of the cycle before, and with `->` a first one"
-        }
-        false => "delay one step by a `Pre`; one inside a fragment breaks only rings inside it",
-    };
-    finding.help(help)
+    finding
 }
 
 fn told(step: &Step) -> String {
@@ -95,11 +134,16 @@ fn steps(net: &Net, graph: &Graph, ring: &[EdgeIndex]) -> Vec<Step> {
     while let Some(edge) = edges.next() {
         let Dependence { source, reader } = graph[*edge];
         while edges.next_if(|e| !is_named(e)).is_some() {}
+        let end = edges.peek().copied().or(ring.get(start)).copied();
+        let end = end
+            .and_then(|next| graph.edge_endpoints(next))
+            .map(|(from, _)| from);
         steps.push(Step {
             from: name(net, graph, *edge, source),
             to: String::new(),
             reader,
             span: span(net, reader),
+            reads: end.map_or_else(Vec::new, |end| reads(net, graph, *edge, end)),
         });
     }
     let names: Vec<String> = steps.iter().map(|s| s.from.clone()).collect();
@@ -109,13 +153,60 @@ fn steps(net: &Net, graph: &Graph, ring: &[EdgeIndex]) -> Vec<Step> {
     steps
 }
 
-/// The name under which its author knows the source of an edge.
-fn flow_name<'n>(net: &'n Net, graph: &Graph, edge: EdgeIndex) -> Option<&'n str> {
-    let origin = match item(graph, edge)? {
+/// The places where what an edge begins at is read on the way to the named item `end`.
+fn reads(net: &Net, graph: &Graph, edge: EdgeIndex, end: NodeIndex) -> Vec<Span> {
+    let Some((from, _)) = graph.edge_endpoints(edge) else {
+        return Vec::new();
+    };
+    let mut places = Vec::new();
+    for edge in graph.edges(from) {
+        if !leads_to(net, graph, edge.target(), end) {
+            continue;
+        }
+        match edge.weight().reader {
+            Reader::Input(id, _) if graph.node_weight(edge.target()) == Some(&Item::Node(id)) => {
+                places.push(net.node(id).origin.span);
+            }
+            _ => return Vec::new(),
+        }
+    }
+    places.sort_unstable();
+    places.dedup();
+    places
+}
+
+/// Whether the first named item that a way leads to can be `end`.
+fn leads_to(net: &Net, graph: &Graph, start: NodeIndex, end: NodeIndex) -> bool {
+    let mut seen = vec![start];
+    let mut next = 0;
+    while let Some(at) = seen.get(next).copied() {
+        next += 1;
+        if at == end {
+            return true;
+        }
+        if item_name(net, graph.node_weight(at)).is_some() {
+            continue;
+        }
+        for to in graph.neighbors(at) {
+            if !seen.contains(&to) {
+                seen.push(to);
+            }
+        }
+    }
+    false
+}
+
+fn item_name<'n>(net: &'n Net, item: Option<&Item>) -> Option<&'n str> {
+    let origin = match *item? {
         Item::Node(id) => &net.node(id).origin,
         Item::Fragment(id) => &net.fragment(id).origin,
     };
     origin.flow.as_deref()
+}
+
+/// The name under which its author knows the source of an edge.
+fn flow_name<'n>(net: &'n Net, graph: &Graph, edge: EdgeIndex) -> Option<&'n str> {
+    item_name(net, item(graph, edge).as_ref())
 }
 
 fn name(net: &Net, graph: &Graph, edge: EdgeIndex, source: PortRef) -> String {
@@ -154,19 +245,28 @@ fn fix(net: &Net, step: &Step) -> Option<Fix> {
     let Reader::Input(id, _) = step.reader else {
         return None;
     };
-    if step.span.is_none() || !is_program(net) {
+    if step.span.is_none() || !is_program(net) || step.reads.is_empty() {
         return None;
     }
-    let (before, after) = match first_value(net, id) {
+    Some(delayed(
+        &step.from,
+        &step.to,
+        &step.reads,
+        first_value(net, id),
+    ))
+}
+
+/// A read of the value of the cycle before, with a first value if its type is known.
+fn delayed(from: &str, to: &str, places: &[Span], first: Option<&str>) -> Fix {
+    let (before, after) = match first {
         Some(first) => (format!("({first} -> pre ("), "))"),
         None => ("pre (".to_owned(), ")"),
     };
-    let title = format!("let `{}` read `{}` of the cycle before", step.to, step.from);
-    Some(
-        Fix::maybe(title)
-            .insert_before(step.span, before)
-            .insert_after(step.span, after),
-    )
+    let fix = Fix::maybe(format!("let `{to}` read `{from}` of the cycle before"));
+    places.iter().fold(fix, |fix, place| {
+        fix.insert_before(*place, before.clone())
+            .insert_after(*place, after)
+    })
 }
 
 /// What a delay of a node's output could give in the first cycle.

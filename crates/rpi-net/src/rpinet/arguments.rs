@@ -199,7 +199,10 @@ impl<'t> Arguments<'_, '_, 't> {
 
 fn advise(finding: Finding, name: &str, names: &[&str]) -> Finding {
     match suggest(name, names.iter().copied()) {
-        Some(near) => finding.help(format!("did you mean `{near}`?")),
+        Some(near) => {
+            let place = finding.span();
+            finding.did_you_mean(place, Some(near))
+        }
         None if names.is_empty() => finding.help("it has none at all: delete this"),
         None => finding.help(format!("it has {}", list(names))),
     }

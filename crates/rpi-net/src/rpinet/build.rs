@@ -8,7 +8,7 @@ use crate::net::{
     Absent, Activation, Driver, Fragment, FragmentId, FragmentPort, Input, Net, Node, Origin,
     PortRef, Restart, Types,
 };
-use rpi_diag::{Code, Finding, suggest};
+use rpi_diag::{Code, Finding, Fix, suggest};
 use rpi_image::{PortType, Scalar};
 use rpi_prims::{PrimId, registry};
 use rustc_hash::FxHashMap;
@@ -313,7 +313,13 @@ fn unknown_type(text: &Text<'_>, places: &[Word]) -> Finding {
         more => finding.note(format!("and at {more} more places")),
     };
     match suggest(name, registry().iter().map(|p| p.desc.name)) {
-        Some(near) => finding.help(format!("did you mean `{near}`?")),
+        Some(near) => {
+            let fix = Fix::maybe(format!("write `{near}`"));
+            let fix = places
+                .iter()
+                .fold(fix, |fix, word| fix.replace(text.span(*word), near.clone()));
+            finding.help(format!("did you mean `{near}`?")).fix(fix)
+        }
         None => finding.help("the reference of primitives lists those that there are"),
     }
 }

@@ -221,7 +221,7 @@ impl<'a, 't> Links<'a, 't> {
         let here = text.definitions.iter().filter(|d| d.scope == scope);
         let here = here.filter_map(|d| d.name).map(|n| text.str(n));
         if let Some(near) = self.hint(text.str(word), here) {
-            return finding.help(format!("did you mean `{near}`?"));
+            return finding.did_you_mean(place, Some(near));
         }
         let elsewhere = self.text.definitions.iter();
         let mut elsewhere =
@@ -244,7 +244,7 @@ impl<'a, 't> Links<'a, 't> {
         let place = self.text.span(source.port);
         let finding = Finding::new(Code::RPI1105, message).at(place, "no such port");
         match self.hint(port, ports.iter().copied()) {
-            Some(near) => finding.help(format!("did you mean `{near}`?")),
+            Some(near) => finding.did_you_mean(place, Some(near)),
             None if ports.is_empty() => finding.help("it has no such ports at all"),
             None => finding.help(format!("it has {}", list(&ports))),
         }

@@ -3,12 +3,14 @@
 use super::body::Body;
 use super::locals::Local;
 use super::names::plain_name;
-use super::report::{Wanted, no_member};
+use super::report::{Wanted, listed, no_member};
+use crate::program::{DeclKind, Lookup};
 use crate::ty::{DevicePortTy, DeviceTy, Geometry, Subst, Ty};
 use crate::typed::{BlockId, ExprId, FlowId, Kind, Leaf, Place};
 use crate::units::Dim;
-use rpi_diag::{Code, Finding, Span};
+use rpi_diag::{Code, Finding, Fix, Span};
 use rpi_image::Scalar;
+use rpi_syntax::Name;
 use rpi_syntax::ast::{self, Access, ExprKind, Field, Ident, Index, Slice, SliceOf};
 use std::rc::Rc;
 
@@ -38,6 +40,36 @@ fn owner(ty: &Ty) -> String {
     }
 }
 
+/// The ports of a device in words: its actuators, or its sensors.
+fn ports(device: &DeviceTy, actuators: bool) -> String {
+    let ports = device
+        .ports
+        .iter()
+        .filter(|port| port.is_actuator == actuators);
+    listed(ports.map(|port| port.name.as_str()))
+}
+
+/// A part that values of a spatial type do not have.
+fn no_spatial_part(scalar: Scalar, field: &Ident) -> Finding {
+    let names = || {
+        SPATIAL_PARTS
+            .iter()
+            .filter(|row| row.0 == scalar)
+            .map(|row| row.1)
+    };
+    let near = rpi_diag::suggest(&field.name, names());
+    let unlike = near.is_none();
+    let finding = no_member(&format!("a `{scalar}`"), &field.name, field.span, near);
+    match (scalar, field.name.as_str()) {
+        (Scalar::Pose, "x" | "y" | "z") => {
+            let meant = format!("position.{}", field.name);
+            finding.fix(Fix::sure(format!("write `{meant}`")).replace(field.span, meant))
+        }
+        _ if unlike => finding.help(format!("it has {}", listed(names()))),
+        _ => finding,
+    }
+}
+
 /// The outputs to choose from, where it is a call that has them.
 fn outputs(ty: &Ty) -> Option<String> {
     let Ty::Tuple(members) = ty else { return None };
@@ -49,15 +81,52 @@ impl<'a> Body<'_, 'a> {
     /// `base.field`
     pub(super) fn field(&mut self, field: &'a Field, span: Span) -> ExprId {
         if let Some(block) = self.block_of(&field.base) {
-            return self.flow_of_block(block, &field.field);
+            return self.flow_of_block(block, &field.field, span);
         }
         if let Some(name) = plain_name(&field.base)
             && let Some(result) = self.result_of(name, &field.field, span)
         {
             return result;
         }
+        if let Some(name) = plain_name(&field.base)
+            && let Some(value) = self.value_of_enum(name, field)
+        {
+            return value;
+        }
         let base = self.expr(&field.base);
         self.member(base, &field.field)
+    }
+
+    /// `Mode.Moving`: the values of an enum are names by themselves.
+    fn value_of_enum(&mut self, name: &Name, field: &Field) -> Option<ExprId> {
+        let Lookup::Found(id) = self.c.program.lookup(self.module, name) else {
+            return None;
+        };
+        if self.find_local(name).is_some()
+            || !matches!(self.c.program.decl(id).kind, DeclKind::Type(_))
+        {
+            return None;
+        }
+        let Ty::Enum(ty) = self.c.type_decl(id) else {
+            return None;
+        };
+        let value = &field.field;
+        let whole = field.base.span.merge(value.span);
+        if !ty.values.contains(&value.name) {
+            let near = rpi_diag::suggest(&value.name, ty.values.iter().map(Name::as_str));
+            let finding = no_member(&format!("the enum `{name}`"), &value.name, value.span, near);
+            return Some(self.fault_with(finding, whole));
+        }
+        let finding = Finding::new(
+            Code::RPI1003,
+            format!("`{}` is a name by itself", value.name),
+        )
+        .at(
+            field.base.span,
+            format!("`{name}` is a type, which has no parts"),
+        )
+        .fix(Fix::sure(format!("write `{}`", value.name)).replace(whole, value.name.as_str()));
+        Some(self.fault_with(finding, whole))
     }
 
     /// The fragment in place that `inner` or `outer.inner` names.
@@ -77,15 +146,15 @@ impl<'a> Body<'_, 'a> {
     }
 
     /// A flow of a fragment in place, read from outside.
-    pub(super) fn flow_of_block(&mut self, block: BlockId, field: &Ident) -> ExprId {
+    pub(super) fn flow_of_block(&mut self, block: BlockId, field: &Ident, span: Span) -> ExprId {
         match self.find_in(block, &field.name) {
-            Some(Local::Flow(flow)) => self.flow_expr(flow, field.span),
-            Some(Local::Constant(constant)) => self.constant_expr(&constant, field.span),
+            Some(Local::Flow(flow)) => self.flow_expr(flow, span),
+            Some(Local::Constant(constant)) => self.constant_expr(&constant, span),
             _ => {
                 let near = self.c.suggest(&field.name, self.names_in(block));
                 let of = format!("the fragment `{}`", self.unit.block(block).name);
                 let finding = no_member(&of, &field.name, field.span, near);
-                self.fault_with(finding, field.span)
+                self.fault_with(finding, span)
             }
         }
     }
@@ -124,10 +193,7 @@ impl<'a> Body<'_, 'a> {
             .iter()
             .find(|row| row.0 == scalar && field.name == row.1);
         let Some((_, _, prim, port)) = row else {
-            let names = SPATIAL_PARTS.iter().filter(|row| row.0 == scalar);
-            let near = rpi_diag::suggest(&field.name, names.map(|row| row.1));
-            let finding = no_member(&format!("a `{scalar}`"), &field.name, field.span, near);
-            return self.fault_with(finding, span);
+            return self.fault_with(no_spatial_part(scalar, field), span);
         };
         let parts = self.prim_of(prim, &[base], span);
         let ty = part_type(scalar, geometry, &field.name);
@@ -160,7 +226,10 @@ impl<'a> Body<'_, 'a> {
                 format!("`{}` is an actuator port", field.name),
             )
             .at(field.span, "it is written, not read")
-            .help("read what was last commanded from a sensor port of the device");
+            .help(format!(
+                "what was last commanded, and what is measured, is read from its sensors: {}",
+                ports(device, false)
+            ));
             return self.fault_with(finding, span);
         }
         let Some(ty) = self.port_type(base, device, port, field.span) else {
@@ -236,6 +305,7 @@ impl<'a> Body<'_, 'a> {
                 Some(_) => {
                     Finding::new(Code::RPI6001, format!("`{}` is a sensor port", field.name))
                         .at(field.span, "it is read, not written")
+                        .help(format!("set-points go to {}", ports(device, true)))
                 }
                 None => no_member(&of, &field.name, field.span, near),
             };

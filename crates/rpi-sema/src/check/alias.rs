@@ -74,14 +74,14 @@ impl Checker<'_> {
     }
 
     /// Whether a name stands for itself, through others; each such ring is reported once.
-    pub(super) fn is_ring_of_names(&mut self, id: DeclId, span: Span) -> bool {
+    pub(super) fn is_ring_of_names(&mut self, id: DeclId) -> bool {
         if self.ringed.contains(&id) {
             return true;
         }
         let is_ring = self.aliases.contains(&id);
         if is_ring {
             self.ringed.extend(&self.aliases);
-            self.in_circles("node", &self.program.decl(id).name.clone(), span);
+            self.in_circles("node", id);
         }
         is_ring
     }

@@ -3,13 +3,16 @@
 use super::access::leaves;
 use super::body::Body;
 use super::header::{Header, Port};
+use super::names::plain_name;
 use super::order::flatten;
 use super::report::{Wanted, listed};
+use crate::program::DeclId;
 use crate::ty::{Subst, Ty, fit};
 use crate::typed::{ExprId, FlowRole, Kind, UnitKind};
-use rpi_diag::{Code, Finding, Span};
+use rpi_diag::{Code, Finding, Fix, Span};
 use rpi_syntax::Name;
-use rpi_syntax::ast::{Arg, Ident};
+use rpi_syntax::ast::{Arg, Expr, ExprKind, Ident};
+use rpi_syntax::ops::BinaryOp;
 use std::rc::Rc;
 
 /// An argument that has been checked.
@@ -47,6 +50,43 @@ impl<'a> Body<'_, 'a> {
             });
         }
         given
+    }
+
+    /// Checks the arguments of a call of a declaration; false if one is named by `=`, which has then been reported.
+    pub(super) fn given_to(&mut self, id: DeclId, args: &'a [Arg]) -> (Vec<Given<'a>>, bool) {
+        let named = args.iter().filter(|arg| arg.name.is_none());
+        let wrong = named.filter(|arg| self.named_by_eq(id, &arg.value)).count();
+        if wrong > 0 {
+            return (Vec::new(), false);
+        }
+        (self.given(args), true)
+    }
+
+    /// Whether `x = e` names the argument `x`; reported if so.
+    pub(super) fn named_by_eq(&mut self, id: DeclId, value: &'a Expr) -> bool {
+        let ExprKind::Binary(binary) = &value.kind else {
+            return false;
+        };
+        let Some(name) = plain_name(&binary.lhs).filter(|_| binary.op == BinaryOp::Eq) else {
+            return false;
+        };
+        if self.find_local(name).is_some() || !self.c.takes(id, name) {
+            return false;
+        }
+        let between = Span {
+            start: binary.lhs.span.end,
+            end: binary.rhs.span.start,
+            ..value.span
+        };
+        let finding = Finding::new(
+            Code::RPI1010,
+            format!("the argument `{name}` is named by `:`"),
+        )
+        .at(between, "`=` compares")
+        .fix(Fix::sure(format!("write `{name}: ...`")).replace(between, ": "));
+        self.report(finding);
+        self.expr(&binary.rhs);
+        true
     }
 
     /// Tuples among arguments by place are taken apart: `f(g(x))` where `g` gives two values.
@@ -99,7 +139,8 @@ impl<'a> Body<'_, 'a> {
                 None => self.no_port(header, arg, given.len()),
             };
         }
-        (sound & self.all_given(header, &args, span)).then_some(args)
+        // What was given under a wrong name is not missing as well.
+        (sound && self.all_given(header, &args, span)).then_some(args)
     }
 
     fn give(
@@ -178,7 +219,10 @@ impl<'a> Body<'_, 'a> {
 
     fn all_given(&mut self, header: &Rc<Header>, args: &[Option<ExprId>], span: Span) -> bool {
         let ports = header.inputs.iter().enumerate().zip(args);
-        let open = ports.filter(|((_, port), arg)| arg.is_none() && !port.has_default);
+        // What a command takes over from its predecessor is not given to it.
+        let open = ports.filter(|((_, port), arg)| {
+            arg.is_none() && !port.has_default && port.role != FlowRole::Given
+        });
         let open: Vec<(usize, &Port)> = open.map(|(port, _)| port).collect();
         let may_lack = open.iter().all(|(_, port)| port.is_static) && !self.inferring;
         if open.is_empty() || may_lack && self.c.reads_none(header, &open, span) {

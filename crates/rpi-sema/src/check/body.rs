@@ -4,7 +4,7 @@ use super::Checker;
 use super::locals::{Local, Scope};
 use super::order::Pending;
 use super::statics::Statics;
-use crate::hash::Map;
+use crate::hash::{Map, Set};
 use crate::program::ModuleId;
 use crate::ty::Ty;
 use crate::typed::{Block, BlockId, Expr, ExprId, FlowId, Kind, Unit, UnitKind};
@@ -37,6 +37,8 @@ pub(super) struct Body<'c, 'a> {
     pub(super) inferring: bool,
     /// Whether a signature is being read, where frames need no declaration.
     pub(super) in_signature: bool,
+    /// Where numbers without a unit stand.
+    pub(super) numbers: Set<Span>,
     /// Where state was met first.
     pub(super) state_at: Option<Span>,
     pub(super) findings: Vec<Finding>,
@@ -64,6 +66,7 @@ impl<'c, 'a> Body<'c, 'a> {
             unknown: BTreeSet::new(),
             inferring: false,
             in_signature: false,
+            numbers: Set::default(),
             state_at: None,
             findings: Vec::new(),
         }

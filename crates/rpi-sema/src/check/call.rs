@@ -5,8 +5,9 @@ use super::args::Given;
 use super::body::Body;
 use super::header::Header;
 use super::iterate::Iteration;
+use super::locals::Local;
 use super::predef::Predef;
-use super::report::{not_a, unknown};
+use super::report::not_a;
 use super::special::{SPECIALS, Special};
 use super::statics::{Static, Statics, missing};
 use super::unit::is_callable;
@@ -142,9 +143,9 @@ impl<'a> Body<'_, 'a> {
             };
         }
         let bound = self.bind(id, &call.callee.statics);
-        let mut given = self.given(&call.args);
+        let (mut given, all_named) = self.given_to(id, &call.args);
         given.extend(bound.ports);
-        if bound.faulty {
+        if bound.faulty || !all_named {
             return self.fault(span);
         }
         self.apply_unit(id, bound.statics, given, activation, span)
@@ -162,7 +163,7 @@ impl<'a> Body<'_, 'a> {
             return None;
         }
         let decl = self.c.program.decl(id);
-        if self.c.is_ring_of_names(id, callee.span) {
+        if self.c.is_ring_of_names(id) {
             return None;
         }
         self.c.aliases.push(id);
@@ -248,6 +249,13 @@ impl<'a> Body<'_, 'a> {
     }
 
     fn unknown_callee(&mut self, name: &Name, span: Span) {
+        if let Some(Local::Flow(flow)) = self.find_local(name) {
+            let declared = self.unit.flow(flow).span;
+            let finding = not_a("something to call", name, "a flow", span, declared).help(format!(
+                "an element of an array is read by `{name}[0]`, a product is written `{name} * x`"
+            ));
+            return self.report(finding);
+        }
         let callable = |id: DeclId| is_callable(self.c.program.decl(id).kind);
         let near = self
             .c
@@ -265,8 +273,10 @@ impl<'a> Body<'_, 'a> {
         } else {
             "node, function or fragment"
         };
-        let finding = unknown(what, name, span, near);
-        self.report(finding);
+        match super::foreign::call_here(name) {
+            Some(here) => self.other_name(what, name, span, here),
+            None => self.unknown_name(what, name, span, near),
+        }
     }
 
     /// Something to call by name with its static arguments, for an iterator or as a static argument.
@@ -360,6 +370,10 @@ impl<'a> Body<'_, 'a> {
     ) -> ExprId {
         let given = self.spread_tuples(given);
         let open = self.c.complete(id, &mut statics);
+        if self.c.open_sizes(id, &open, &statics) {
+            self.report_missing(id, &open, span);
+            return self.fault(span);
+        }
         let Some(header) = self.c.header(id, Rc::new(statics.clone())) else {
             return self.fault(span);
         };
@@ -415,15 +429,19 @@ impl<'a> Body<'_, 'a> {
             }
         }
         if !left.is_empty() {
-            let decl = self.c.program.decl(header.decl);
-            let finding = missing(&decl.name, &left, span, decl.span);
-            self.report(finding);
+            self.report_missing(header.decl, &left, span);
             return None;
         }
         match open.is_empty() {
             true => Some(header.clone()),
             false => self.c.header(header.decl, Rc::new(statics)),
         }
+    }
+
+    fn report_missing(&mut self, id: DeclId, left: &[Name], span: Span) {
+        let decl = self.c.program.decl(id);
+        let finding = missing(&decl.name, left, span, decl.span);
+        self.report(finding);
     }
 
     fn call_unit(

@@ -2,7 +2,7 @@
 
 use super::access::leaves;
 use super::body::Body;
-use super::report::{Wanted, no_member, not_a, unknown};
+use super::report::{Wanted, no_member, not_a};
 use crate::program::{DeclKind, Lookup};
 use crate::ty::{StructTy, Subst, Ty, fit};
 use crate::typed::{ExprId, Kind};
@@ -109,13 +109,12 @@ impl<'a> Body<'_, 'a> {
                 let names = self.c.program.visible(self.module, is_type);
                 self.c.suggest(&name.name, names)
             };
-            let finding = unknown("type", &name.name, name.span, near);
-            self.report(finding);
+            self.unknown_name("type", &name.name, name.span, near);
             return None;
         };
         let decl = self.c.program.decl(id).clone();
         if let DeclKind::Type(_) = decl.kind
-            && let Ty::Struct(ty) = self.c.type_decl(id, name.span)
+            && let Ty::Struct(ty) = self.c.type_decl(id)
         {
             return Some(ty);
         }

@@ -18,8 +18,7 @@ impl<'a> Checker<'a> {
         match self.constants.get(&id) {
             Some(Lazy::Done(constant)) => return constant.clone(),
             Some(Lazy::Busy) => {
-                let decl = self.program.decl(id);
-                self.in_circles("constant", &decl.name.clone(), decl.span);
+                self.in_circles("constant", id);
                 return None;
             }
             None => {}
@@ -32,12 +31,14 @@ impl<'a> Checker<'a> {
             return None;
         }
         self.constants.insert(id, Lazy::Busy);
+        self.open.push(id);
         let constant = self.nested(|checker| {
             let mut body = Body::of_module(checker, decl.module);
             let constant = body.constant_def(def);
             body.leave();
             constant
         });
+        self.open.pop();
         self.constants.insert(id, Lazy::Done(constant.clone()));
         constant
     }

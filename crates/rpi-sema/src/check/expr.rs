@@ -1,11 +1,12 @@
 //! Expressions: which kind goes where, literals, and the forms that only need their operands.
 
 use super::body::Body;
+use super::quantity::plain_angle;
 use super::report::Wanted;
 use crate::ty::{Ty, join};
 use crate::typed::{Each, ExprId, Kind, Leaf};
 use crate::units::Base;
-use rpi_diag::{Code, Finding, Fix, Span};
+use rpi_diag::{Code, Finding, Span};
 use rpi_syntax::ast::{self, Among, ExprKind, Number, Quantity};
 
 impl<'a> Body<'_, 'a> {
@@ -21,7 +22,10 @@ impl<'a> Body<'_, 'a> {
         let span = expr.span;
         match &expr.kind {
             ExprKind::Bool(value) => self.add(Kind::Literal(Leaf::bool(*value)), Ty::Bool, span),
-            ExprKind::Number(number) => self.number(number, false, span),
+            ExprKind::Number(number) => {
+                self.numbers.insert(span);
+                self.number(number, false, span)
+            }
             ExprKind::Quantity(quantity) => self.quantity(quantity, span),
             ExprKind::Str(text) => {
                 self.add(Kind::Literal(Leaf::Str(text.to_string())), Ty::Text, span)
@@ -97,15 +101,7 @@ impl<'a> Body<'_, 'a> {
         if !angle || value.as_real() == Some(0.0) {
             return true;
         }
-        let span = expr.span;
-        let finding = Finding::new(
-            Code::RPI2004,
-            format!("expected a quantity in `{wanted}`, found a plain number"),
-        )
-        .at(span, "degrees or radians?")
-        .help("write `[deg]` or `[rad]` behind the number")
-        .fix(Fix::maybe("take it as degrees").insert_after(span, "[deg]"))
-        .fix(Fix::maybe("take it as radians").insert_after(span, "[rad]"));
+        let finding = plain_angle(*wanted, self.measured(id));
         self.report(finding);
         false
     }
@@ -132,14 +128,23 @@ impl<'a> Body<'_, 'a> {
         }
     }
 
-    /// The type that two expressions have in common; a misfit is reported at the second.
+    /// The type that two expressions have in common; a misfit is reported at the second, or at a number.
     pub(super) fn common_type(&mut self, a: ExprId, b: ExprId, why: &str) -> Ty {
         match join(self.ty_of(a), self.ty_of(b)) {
             Ok(ty) => ty,
             Err(misfit) => {
-                let expected = self.ty_of(a).clone();
-                let wanted = Wanted::By(self.span_of(a), format!("this is `{expected}`; {why}"));
-                self.misfit(b, &expected, &misfit, &wanted);
+                // A number is what is easily changed, and often only lacks its unit or its point.
+                let points = (self.ty_of(a) == &Ty::Int, self.ty_of(b) == &Ty::Int);
+                let lacks_point = self.is_number(b) && points == (true, false);
+                let (model, odd, misfit) =
+                    match self.is_number(a) && (!self.is_number(b) || lacks_point) {
+                        true => (b, a, misfit.turned()),
+                        false => (a, b, misfit),
+                    };
+                let expected = self.ty_of(model).clone();
+                let wanted =
+                    Wanted::By(self.span_of(model), format!("this is `{expected}`; {why}"));
+                self.misfit(odd, &expected, &misfit, &wanted);
                 expected
             }
         }

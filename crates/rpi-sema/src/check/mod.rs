@@ -10,12 +10,12 @@
 //! | `unit.rs`, `header.rs`, `alias.rs`, `statics.rs` | callables, their ports and static arguments |
 //! | `assumptions.rs` | what contracts assume, and which they take up |
 //! | `types.rs`, `device.rs`, `consts.rs` | types and constants |
-//! | `body.rs`, `locals.rs`, `order.rs`, `statement.rs`, `contract.rs`, `targets.rs`, `definitions.rs`, `automaton.rs` | bodies, their flows and equations |
+//! | `body.rs`, `locals.rs`, `order.rs`, `untold.rs`, `statement.rs`, `contract.rs`, `targets.rs`, `definitions.rs`, `automaton.rs` | bodies, their flows and equations |
 //! | `expr.rs`, `names.rs`, `ops.rs`, `access.rs`, `compose.rs`, `clocked.rs` | expressions |
 //! | `call.rs`, `args.rs`, `prim.rs`, `predef.rs`, `special.rs`, `iterate.rs`, `condact.rs` | calls |
-//! | `task.rs` | tasks |
-//! | `nesting.rs` | how deep declarations may need one another |
-//! | `report.rs` | words that several of them use |
+//! | `task.rs` | tasks: steps, branches, results |
+//! | `nesting.rs`, `recursion.rs` | how deep declarations may need one another, and calls without end |
+//! | `report.rs`, `quantity.rs`, `frames.rs`, `unknown.rs`, `foreign.rs` | words that several of them use: of types, of units, of frames, of names |
 //! | `words.rs` | names that are there without a declaration, for others |
 
 mod access;
@@ -33,6 +33,8 @@ mod contract;
 mod definitions;
 mod device;
 mod expr;
+mod foreign;
+mod frames;
 mod header;
 mod iterate;
 mod locals;
@@ -42,6 +44,8 @@ mod ops;
 mod order;
 mod predef;
 mod prim;
+mod quantity;
+mod recursion;
 mod report;
 mod special;
 mod statement;
@@ -50,6 +54,8 @@ mod targets;
 mod task;
 mod types;
 mod unit;
+mod unknown;
+mod untold;
 mod words;
 
 use crate::elab::Argument;
@@ -67,6 +73,7 @@ use std::rc::Rc;
 pub(crate) use names::predeclared_name;
 pub use names::result_identity;
 pub(crate) use prim::{machine_type, packed, param_default};
+pub(crate) use unknown::no_module;
 #[cfg(test)]
 pub(crate) use words::operator_names;
 pub(crate) use words::{predeclared, spatial_parts};
@@ -126,6 +133,8 @@ pub fn check(program: &Program<'_>) -> Checked {
         runnable.extend(checker.declaration(*id).map(|unit| (*id, unit)));
     }
     checker.check_queued();
+    checker.findings.extend(recursion::check(&checker.units));
+    unknown::once_for_each_fix(&mut checker.findings);
     only_what_is_wrong(&mut checker.findings);
     let root = program
         .root()
@@ -182,6 +191,8 @@ struct Checker<'a> {
     types: Map<String, Lazy<Ty>>,
     headers: Map<String, Option<Rc<Header>>>,
     findings: Vec<Finding>,
+    /// The constants and types that are being worked out, each for the sake of the one before.
+    open: Vec<DeclId>,
     /// How many expressions and declarations are being checked, each for the sake of the one before.
     nesting: u32,
     too_deep: bool,
@@ -210,6 +221,7 @@ impl<'a> Checker<'a> {
             types: Map::default(),
             headers: Map::default(),
             findings: Vec::new(),
+            open: Vec::new(),
             nesting: 0,
             too_deep: false,
             aliases: Vec::new(),

@@ -3,7 +3,7 @@
 use super::Constant;
 use super::body::Body;
 use super::locals::Local;
-use super::report::{listed, not_a, unknown};
+use super::report::{listed, not_a};
 use super::statics::Static;
 use crate::program::{Decl, DeclId, DeclKind, Lookup};
 use crate::ty::Ty;
@@ -114,7 +114,7 @@ impl<'a> Body<'_, 'a> {
                 None => self.fault(span),
             },
             DeclKind::EnumValue { ty, index } => {
-                let ty = self.c.type_decl(ty, span);
+                let ty = self.c.type_decl(ty);
                 self.add(Kind::Literal(Leaf::int(index.into())), ty, span)
             }
             DeclKind::Broken(_) => self.fault(span),
@@ -167,7 +167,11 @@ impl<'a> Body<'_, 'a> {
         });
         let predeclared = PREDECLARED.iter().map(|flow| flow.name);
         let near = near.or_else(|| rpi_diag::suggest(name, predeclared));
-        self.fault_with(unknown("flow", name, span, near), span)
+        match super::foreign::value_here(name) {
+            Some(here) => self.other_name("value", name, span, here),
+            None => self.unknown_name("flow", name, span, near),
+        }
+        self.fault(span)
     }
 
     /// `MoveToC.at_b`: how a command ended.
@@ -208,7 +212,7 @@ impl<'a> Body<'_, 'a> {
         if let (Some(Local::Block(block)), [field, after @ ..]) =
             (self.find_local(&first.name), rest)
         {
-            let of_block = self.flow_of_block(block, field);
+            let of_block = self.flow_of_block(block, field, first.span.merge(field.span));
             return after
                 .iter()
                 .fold(of_block, |base, field| self.member(base, field));

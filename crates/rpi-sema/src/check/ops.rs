@@ -1,7 +1,8 @@
 //! Operators: which primitive they are for which operands, and what their result is.
 
 use super::body::Body;
-use super::report::{Wanted, dimensions_apart};
+use super::quantity;
+use super::report::{Wanted, listed};
 use crate::ty::{Geometry, Ty, join};
 use crate::typed::{Each, ExprId, Kind, Leaf, Unit, UnitKind};
 use crate::units::{Dim, Ratio};
@@ -123,6 +124,7 @@ impl<'a> Body<'_, 'a> {
     /// `op operand`
     pub(super) fn unary(&mut self, op: UnaryOp, operand: &'a ast::Expr, span: Span) -> ExprId {
         if let (UnaryOp::Neg, ExprKind::Number(number)) = (op, &operand.kind) {
+            self.numbers.insert(span);
             return self.number(number, true, span);
         }
         match op {
@@ -272,7 +274,7 @@ impl<'a> Body<'_, 'a> {
             Rule::Times => self.scaled(&a, &b, Dim::times, left),
             Rule::Over => self.scaled(&a, &b, Dim::over, left),
             Rule::Power => self.raised(&a, left, right),
-            Rule::Compose => self.composed(&a, &b, right),
+            Rule::Compose => self.composed(left, right),
             Rule::Moment => {
                 self.expect(right, &Ty::Real(Dim::TIME), &Wanted::Here);
                 Ty::Time
@@ -289,11 +291,10 @@ impl<'a> Body<'_, 'a> {
                 self.angle_has_unit(right, &ty);
                 ty
             }
-            (Err(_), Ty::Real(x), Ty::Real(y)) => {
-                let sides = ((*x, self.span_of(left)), (*y, self.span_of(right)));
-                let finding = dimensions_apart(op.spelling(), sides.0, sides.1);
-                self.report(finding);
-                a
+            (Err(_), Ty::Real(_), Ty::Real(_)) => {
+                let sides = (self.measured(left), self.measured(right));
+                self.report(quantity::apart(op.spelling(), sides.0, sides.1));
+                if self.is_number(left) { b } else { a }
             }
             (Err(misfit), ..) => {
                 let wanted = Wanted::By(self.span_of(left), format!("this is `{a}`"));
@@ -362,30 +363,6 @@ impl<'a> Body<'_, 'a> {
         )
     }
 
-    /// `(b in a) * (c in b)` is `(c in a)`; the frames in the middle must be the same.
-    fn composed(&mut self, a: &Ty, b: &Ty, right: ExprId) -> Ty {
-        let (Ty::Spatial(_, outer), Ty::Spatial(scalar, inner)) = (a, b) else {
-            return Ty::Unknown;
-        };
-        if let (Some(x), Some(y)) = (&outer.of, &inner.in_frame)
-            && x != y
-        {
-            let finding = Finding::new(
-                Code::RPI2005,
-                format!("`{a}` and `{b}` do not meet: `{x}` is not `{y}`"),
-            )
-            .at(self.span_of(right), format!("this is given in `{y}`"))
-            .help(format!("put the pose of `{y}` in `{x}` between them"));
-            self.report(finding);
-        }
-        let geometry = Geometry {
-            dim: inner.dim,
-            of: inner.of.clone(),
-            in_frame: outer.in_frame.clone(),
-        };
-        Ty::Spatial(*scalar, Rc::new(geometry))
-    }
-
     fn equal(&mut self, op: BinaryOp, left: ExprId, right: ExprId, span: Span) -> ExprId {
         let ty = self.joined(op, left, right);
         if matches!(ty, Ty::Device(_) | Ty::Text) {
@@ -425,20 +402,54 @@ impl<'a> Body<'_, 'a> {
         )
         .at(self.span_of(right), format!("this is `{b}`"))
         .also(self.span_of(left), format!("this is `{a}`"));
-        let finding = match (&a, &b) {
-            (Ty::Int, Ty::Real(_)) => finding.fix(self.as_real(left)),
-            (Ty::Real(_), Ty::Int) => finding.fix(self.as_real(right)),
-            _ => finding,
-        };
+        let finding = self.operands_apart(finding, op, (left, &a), (right, &b));
         self.fault_with(finding, span)
     }
+}
 
-    /// A real in place of an integer: another literal, or a conversion.
-    fn as_real(&self, id: ExprId) -> rpi_diag::Fix {
-        let span = self.span_of(id);
-        match self.unit.expr(id).kind {
-            Kind::Literal(_) => rpi_diag::Fix::maybe("write a real").insert_after(span, ".0"),
-            _ => rpi_diag::Fix::maybe("convert the integer by `real`").insert_before(span, "real "),
+impl Body<'_, '_> {
+    /// Adds what may mend two operands that no operator takes.
+    fn operands_apart(
+        &self,
+        finding: Finding,
+        op: BinaryOp,
+        (left, a): (ExprId, &Ty),
+        (right, b): (ExprId, &Ty),
+    ) -> Finding {
+        let scales = matches!(op, Mul | Div | Pow);
+        let mixed = |finding: Finding, int: ExprId, dim: Dim| match self.is_number(int)
+            && dim != Dim::ONE
+            && !scales
+        {
+            true => quantity::with_units(finding, dim, self.span_of(int)),
+            false => finding.fix(self.as_real(int)),
+        };
+        match (a, b) {
+            (Ty::Int, Ty::Real(dim)) => mixed(finding, left, *dim),
+            (Ty::Real(dim), Ty::Int) => mixed(finding, right, *dim),
+            (Ty::Tuple(members), _) | (_, Ty::Tuple(members)) => {
+                let names = members.iter().filter_map(|m| m.name.as_deref());
+                finding.help(format!(
+                    "a call with several outputs gives one by its name: {}",
+                    listed(names)
+                ))
+            }
+            (Ty::Bool, Ty::Int | Ty::Real(_)) | (Ty::Int | Ty::Real(_), Ty::Bool)
+                if matches!(op, And | Or | Xor | Implies) =>
+            {
+                finding.help("a condition is a comparison: `x <> 0`, `x > 0.0`")
+            }
+            (Ty::Bool, _) | (_, Ty::Bool) => {
+                finding.help("a number by a condition is `if c then 1 else 0`")
+            }
+            (Ty::Spatial(Pose, _), Ty::Spatial(Pose, _)) => finding
+                .help("poses are composed by `*`: `(b in a) * (c in b)` is the pose of `c` in `a`"),
+            (Ty::Spatial(Vector, _), Ty::Real(_)) | (Ty::Real(_), Ty::Spatial(Vector, _)) => {
+                finding.help(
+                    "a vector is added to a vector: `point(x, y, z)`; a number scales it by `*`",
+                )
+            }
+            _ => finding,
         }
     }
 }

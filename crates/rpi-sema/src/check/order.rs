@@ -8,8 +8,8 @@
 
 use super::body::Body;
 use crate::ty::Ty;
-use crate::typed::{BlockId, ExprId, FlowId, Optional};
-use rpi_diag::{Code, Finding, Span};
+use crate::typed::{BlockId, ExprId, FlowId};
+use rpi_diag::Span;
 use rpi_syntax::ast;
 
 /// An equation that is waiting to be checked.
@@ -52,7 +52,7 @@ impl Pending<'_> {
 }
 
 /// Where a table stood, to put it back.
-struct Mark {
+pub(super) struct Mark {
     exprs: usize,
     findings: usize,
     state_at: Option<Span>,
@@ -168,7 +168,7 @@ impl<'a> Body<'_, 'a> {
             .count()
     }
 
-    fn mark(&self) -> Mark {
+    pub(super) fn mark(&self) -> Mark {
         Mark {
             exprs: self.unit.exprs.len(),
             findings: self.findings.len(),
@@ -176,33 +176,10 @@ impl<'a> Body<'_, 'a> {
         }
     }
 
-    fn put_back(&mut self, mark: Mark) {
+    pub(super) fn put_back(&mut self, mark: Mark) {
         self.unit.exprs.truncate(mark.exprs);
         self.findings.truncate(mark.findings);
         self.state_at = mark.state_at;
-    }
-
-    /// Reports flows whose types nothing tells.
-    pub(super) fn report_unknown_types(&mut self) {
-        let guessed = self.pending.iter().filter(|p| p.state == State::Guessed);
-        let flows: Vec<FlowId> = guessed
-            .flat_map(|p| p.introduces.iter().flatten().copied())
-            .collect();
-        for id in flows {
-            let flow = self.unit.flow(id);
-            if flow.ty.is_unknown() && flow.optional == Optional::Inferred {
-                let finding = Finding::new(
-                    Code::RPI2007,
-                    format!("nothing tells the type of `{}`", flow.name),
-                )
-                .at(flow.span, "its equation only says what it was before")
-                .help(format!(
-                    "declare it: `var {}: ...;` before `let`",
-                    flow.name
-                ));
-                self.report(finding);
-            }
-        }
     }
 }
 

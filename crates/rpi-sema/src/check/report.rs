@@ -1,11 +1,12 @@
 //! Words that several checks use.
 
 use super::body::Body;
+use super::frames;
+use super::quantity::{self, Measured};
 use crate::ty::{Misfit, Ty};
-use crate::typed::ExprId;
+use crate::typed::{ExprId, Kind};
 use crate::units::Dim;
 use rpi_diag::{Code, Finding, Fix, Span};
-use rpi_syntax::Name;
 
 impl Body<'_, '_> {
     /// Takes up a finding about this body.
@@ -21,15 +22,103 @@ impl Body<'_, '_> {
         misfit: &Misfit,
         wanted_by: &Wanted,
     ) {
-        let found = &self.unit.expr(expr).ty;
         let span = self.unit.expr(expr).span;
         let finding = match misfit {
-            Misfit::Dimension { expected, found } => dimension(*expected, *found, span),
-            Misfit::Frame { expected, found } => frame(expected, found, span),
+            Misfit::Dimension { expected, found } => {
+                let found = Measured {
+                    dim: *found,
+                    ..self.measured(expr)
+                };
+                quantity::misplaced(*expected, found)
+            }
+            Misfit::Frame {
+                expected: wanted,
+                found,
+            } => frames::misplaced(expected, self.ty_of(expr), (wanted, found), span),
             Misfit::Size { expected, found } => size(*expected, *found, span),
-            Misfit::Kind => kind(expected, found, span),
+            Misfit::Kind => self.other_kind(expr, expected),
         };
         self.report(wanted_by.explain(finding));
+    }
+
+    /// A value for a message about quantities.
+    pub(super) fn measured(&self, id: ExprId) -> Measured {
+        let dim = match self.ty_of(id) {
+            Ty::Real(dim) => *dim,
+            _ => Dim::ONE,
+        };
+        let span = self.span_of(id);
+        Measured {
+            dim,
+            span,
+            is_number: self.is_number(id),
+        }
+    }
+
+    /// Whether an expression is a number as it is written, not the name of one.
+    pub(super) fn is_number(&self, id: ExprId) -> bool {
+        self.numbers.contains(&self.span_of(id))
+    }
+
+    /// A value of quite another kind than its place wants.
+    fn other_kind(&self, id: ExprId, expected: &Ty) -> Finding {
+        let (found, span) = (self.ty_of(id), self.span_of(id));
+        let message = format!("expected {}, found {}", kind_of(expected), kind_of(found));
+        let finding =
+            Finding::new(Code::RPI2001, message).at(span, format!("this is {}", kind_of(found)));
+        match (expected, found) {
+            (Ty::Real(dim), Ty::Int) if self.is_number(id) && *dim != Dim::ONE => {
+                quantity::with_units(finding, *dim, span)
+            }
+            (Ty::Real(_), Ty::Int) => finding.fix(self.as_real(id)),
+            (Ty::Int, Ty::Real(_)) => finding
+                .help("`int x` cuts off the fraction; `int round(x)` takes the nearest")
+                .fix(self.converted(id, "int")),
+            (expected, Ty::Tuple(_)) => self.one_of(finding, id, expected),
+            (Ty::Bool, Ty::Int | Ty::Real(_)) => {
+                finding.help("a condition is a comparison: `x <> 0`, `x > 0.0`")
+            }
+            (_, Ty::Array(element, _)) if **element == *expected => finding
+                .help("an element is read by its index: `x[0]`; a power is written `x ** 2.0`"),
+            _ => finding,
+        }
+    }
+
+    /// The outputs of a call of which one was meant.
+    fn one_of(&self, finding: Finding, id: ExprId, expected: &Ty) -> Finding {
+        let (span, members) = (self.span_of(id), self.ty_of(id).members());
+        let fits = members.iter().filter(|m| m.ty == *expected);
+        let mut finding = finding;
+        for name in fits.filter_map(|member| member.name.as_ref()) {
+            let title = format!("take its output `{name}`");
+            finding
+                .fixes
+                .push(Fix::maybe(title).insert_after(span, format!(".{name}")));
+        }
+        finding
+    }
+
+    /// A real in place of an integer: another literal, or a conversion.
+    pub(super) fn as_real(&self, id: ExprId) -> Fix {
+        match self.is_number(id) {
+            true => Fix::sure("write a real").insert_after(self.span_of(id), ".0"),
+            false => self.converted(id, "real"),
+        }
+    }
+
+    /// A value converted by the word of a type.
+    fn converted(&self, id: ExprId, word: &str) -> Fix {
+        let (span, title) = (self.span_of(id), format!("convert it by `{word}`"));
+        match &self.unit.expr(id).kind {
+            Kind::Flow(_)
+            | Kind::Literal(_)
+            | Kind::Const(_)
+            | Kind::Call(_)
+            | Kind::Part { .. } => Fix::maybe(title).insert_before(span, format!("{word} ")),
+            _ => Fix::maybe(title)
+                .insert_before(span, format!("{word} ("))
+                .insert_after(span, ")"),
+        }
     }
 }
 
@@ -51,45 +140,15 @@ impl Wanted {
     }
 }
 
-fn kind(expected: &Ty, found: &Ty, span: Span) -> Finding {
-    let finding = Finding::new(
-        Code::RPI2001,
-        format!("expected `{expected}`, found `{found}`"),
-    )
-    .at(span, format!("this is `{found}`"));
-    match (expected, found) {
-        (Ty::Real(_), Ty::Int) => finding
-            .help("an integer becomes a real by `real`")
-            .fix(Fix::maybe("convert it by `real`").insert_before(span, "real ")),
-        (Ty::Int, Ty::Real(_)) => {
-            finding.help("a real becomes an integer by `int`, which cuts off its fraction")
+/// A type in a message: what a call gives is known by its outputs, not as a type.
+fn kind_of(ty: &Ty) -> String {
+    match ty {
+        Ty::Tuple(members) if members.iter().any(|m| m.name.is_some()) => {
+            let names = members.iter().filter_map(|m| m.name.as_deref());
+            format!("several outputs, {}", listed(names))
         }
-        _ => finding,
+        ty => format!("`{ty}`"),
     }
-}
-
-fn dimension(expected: Dim, found: Dim, span: Span) -> Finding {
-    let finding = Finding::new(
-        Code::RPI2002,
-        format!("expected a quantity in `{expected}`, found one in `{found}`"),
-    )
-    .at(span, format!("this is in `{found}`"));
-    match (expected.over(found), found.is_plain()) {
-        (_, true) => finding.help(format!("give the number its unit: `[{expected}]`")),
-        (Some(factor), false) => finding.help(format!("a factor in `{factor}` would make it fit")),
-        (None, false) => finding,
-    }
-}
-
-fn frame(expected: &Name, found: &Name, span: Span) -> Finding {
-    Finding::new(
-        Code::RPI2005,
-        format!("expected the frame `{expected}`, found `{found}`"),
-    )
-    .at(span, format!("this is about the frame `{found}`"))
-    .help(format!(
-        "compose it with the pose that leads from `{found}` to `{expected}`"
-    ))
 }
 
 fn size(expected: u32, found: u32, span: Span) -> Finding {
@@ -100,44 +159,18 @@ fn size(expected: u32, found: u32, span: Span) -> Finding {
     .at(span, format!("this has {found} elements"))
 }
 
-/// Two dimensions that an operator can not bring together.
-pub(super) fn dimensions_apart(op: &str, left: (Dim, Span), right: (Dim, Span)) -> Finding {
-    let (a, b) = (left.0, right.0);
-    let finding = Finding::new(
-        Code::RPI2002,
-        format!("`{op}` can not take quantities in `{a}` and in `{b}`"),
-    )
-    .at(right.1, format!("this is in `{b}`"))
-    .also(left.1, format!("this is in `{a}`"));
-    match a.over(b) {
-        Some(_) if b.is_plain() => finding.help(format!("give the number its unit: `[{a}]`")),
-        Some(factor) if !a.is_plain() => finding.help(format!("they differ by `{factor}`")),
-        _ => finding,
-    }
-}
-
 /// A name that nothing answers to.
 pub(super) fn unknown(what: &str, name: &str, span: Span, near: Option<String>) -> Finding {
     let finding = Finding::new(Code::RPI1001, format!("there is no {what} `{name}`"))
         .at(span, "not declared");
-    did_you_mean(finding, span, near)
+    finding.did_you_mean(span, near)
 }
 
 /// A part that a value does not have.
 pub(super) fn no_member(of: &str, name: &str, span: Span, near: Option<String>) -> Finding {
     let finding =
         Finding::new(Code::RPI1004, format!("{of} has no `{name}`")).at(span, "not there");
-    did_you_mean(finding, span, near)
-}
-
-/// Adds "did you mean" with its fix.
-pub(super) fn did_you_mean(finding: Finding, span: Span, near: Option<String>) -> Finding {
-    match near {
-        Some(near) => finding
-            .help(format!("did you mean `{near}`?"))
-            .fix(Fix::maybe(format!("write `{near}`")).replace(span, near)),
-        None => finding,
-    }
+    finding.did_you_mean(span, near)
 }
 
 /// A name that is something else than its place wants.

@@ -3,6 +3,7 @@
 use super::args::Given;
 use super::body::Body;
 use super::report::Wanted;
+use super::statement::counted;
 use crate::ty::Ty;
 use crate::typed::{Activation, Each, ExprId, Kind};
 use crate::units::{Dim, Ratio};
@@ -41,6 +42,21 @@ impl Special {
             Special::Condact => "condact",
             Special::Sqrt => "sqrt",
             Special::Any => "any",
+        }
+    }
+}
+
+impl Special {
+    /// How it is called, and what it gives.
+    fn form(self) -> &'static str {
+        match self {
+            Special::Present => "`present(x)`: whether `x` is there",
+            Special::Hold => {
+                "`hold(x, init)`: the latest value of `x`, `init` before there was one"
+            }
+            Special::Condact => "`condact(c, f(x), d)`",
+            Special::Sqrt => "`sqrt(x)`",
+            Special::Any => "`any<<t>>()`",
         }
     }
 }
@@ -88,15 +104,14 @@ impl<'a> Body<'_, 'a> {
             }
             (Special::Sqrt, [x]) => self.sqrt(*x, span),
             _ => {
-                let finding = Finding::new(
-                    Code::RPI1010,
-                    format!(
-                        "`{}` does not take {} arguments",
-                        special.name(),
-                        values.len()
-                    ),
-                )
-                .at(span, "wrong number of arguments");
+                let message = format!(
+                    "`{}` does not take {}",
+                    special.name(),
+                    counted(values.len(), "argument")
+                );
+                let finding = Finding::new(Code::RPI1010, message)
+                    .at(span, "wrong number of arguments")
+                    .help(format!("it is written {}", special.form()));
                 self.fault_with(finding, span)
             }
         }

@@ -5,6 +5,7 @@ use super::locals::Local;
 use super::order::{Goal, Pending, State};
 use super::report::Wanted;
 use super::types::PortTy;
+use crate::program::DeclKind;
 use crate::ty::{Subst, Ty, fit};
 use crate::typed::{self, BlockId, End, Equation, ExprId, FlowId, FlowRole, Optional};
 use rpi_diag::{Code, Finding, Span};
@@ -179,6 +180,7 @@ impl<'a> Body<'_, 'a> {
 
     /// The flow that a target introduces: a plain name that nothing around declares.
     fn introduced(&mut self, target: &ast::Target, index: usize) -> Option<FlowId> {
+        self.hides_no_constant(&target.name);
         let may = target.path.is_empty() && self.mode() == Mode::Rpi && target.name.name != "_";
         let flow = match self.find_in(self.block, &target.name.name) {
             Some(Local::Flow(flow)) if may && self.waits_for_type(flow) => flow,
@@ -192,6 +194,25 @@ impl<'a> Body<'_, 'a> {
             self.defined_by[flow.0 as usize] = Some(index);
         }
         Some(flow)
+    }
+
+    /// A constant of this very file is not hidden by an equation that seems to define it.
+    fn hides_no_constant(&mut self, name: &Ident) {
+        let Some(id) = self.c.program.own(self.module, &name.name) else {
+            return;
+        };
+        let decl = self.c.program.decl(id);
+        if !matches!(decl.kind, DeclKind::Const(_)) || self.find_local(&name.name).is_some() {
+            return;
+        }
+        let finding = Finding::new(Code::RPI1003, format!("`{}` is a constant", name.name))
+            .at(name.span, "no equation can define it")
+            .also(decl.span, "declared here")
+            .help(format!(
+                "give what is new a name of its own: `{}_new = ...;`",
+                name.name
+            ));
+        self.report(finding);
     }
 
     /// Whether a flow has its type from an equation that has not been met yet.

@@ -8,7 +8,7 @@ use super::{Checker, Constant};
 use crate::program::{DeclId, DeclKind};
 use crate::ty::{Subst, Ty, fit};
 use crate::typed::ExprId;
-use rpi_diag::{Code, Finding, Span};
+use rpi_diag::{Code, Finding, Fix, Span};
 use rpi_syntax::Name;
 use rpi_syntax::ast::{
     ConstDef, Expr, ExprKind, Ident, Signature, StaticArg, StaticParam, StaticParamKind,
@@ -70,6 +70,25 @@ pub(super) fn params<'a>(statics: &'a [StaticParam]) -> Vec<Param<'a>> {
 }
 
 impl<'a> Checker<'a> {
+    /// Whether a callable declaration has a parameter or in-port of this name.
+    pub(super) fn takes(&self, id: DeclId, name: &Name) -> bool {
+        let inputs: &[VarDecl] = match self.program.decl(id).kind {
+            DeclKind::Node(d) => d.signature.inputs.as_deref().unwrap_or(&[]),
+            DeclKind::Fragment(d) => d.signature.inputs.as_deref().unwrap_or(&[]),
+            DeclKind::Primitive(d) => d.signature.inputs.as_deref().unwrap_or(&[]),
+            _ => &[],
+        };
+        let is_port = inputs
+            .iter()
+            .flat_map(|port| &port.names)
+            .any(|port| port.name == *name);
+        is_port
+            || self
+                .params_of(id)
+                .iter()
+                .any(|param| param.name().name == *name)
+    }
+
     /// The static parameters of a callable declaration.
     pub(super) fn params_of(&self, id: DeclId) -> Vec<Param<'a>> {
         match self.program.decl(id).kind {
@@ -151,6 +170,12 @@ impl<'a> Body<'_, 'a> {
                 None => places.next().copied(),
                 Some(name) => params.iter().copied().find(|p| p.name().name == name.name),
             };
+            if let (None, StaticValue::Expr(value)) = (&arg.name, &arg.value)
+                && self.named_by_eq(id, value)
+            {
+                bound.faulty = true;
+                continue;
+            }
             match (param, &arg.name) {
                 (Some(param), _) => self.bind_one(id, param, arg, &mut bound),
                 (None, Some(name)) => self.bind_port(name, arg, &mut bound),
@@ -273,7 +298,8 @@ impl<'a> Body<'_, 'a> {
     fn type_by_name(&mut self, expr: &'a Expr) -> Option<Ty> {
         let ExprKind::Name(name) = &expr.kind else {
             let finding = Finding::new(Code::RPI1010, "a type is expected here")
-                .at(expr.span, "this is a value");
+                .at(expr.span, "this is a value")
+                .fix(Fix::maybe("say that it is a type").insert_before(expr.span, "type "));
             self.report(finding);
             return None;
         };

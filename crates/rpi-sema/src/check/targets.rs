@@ -26,7 +26,7 @@ impl<'a> Body<'_, 'a> {
             _ => flatten(&self.ty_of(value).clone(), &mut parts),
         }
         if parts.len() != count && !self.ty_of(value).is_unknown() {
-            return self.wrong_count(value, count, parts.len(), span);
+            return self.wrong_count(index, value, count, parts.len());
         }
         parts.resize(count, Ty::Unknown);
         let targets = match goal {
@@ -45,7 +45,8 @@ impl<'a> Body<'_, 'a> {
         });
     }
 
-    fn wrong_count(&mut self, value: ExprId, targets: usize, parts: usize, span: Span) {
+    fn wrong_count(&mut self, index: usize, value: ExprId, targets: usize, parts: usize) {
+        let span = self.pending[index].span;
         let at = self.span_of(value);
         let finding = Finding::new(
             Code::RPI1010,
@@ -53,6 +54,9 @@ impl<'a> Body<'_, 'a> {
         )
         .at(at, format!("this gives {}", counted(parts, "value")))
         .also(span, format!("{} on the left", counted(targets, "flow")));
+        // Which of them lacks its value is not known.
+        let introduced = self.pending[index].introduces.iter().flatten();
+        self.broken.extend(introduced.copied());
         self.report(finding);
     }
 
@@ -123,10 +127,14 @@ impl<'a> Body<'_, 'a> {
             FlowRole::Param => Some("a parameter"),
             FlowRole::Output | FlowRole::Local => None,
         };
-        if let Some(what) = what {
-            return self.not_definable(&target.name, what);
-        }
         let ty = self.unit.flow(flow).ty.clone();
+        if let Some(what) = what {
+            // A parameter of an unknown type may well be a device.
+            return match ty.is_unknown() && !target.path.is_empty() {
+                true => (Place::Nowhere, Ty::Unknown),
+                false => self.not_definable(&target.name, what),
+            };
+        }
         match self.path_in(&ty, 0, &target.path) {
             Some((at, ty)) => (Place::Flow { flow, at }, ty),
             None => (Place::Nowhere, Ty::Unknown),
@@ -135,7 +143,11 @@ impl<'a> Body<'_, 'a> {
 
     fn not_definable(&mut self, name: &Ident, what: &str) -> (Place, Ty) {
         let finding = Finding::new(Code::RPI1003, format!("`{}` is {what}", name.name))
-            .at(name.span, format!("{what} can not be defined here"));
+            .at(name.span, format!("{what} can not be defined here"))
+            .help(format!(
+                "give what is new a name of its own: `{}_new = ...;`",
+                name.name
+            ));
         self.report(finding);
         (Place::Nowhere, Ty::Unknown)
     }

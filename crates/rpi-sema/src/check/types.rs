@@ -3,13 +3,14 @@
 use super::body::Body;
 use super::locals::Local;
 use super::nesting::is_workable;
-use super::report::{did_you_mean, not_a, unknown};
+use super::quantity::unit_fault;
+use super::report::not_a;
 use super::statics::Static;
 use super::{Checker, Lazy};
 use crate::program::{DeclId, DeclKind, Lookup};
 use crate::ty::{EnumTy, Geometry, Member, StructTy, Ty};
 use crate::typed::Leaf;
-use crate::units::{Measure, UnitFault, resolve};
+use crate::units::{Measure, resolve};
 use rpi_diag::{Code, Finding, Span};
 use rpi_image::Scalar;
 use rpi_syntax::Name;
@@ -72,14 +73,14 @@ impl<'a> Body<'_, 'a> {
         }
     }
 
-    /// The type of reals in a unit; unknown while a type parameter in the unit is, and plain numbers after a fault.
+    /// The type of reals in a unit; unknown while a type parameter in the unit is, and after a fault.
     fn real_in(&mut self, unit: &Unit) -> Ty {
         match self.measure(unit) {
             Ok(Some(measure)) => Ty::Real(measure.dim),
             Ok(None) => Ty::Unknown,
             Err(finding) => {
                 self.report(finding);
-                Ty::REAL
+                Ty::Unknown
             }
         }
     }
@@ -162,7 +163,7 @@ impl<'a> Body<'_, 'a> {
         if let Lookup::Found(id) = self.c.program.lookup(self.module, name)
             && let DeclKind::Type(_) = self.c.program.decl(id).kind
         {
-            return Some(self.c.type_decl(id, span));
+            return Some(self.c.type_decl(id));
         }
         let spatial = Scalar::ALL
             .iter()
@@ -170,8 +171,7 @@ impl<'a> Body<'_, 'a> {
             .find(|s| s.name() == name.as_str());
         let found = spatial.map(super::prim::scalar_ty);
         if found.is_none() {
-            let near = self.near_type(name);
-            self.report(unknown("type", name, span, near));
+            self.unknown_type(name, span);
         }
         found
     }
@@ -179,7 +179,7 @@ impl<'a> Body<'_, 'a> {
     fn declared_ty(&mut self, id: DeclId, named: &'a NamedType) -> Ty {
         let decl = self.c.program.decl(id);
         match decl.kind {
-            DeclKind::Type(_) => self.c.type_decl(id, named.name.span),
+            DeclKind::Type(_) => self.c.type_decl(id),
             DeclKind::Device(device) => self.device_ty(id, device, named),
             DeclKind::Broken(_) => Ty::Unknown,
             kind => {
@@ -205,14 +205,13 @@ impl<'a> Body<'_, 'a> {
             None if name == "result" => Ty::Result,
             None if name == "text" => Ty::Text,
             None => {
-                let near = self.near_type(name);
-                self.report(unknown("type", name, named.name.span, near));
+                self.unknown_type(&named.name.name, named.name.span);
                 Ty::Unknown
             }
         }
     }
 
-    fn near_type(&self, name: &str) -> Option<String> {
+    pub(super) fn near_type(&self, name: &str) -> Option<String> {
         let builtin = ["Vector", "Rotation", "Pose", "Twist", "Wrench", "Time"];
         let is_type = |id: DeclId| {
             let kind = self.c.program.decl(id).kind;
@@ -278,13 +277,10 @@ impl<'a> Body<'_, 'a> {
     fn known_frame(&mut self, known: bool, name: Name, span: Span) -> Option<Name> {
         if !known {
             let near = rpi_diag::suggest(&name, self.unit.free_frames.iter().map(Name::as_str));
-            self.report(did_you_mean(
-                Finding::new(Code::RPI1001, format!("there is no frame `{name}`"))
-                    .at(span, "not declared")
-                    .help("a frame is declared by `frame`, named in the signature, or of a device"),
-                span,
-                near,
-            ));
+            let finding = Finding::new(Code::RPI1001, format!("there is no frame `{name}`"))
+                .at(span, "not declared")
+                .help("a frame is declared by `frame`, named in the signature, or of a device");
+            self.report(finding.did_you_mean(span, near));
         }
         known.then_some(name)
     }
@@ -295,7 +291,7 @@ impl<'a> Checker<'a> {
     pub(super) fn type_alone(&mut self, id: DeclId) {
         match self.program.decl(id).kind {
             DeclKind::Type(_) => {
-                self.type_decl(id, self.program.decl(id).span);
+                self.type_decl(id);
             }
             DeclKind::Device(device) => self.device_alone(id, device),
             _ => {}
@@ -303,12 +299,12 @@ impl<'a> Checker<'a> {
     }
 
     /// What a declared type stands for.
-    pub(super) fn type_decl(&mut self, id: DeclId, used_at: Span) -> Ty {
+    pub(super) fn type_decl(&mut self, id: DeclId) -> Ty {
         let key = format!("{}", id.0);
         match self.types.get(&key) {
             Some(Lazy::Done(ty)) => return ty.clone().unwrap_or(Ty::Unknown),
             Some(Lazy::Busy) => {
-                self.in_circles("type", &self.program.decl(id).name.clone(), used_at);
+                self.in_circles("type", id);
                 return Ty::Unknown;
             }
             None => {}
@@ -317,7 +313,9 @@ impl<'a> Checker<'a> {
             return Ty::Unknown;
         }
         self.types.insert(key.clone(), Lazy::Busy);
+        self.open.push(id);
         let ty = self.nested(|checker| checker.type_def(id));
+        self.open.pop();
         self.types.insert(key, Lazy::Done(Some(ty.clone())));
         ty
     }
@@ -333,9 +331,37 @@ impl<'a> Checker<'a> {
         ty
     }
 
-    /// Reports what needs itself, from where.
-    pub(super) fn in_circles(&mut self, what: &str, name: &Name, span: Span) {
-        self.findings.push(needs_itself(what, name, span));
+    /// Reports a declaration that needs itself, with those on the way.
+    pub(super) fn in_circles(&mut self, what: &str, id: DeclId) {
+        let from = self.open.iter().position(|open| *open == id).unwrap_or(0);
+        let ring: Vec<_> = self.open[from..]
+            .iter()
+            .map(|id| self.program.decl(*id))
+            .collect();
+        let name = &self.program.decl(id).name;
+        let way: Vec<String> = ring
+            .iter()
+            .map(|decl| format!("`{}` -> ", decl.name))
+            .collect();
+        let message = match ring.len() {
+            0 | 1 => format!("the {what} `{name}` needs itself"),
+            _ => format!("the {what} `{name}` needs itself: {}`{name}`", way.concat()),
+        };
+        let mut finding = Finding::new(Code::RPI1007, message);
+        if ring.is_empty() {
+            let decl = self.program.decl(id);
+            let text = format!("`{name}` is needed to know what `{name}` is");
+            finding = finding.at(decl.span, text);
+        }
+        for (k, decl) in ring.iter().enumerate() {
+            let next = &ring[(k + 1) % ring.len()].name;
+            let text = format!("to know `{}`, `{next}` must be known", decl.name);
+            finding = match k {
+                0 => finding.at(decl.span, text),
+                _ => finding.also(decl.span, text),
+            };
+        }
+        self.findings.push(finding);
     }
 }
 
@@ -406,31 +432,8 @@ impl<'a> Body<'_, 'a> {
     }
 }
 
-fn needs_itself(what: &str, name: &Name, span: Span) -> Finding {
-    Finding::new(Code::RPI1007, format!("the {what} `{name}` needs itself")).at(
-        span,
-        format!("`{name}` is needed here to know what `{name}` is"),
-    )
-}
-
 /// A type parameter in a unit that stands for something without unit.
 fn no_quantity(name: &Ident, ty: &Ty) -> Finding {
     let message = format!("`{}` is `{ty}` here, which has no unit", name.name);
     Finding::new(Code::RPI2003, message).at(name.span, "a type of reals is needed")
-}
-
-/// What is wrong with a unit, in words.
-pub(super) fn unit_fault(fault: &UnitFault) -> Finding {
-    match fault {
-        UnitFault::Unknown { name, span, near } => did_you_mean(
-            Finding::new(Code::RPI2003, format!("there is no unit `{name}`"))
-                .at(*span, "not a unit"),
-            *span,
-            near.clone(),
-        ),
-        UnitFault::Exponent { span } => {
-            Finding::new(Code::RPI2003, "a unit with an exponent out of range")
-                .at(*span, "too large")
-        }
-    }
 }

@@ -93,7 +93,12 @@ impl<'a> Checker<'a> {
     }
 
     /// Whether a value that may decide sizes is not given: without it nothing can be said.
-    fn open_sizes(&mut self, id: DeclId, open: &[rpi_syntax::Name], statics: &Statics) -> bool {
+    pub(super) fn open_sizes(
+        &mut self,
+        id: DeclId,
+        open: &[rpi_syntax::Name],
+        statics: &Statics,
+    ) -> bool {
         let params = self.params_of(id);
         params.iter().any(|param| match param {
             super::statics::Param::Value(name, def) if open.contains(&name.name) => {

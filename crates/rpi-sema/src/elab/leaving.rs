@@ -4,6 +4,7 @@
 //! reads it from outside reads an absent flow in the cycles in which the fragment is inactive; so for such a reader it
 //! becomes a node of the fragment.
 
+use super::expr::leaf_scalars;
 use super::scope::Scope;
 use super::signal::{Signal, Wire, alias_of};
 use super::{At, Elab, Mode};
@@ -28,6 +29,24 @@ impl<'u> Elab<'u> {
         at: At,
         span: Span,
     ) -> Wire {
+        let wire = self.wire_read(scope, flow, at, span);
+        if self.mode == Mode::Steps {
+            return self.reads(scope, flow, &wire, at, span);
+        }
+        wire
+    }
+
+    /// A node for each leaf that is read, at the place where it is read.
+    fn reads(&mut self, scope: &Scope<'u>, flow: FlowId, wire: &Wire, at: At, span: Span) -> Wire {
+        let scalars = leaf_scalars(&scope.unit.flow(flow).ty).into_iter();
+        let leaves = scalars.zip(&**wire).map(|(scalar, signal)| match signal {
+            Signal::Port(port) => self.passing_on(*port, scalar, at.fragment, span),
+            other => other.clone(),
+        });
+        leaves.collect()
+    }
+
+    fn wire_read(&mut self, scope: &mut Scope<'u>, flow: FlowId, at: At, span: Span) -> Wire {
         let wire = self.flow(scope, flow, span);
         let block = scope.unit.flow(flow).block;
         if self.mode == Mode::Constant || block == BlockId::ROOT {

@@ -67,7 +67,8 @@ fn conditions(inference: &Inference<'_>, findings: &mut Vec<Finding>) {
             .filter_map(|t| Some((t.condition?, "a transition is taken or not, never neither")));
         for (id, why) in when.chain(ends).chain(claims).chain(transitions) {
             if inference.exprs[id.0 as usize].any() {
-                findings.push(inference.absent_here(id, why).help("often `x ?? false`"));
+                let finding = inference.absent_here(id, why);
+                findings.push(finding.fix(inference.coalesced(id, "false")));
             }
         }
     }
@@ -93,8 +94,9 @@ fn arguments(inference: &Inference<'_>, call: &Call, findings: &mut Vec<Finding>
     };
     for id in conditions.into_iter().flatten() {
         if inference.exprs[id.0 as usize].any() {
-            findings
-                .push(inference.absent_here(id, "an activation is true or false, never neither"));
+            let finding =
+                inference.absent_here(id, "an activation is true or false, never neither");
+            findings.push(finding.fix(inference.coalesced(id, "false")));
         }
     }
 }

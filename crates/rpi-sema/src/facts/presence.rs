@@ -11,7 +11,7 @@ use crate::typed::{
     Activation, BlockId, Call, Each, ExprId, FlowId, FlowRole, Kind, Optional, Place, PrimCall,
     Unit, UnitKind,
 };
-use rpi_diag::{Code, Finding};
+use rpi_diag::{Code, Finding, Fix, Span};
 use rpi_image::{Need, Presence, Role};
 
 /// What is known of a unit.
@@ -391,12 +391,68 @@ impl<'u> Inference<'u> {
         defined && flow.optional == Optional::Declared(false)
     }
 
+    /// `x ?? y` for `if present(x) then x else y`.
+    fn present_or(&self, id: ExprId) -> Option<Fix> {
+        let Kind::Each(Each::If, operands) = &self.unit.expr(id).kind else {
+            return None;
+        };
+        let [condition, yes, no] = operands[..] else {
+            return None;
+        };
+        let Kind::Present(asked) = self.unit.expr(condition).kind else {
+            return None;
+        };
+        let flow = |id: ExprId| match self.unit.expr(id).kind {
+            Kind::Flow(flow) => Some(flow),
+            _ => None,
+        };
+        let same = flow(asked).is_some() && flow(asked) == flow(yes);
+        let [whole, yes, no] = [id, yes, no].map(|id| self.unit.expr(id).span);
+        let before = Span {
+            end: yes.start,
+            ..whole
+        };
+        let between = Span {
+            start: yes.end,
+            end: no.start,
+            ..whole
+        };
+        let fix = Fix::maybe("write `x ?? y`")
+            .replace(before, "")
+            .replace(between, " ?? ");
+        same.then_some(fix)
+    }
+
+    /// A value with another behind it for where it is absent.
+    pub(super) fn coalesced(&self, id: ExprId, otherwise: &str) -> Fix {
+        let span = self.unit.expr(id).span;
+        let fix = Fix::maybe(format!("take `{otherwise}` where it is absent"));
+        match self.unit.expr(id).kind {
+            Kind::Flow(_) | Kind::Part { .. } | Kind::Call(_) => {
+                fix.insert_after(span, format!(" ?? {otherwise}"))
+            }
+            _ => fix
+                .insert_before(span, "(")
+                .insert_after(span, format!(") ?? {otherwise}")),
+        }
+    }
+
     /// Reports a value that may be absent where it must not.
     pub(super) fn absent_here(&self, id: ExprId, why: &str) -> Finding {
         let span = self.unit.expr(id).span;
-        let finding = Finding::new(Code::RPI3001, "this may be absent")
-            .at(span, why.to_owned())
-            .help("say what holds then: `x ?? other`, `hold(x, init)`, or `present(x)`");
+        let message = match self.unit.expr(id).kind {
+            Kind::Flow(flow) => format!("`{}` may be absent here", self.unit.flow(flow).name),
+            _ => "this may be absent".to_owned(),
+        };
+        let finding = Finding::new(Code::RPI3001, message).at(span, why.to_owned());
+        let finding = match self.present_or(id) {
+            Some(fix) => finding
+                .help("`x ?? y` is `x` where it is present, and `y` where it is not")
+                .fix(fix),
+            None => {
+                finding.help("say what holds then: `x ?? other`, `hold(x, init)`, or `present(x)`")
+            }
+        };
         match super::demand::origin(self, id) {
             Some((span, text)) => finding.also(span, text),
             None => finding,

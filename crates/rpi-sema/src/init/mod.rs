@@ -39,10 +39,21 @@ pub fn check(net: &Net) -> Vec<Finding> {
         return Vec::new();
     }
     let given: Vec<PortRef> = asserted(net).chain(given(net)).collect();
-    let solution = Solution::new(net, rules, &given);
-    let mut findings = Vec::new();
-    for root in read_early(&solution) {
-        findings.push(finding(net, root));
+    let roots = all_roots(net, &rules, &given);
+    let mut findings: Vec<Finding> = Vec::new();
+    let mut by_flow: Vec<(Option<&str>, Vec<NodeId>)> = Vec::new();
+    for root in roots {
+        let flow = reader(net, root).filter(|_| !holds_itself(net, root));
+        match by_flow
+            .iter_mut()
+            .find(|(other, _)| flow.is_some() && *other == flow)
+        {
+            Some((_, roots)) => roots.push(root),
+            None => by_flow.push((flow, vec![root])),
+        }
+    }
+    for (flow, roots) in by_flow {
+        findings.push(finding(net, flow, &roots));
     }
     findings
 }
@@ -72,6 +83,27 @@ fn given(net: &Net) -> impl Iterator<Item = PortRef> + '_ {
     let exports = net.exports.iter();
     let claimed = exports.filter(move |export| keys.contains(export.key.as_str()));
     claimed.map(|export| export.source)
+}
+
+/// Looks at most so often for delays that others hide.
+const ROUNDS: usize = 20;
+
+/// The delays that are read too early, also those that only show when others have a first value.
+fn all_roots(net: &Net, rules: &[Rule], claims: &[PortRef]) -> Vec<NodeId> {
+    let mut rules = rules.to_vec();
+    let mut roots = Vec::new();
+    for _ in 0..ROUNDS {
+        let more = read_early(&Solution::new(net, rules.clone(), claims));
+        if more.is_empty() {
+            break;
+        }
+        for delay in &more {
+            rules[delay.index()] = Rule::OptionalDelay;
+        }
+        roots.extend(more);
+    }
+    roots.sort_unstable();
+    roots
 }
 
 /// What ends the command where it does not hold.
@@ -135,24 +167,52 @@ fn sinks(net: &Net) -> impl Iterator<Item = (PortRef, FragmentId)> + '_ {
     exports.chain(results).chain(activations)
 }
 
-fn finding(net: &Net, root: NodeId) -> Finding {
-    let node = net.node(root);
-    let flow = node.origin.flow.as_deref();
-    let what = flow.map_or_else(|| "a flow".to_owned(), |flow| format!("`{flow}`"));
-    if holds_itself(net, root) {
+/// The delays without a first value in the equation of one flow.
+fn finding(net: &Net, flow: Option<&str>, roots: &[NodeId]) -> Finding {
+    let place = |root: &NodeId| net.node(*root).origin.span;
+    if let [one] = roots
+        && holds_itself(net, *one)
+    {
         return Finding::new(Code::RPI5002, "`current` is read before it has a value")
-            .at(node.origin.span, "there may be cycles before the first tick")
+            .at(place(one), "there may be cycles before the first tick")
             .help("say that its clock ticks in the first cycle, or what it is until then: `if seen then current x else y`");
     }
-    Finding::new(
+    let what = flow.map_or_else(|| "a flow".to_owned(), |flow| format!("`{flow}`"));
+    let mut finding = Finding::new(
         Code::RPI5001,
         format!("{what} has no value in the first cycle"),
     )
-    .at(node.origin.span, "there is no cycle before the first")
-    .help("say what it is then: `first -> pre x`")
-    .fix(
-        Fix::maybe("give it a first value").insert_before(node.origin.span, first_value(net, root)),
-    )
+    .help("say what it is then: `first -> pre x`");
+    let mut fix = Fix::maybe("give it a first value");
+    for root in roots {
+        finding = finding.at(place(root), "there is no cycle before the first");
+        fix = fix.insert_before(place(root), first_value(net, *root));
+    }
+    finding.fix(fix)
+}
+
+/// The flow whose equation a node is part of: the first with a name that the way from it leads to.
+fn reader(net: &Net, root: NodeId) -> Option<&str> {
+    let mut seen = vec![root];
+    let mut next = 0;
+    while let Some(id) = seen.get(next).copied() {
+        if let Some(flow) = &net.node(id).origin.flow {
+            return Some(flow);
+        }
+        let reads = |user: &NodeId| {
+            let inputs = net.node(*user).inputs.iter();
+            inputs.filter_map(Input::port).any(|port| port.node == id)
+        };
+        let users: Vec<NodeId> = net.node_ids().filter(reads).collect();
+        seen.extend(
+            users
+                .into_iter()
+                .filter(|user| !seen.contains(user))
+                .collect::<Vec<_>>(),
+        );
+        next += 1;
+    }
+    None
 }
 
 /// Whether a delay keeps the value of a sampled flow: what it delays is that flow where it ticks, else the delay itself.

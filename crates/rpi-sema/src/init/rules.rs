@@ -14,7 +14,7 @@ use std::rc::Rc;
 pub(super) enum Rule {
     /// A delay of a total flow: it has no value in the first phase.
     Delay,
-    /// A delay that starts absent.
+    /// A delay that starts absent, or whose lack of a first value has been told.
     OptionalDelay,
     /// True in the first phase.
     First,

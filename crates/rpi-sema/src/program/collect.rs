@@ -1,8 +1,9 @@
 //! From parsed files to the table of declarations.
 
-use super::{Decl, DeclId, DeclKind, Module, ModuleId, Program, Source};
+use super::{Decl, DeclId, DeclKind, Library, Module, ModuleId, Program, Source};
+use crate::check::no_module;
 use crate::hash::Map;
-use rpi_diag::{Code, Finding, Span, suggest};
+use rpi_diag::{Code, Finding, Span};
 use rpi_syntax::Name;
 use rpi_syntax::ast::{Doc, File, Ident, Item, ItemKind, TypeDef, TypeKind};
 
@@ -11,7 +12,13 @@ impl<'a> Program<'a> {
     /// was asked for; modules that `use` names and that are not among the sources are reported.
     #[must_use]
     pub fn collect(sources: &[Source<'a>]) -> (Program<'a>, Vec<Finding>) {
-        let mut collector = Collector::default();
+        Program::collect_beside(sources, Library::EMPTY)
+    }
+
+    /// The same where there are more modules than the program uses.
+    #[must_use]
+    pub fn collect_beside(sources: &[Source<'a>], library: Library) -> (Program<'a>, Vec<Finding>) {
+        let mut collector = Collector::new(library);
         for source in sources {
             collector.module(source);
         }
@@ -28,25 +35,36 @@ impl<'a> Program<'a> {
             modules: collector.modules,
             decls: collector.decls,
             implicit: implicit.map(|(id, _)| id).collect(),
+            library,
         };
         (program, collector.findings)
     }
 }
 
-#[derive(Default)]
 struct Collector<'a> {
+    library: Library,
     modules: Vec<Module>,
     decls: Vec<Decl<'a>>,
     findings: Vec<Finding>,
 }
 
 impl<'a> Collector<'a> {
+    fn new(library: Library) -> Collector<'a> {
+        Collector {
+            library,
+            modules: Vec::new(),
+            decls: Vec::new(),
+            findings: Vec::new(),
+        }
+    }
+
     fn module(&mut self, source: &Source<'a>) {
         self.modules.push(Module {
             name: source.name.clone(),
             mode: source.mode,
             decls: Vec::new(),
             uses: Vec::new(),
+            lacks_use: false,
             names: Map::default(),
         });
         for file in &source.files {
@@ -137,9 +155,16 @@ impl<'a> Collector<'a> {
             let found = sources.iter().position(|source| source.name == name.name);
             match found.and_then(|k| u32::try_from(k).ok()).map(ModuleId) {
                 Some(used) => self.modules[id.0 as usize].uses.push(used),
-                None => self.findings.push(no_module(name, sources)),
+                None => self.no_module(id, name, sources),
             }
         }
+    }
+
+    fn no_module(&mut self, id: ModuleId, name: &Ident, sources: &[Source<'_>]) {
+        self.modules[id.0 as usize].lacks_use = true;
+        let library = (self.library.modules)();
+        let known = sources[1..].iter().map(|s| s.name.as_str()).chain(library);
+        self.findings.push(no_module(&name.name, name.span, known));
     }
 
     fn current(&mut self) -> &mut Module {
@@ -158,15 +183,4 @@ pub(crate) fn twice(name: &Name, again: Span, first: Span) -> Finding {
         .at(again, "declared again here")
         .also(first, "first declared here")
         .help("give one of them another name")
-}
-
-fn no_module(name: &Ident, sources: &[Source<'_>]) -> Finding {
-    let finding = Finding::new(Code::RPI1005, format!("there is no module `{}`", name.name)).at(
-        name.span,
-        "neither in the standard library nor beside this file",
-    );
-    match suggest(&name.name, sources.iter().map(|s| s.name.as_str())) {
-        Some(near) => finding.help(format!("did you mean `{near}`?")),
-        None => finding,
-    }
 }

@@ -24,6 +24,12 @@ impl Program<'_> {
         }
     }
 
+    /// The declaration of a name in the module itself.
+    #[must_use]
+    pub fn own(&self, module: ModuleId, name: &Name) -> Option<DeclId> {
+        self.module(module).names.get(name).copied()
+    }
+
     fn imported(&self, module: &Module, name: &Name) -> Lookup {
         let names = |id: &ModuleId| self.module(*id).names.get(name).copied();
         let found: Vec<DeclId> = module.uses.iter().filter_map(names).collect();

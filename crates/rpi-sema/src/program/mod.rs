@@ -120,6 +120,8 @@ pub struct Module {
     pub decls: Vec<DeclId>,
     /// The modules that it uses, in text order.
     uses: Vec<ModuleId>,
+    /// Whether it says to use a module that is not there, so that names may be missing for that alone.
+    pub lacks_use: bool,
     names: Map<Name, DeclId>,
 }
 
@@ -132,6 +134,25 @@ pub struct Program<'a> {
     pub decls: Vec<Decl<'a>>,
     /// The modules that every `.rpi` module uses without saying so.
     implicit: Vec<ModuleId>,
+    /// What could be used, for what it would have declared.
+    pub library: Library,
+}
+
+/// The modules that a program could use, whether it does or not.
+#[derive(Clone, Copy, Debug)]
+pub struct Library {
+    /// Their names.
+    pub modules: fn() -> Vec<&'static str>,
+    /// The module that declares a name.
+    pub declaring: fn(&str) -> Option<&'static str>,
+}
+
+impl Library {
+    /// No modules.
+    pub const EMPTY: Library = Library {
+        modules: Vec::new,
+        declaring: |_| None,
+    };
 }
 
 impl<'a> Program<'a> {

@@ -43,6 +43,28 @@ pub enum Misfit {
     },
 }
 
+impl Misfit {
+    /// The same with what is wanted and what is there exchanged.
+    #[must_use]
+    pub fn turned(self) -> Misfit {
+        match self {
+            Misfit::Kind => Misfit::Kind,
+            Misfit::Dimension { expected, found } => Misfit::Dimension {
+                expected: found,
+                found: expected,
+            },
+            Misfit::Frame { expected, found } => Misfit::Frame {
+                expected: found,
+                found: expected,
+            },
+            Misfit::Size { expected, found } => Misfit::Size {
+                expected: found,
+                found: expected,
+            },
+        }
+    }
+}
+
 /// Checks that `found` can stand where `expected` is wanted; free names of `expected` are bound in `subst`.
 ///
 /// # Errors

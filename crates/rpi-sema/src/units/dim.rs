@@ -32,13 +32,37 @@ const BASE_UNITS: [&str; BASES] = ["kg", "m", "s", "A", "K", "mol", "cd", "rad"]
 /// Dimensions that print by a name of their own.
 const NAMED: [(&str, [i32; BASES]); 8] = [
     ("N", [1, 1, -2, 0, 0, 0, 0, 0]),
-    ("J", [1, 2, -2, 0, 0, 0, 0, 0]),
+    ("N*m", [1, 2, -2, 0, 0, 0, 0, 0]),
     ("W", [1, 2, -3, 0, 0, 0, 0, 0]),
     ("Pa", [1, -1, -2, 0, 0, 0, 0, 0]),
     ("C", [0, 0, 1, 1, 0, 0, 0, 0]),
     ("V", [1, 2, -3, -1, 0, 0, 0, 0]),
     ("Ohm", [1, 2, -3, -2, 0, 0, 0, 0]),
     ("T", [1, 0, -2, -1, 0, 0, 0, 0]),
+];
+
+/// What people call quantities, with the article.
+const QUANTITIES: [(&str, [i32; BASES]); 20] = [
+    ("a mass", [1, 0, 0, 0, 0, 0, 0, 0]),
+    ("a length", [0, 1, 0, 0, 0, 0, 0, 0]),
+    ("an area", [0, 2, 0, 0, 0, 0, 0, 0]),
+    ("a volume", [0, 3, 0, 0, 0, 0, 0, 0]),
+    ("a time", [0, 0, 1, 0, 0, 0, 0, 0]),
+    ("a frequency", [0, 0, -1, 0, 0, 0, 0, 0]),
+    ("a speed", [0, 1, -1, 0, 0, 0, 0, 0]),
+    ("an acceleration", [0, 1, -2, 0, 0, 0, 0, 0]),
+    ("a jerk", [0, 1, -3, 0, 0, 0, 0, 0]),
+    ("an angle", [0, 0, 0, 0, 0, 0, 0, 1]),
+    ("an angular speed", [0, 0, -1, 0, 0, 0, 0, 1]),
+    ("an angular acceleration", [0, 0, -2, 0, 0, 0, 0, 1]),
+    ("a force", [1, 1, -2, 0, 0, 0, 0, 0]),
+    ("a torque or energy", [1, 2, -2, 0, 0, 0, 0, 0]),
+    ("a power", [1, 2, -3, 0, 0, 0, 0, 0]),
+    ("a pressure", [1, -1, -2, 0, 0, 0, 0, 0]),
+    ("a current", [0, 0, 0, 1, 0, 0, 0, 0]),
+    ("a charge", [0, 0, 1, 1, 0, 0, 0, 0]),
+    ("a voltage", [1, 2, -3, -1, 0, 0, 0, 0]),
+    ("a temperature", [0, 0, 0, 0, 1, 0, 0, 0]),
 ];
 
 /// A dimension.
@@ -123,15 +147,24 @@ impl Dim {
         self.meets(Dim::ONE)
     }
 
+    /// What people call a quantity of this dimension, with the article: `a speed`.
+    #[must_use]
+    pub fn quantity(self) -> Option<&'static str> {
+        named(&QUANTITIES, self)
+    }
+
+    /// Whether it is one over something: no exponent is positive, and one is negative.
+    #[must_use]
+    pub fn is_inverse(self) -> bool {
+        let signed = |e: &&Ratio| !e.is_zero();
+        let mut exponents = self.0.iter().filter(signed).peekable();
+        exponents.peek().is_some() && exponents.all(|e| e.is_negative())
+    }
+
     fn without_angle(self) -> Dim {
         let mut dim = self;
         dim.0[Base::Angle as usize] = Ratio::ZERO;
         dim
-    }
-
-    fn name(self) -> Option<&'static str> {
-        let is = |row: &&(&str, [i32; BASES])| Dim::whole(row.1) == Some(self);
-        NAMED.iter().find(is).map(|row| row.0)
     }
 
     /// Factors whose exponents have this sign, with the sign taken off, joined by `*`.
@@ -149,10 +182,16 @@ impl Dim {
     }
 }
 
+/// The name of a dimension in a table.
+fn named(table: &[(&'static str, [i32; BASES])], dim: Dim) -> Option<&'static str> {
+    let is = |row: &&(&str, [i32; BASES])| Dim::whole(row.1) == Some(dim);
+    table.iter().find(is).map(|row| row.0)
+}
+
 /// As it is written between brackets: `m/s^2`, `N`, `1/s`, `1`.
 impl fmt::Display for Dim {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        if let Some(name) = self.name() {
+        if let Some(name) = named(&NAMED, *self) {
             return f.write_str(name);
         }
         let (above, below) = (self.product(false), self.product(true));

@@ -1,6 +1,6 @@
 //! From a unit as it is written to a dimension and a factor.
 
-use super::table::{Factor, PREFIXES, UNITS, UnitRow};
+use super::table::{Factor, OTHERWISE, PREFIXES, UNITS, UnitRow};
 use super::{Dim, Ratio};
 use rpi_diag::{Span, suggest};
 use rpi_syntax::ast::{Unit, UnitFactor};
@@ -86,13 +86,34 @@ fn find(name: &str) -> Option<(Factor, &'static UnitRow)> {
 }
 
 fn unknown(part: &UnitFactor) -> UnitFault {
-    let common = ["mm", "cm", "km", "kg", "ms", "us", "kN", "mA", "kW", "mV"];
-    let names = UNITS.iter().map(|row| row.name).chain(common);
     UnitFault::Unknown {
         name: part.unit.name.to_string(),
         span: part.unit.span,
-        near: suggest(&part.unit.name, names),
+        near: near(&part.unit.name),
     }
+}
+
+/// The unit that was meant: by another name, in other letters, as a product without its sign, or misspelt.
+fn near(name: &str) -> Option<String> {
+    let common = ["mm", "cm", "km", "kg", "ms", "us", "kN", "mA", "kW", "mV"];
+    let all = || UNITS.iter().map(|row| row.name).chain(common);
+    let lower = name.to_lowercase();
+    let other = OTHERWISE.iter().find(|row| row.0.to_lowercase() == lower);
+    let other = other.map(|row| row.1.to_owned());
+    let cased = || {
+        all()
+            .find(|unit| unit.to_lowercase() == lower)
+            .map(str::to_owned)
+    };
+    let joined = || {
+        let parts = (1..name.len()).filter_map(|at| name.split_at_checked(at));
+        let mut known = parts.filter(|(a, b)| find(a).is_some() && find(b).is_some());
+        known.next().map(|(a, b)| format!("{a}*{b}"))
+    };
+    other
+        .or_else(cased)
+        .or_else(joined)
+        .or_else(|| suggest(name, all()))
 }
 
 #[cfg(test)]
@@ -132,6 +153,9 @@ mod tests {
             panic!("`rmp` is no unit");
         };
         assert_eq!(near.as_deref(), Some("rpm"));
+        for (written, meant) in [("sec", "s"), ("hz", "Hz"), ("As", "A*s"), ("mms", "mm/s")] {
+            assert_eq!(super::near(written).as_deref(), Some(meant), "{written}");
+        }
         assert!(matches!(of(&[("m", 500)]), Err(UnitFault::Exponent { .. })));
     }
 }

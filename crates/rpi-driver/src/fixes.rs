@@ -1,0 +1,88 @@
+//! Fixes as the program can take them: their first values with units and values of enums, of which passes over nets know
+//! nothing, and none for what is not the program's own.
+
+use crate::modules::{library_modules, library_path};
+use rpi_diag::{Edit, Finding, Fix, SourceMap, Span};
+use rpi_sema::Checked;
+use rpi_sema::ty::Ty;
+use rpi_sema::typed::Kind;
+
+/// How passes begin the text of a first value, by machine type.
+const PLAIN: &[&str] = &["0.0 -> ", "0 -> ", "false -> "];
+
+/// Gives the first values in the fixes of findings the type of what they stand before; a first value of a type without
+/// literals is left to the writer.
+pub(crate) fn typed(findings: &mut [Finding], checked: &Checked) {
+    let fixes = findings.iter_mut().flat_map(|finding| &mut finding.fixes);
+    fixes.for_each(|fix| type_fix(fix, checked));
+}
+
+/// Takes out the fixes that would change the standard library, which is part of the compiler.
+pub(crate) fn of_the_program(findings: &mut [Finding], sources: &SourceMap) {
+    let is_library =
+        |span: Span| library_modules().any(|name| sources.name(span.file) == library_path(name));
+    for finding in findings {
+        finding
+            .fixes
+            .retain(|fix| fix.edits.iter().all(|edit| !is_library(edit.span)));
+    }
+}
+
+fn type_fix(fix: &mut Fix, checked: &Checked) {
+    for pair in fix.edits.chunks_mut(2) {
+        if let [before, after] = pair {
+            bare_name(before, after, checked);
+        }
+    }
+    let insertions = fix.edits.iter_mut().filter(|edit| edit.span.is_empty());
+    insertions.for_each(|edit| type_edit(edit, checked));
+}
+
+/// `pre x` for `pre (x)`, where what is delayed is nothing but a name.
+fn bare_name(before: &mut Edit, after: &mut Edit, checked: &Checked) {
+    let (Some(head), Some(tail)) = (before.text.strip_suffix('('), after.text.strip_prefix(')'))
+    else {
+        return;
+    };
+    let whole = before.span.merge(after.span);
+    let exprs = checked.units.iter().flat_map(|unit| &unit.exprs);
+    let mut here = exprs.filter(|expr| expr.span == whole);
+    if here.any(|expr| matches!(expr.kind, Kind::Flow(_))) {
+        (before.text, after.text) = (head.to_owned(), tail.to_owned());
+    }
+}
+
+fn type_edit(edit: &mut Edit, checked: &Checked) {
+    let (open, rest) = match edit.text.strip_prefix('(') {
+        Some(rest) => ("(", rest),
+        None => ("", edit.text.as_str()),
+    };
+    let Some(behind) = PLAIN.iter().find_map(|plain| rest.strip_prefix(plain)) else {
+        return;
+    };
+    let Some(ty) = type_at(edit.span, checked) else {
+        return;
+    };
+    let first = neutral(ty).map_or_else(String::new, |value| format!("{value} -> "));
+    edit.text = format!("{open}{first}{behind}");
+}
+
+/// The type of the outermost expression that begins at a place.
+fn type_at(place: Span, checked: &Checked) -> Option<&Ty> {
+    let exprs = checked.units.iter().flat_map(|unit| &unit.exprs);
+    let here = exprs.filter(|expr| expr.span.file == place.file && expr.span.start == place.start);
+    let delay = here.filter(|expr| !expr.ty.has_unknown());
+    delay.min_by_key(|expr| expr.span.end).map(|expr| &expr.ty)
+}
+
+/// A value of a type as it is written, nothing in the sense of addition where there is one.
+fn neutral(ty: &Ty) -> Option<String> {
+    match ty {
+        Ty::Bool => Some("false".to_owned()),
+        Ty::Int => Some("0".to_owned()),
+        Ty::Real(dim) if *ty == Ty::REAL || dim.is_plain() => Some("0.0".to_owned()),
+        Ty::Real(dim) => Some(format!("0[{dim}]")),
+        Ty::Enum(values) => values.values.first().map(ToString::to_string),
+        _ => None,
+    }
+}

@@ -1,0 +1,99 @@
+//! Every fix of every finding mends it: applied alone and compiled again, the finding is gone, and a fix that claims
+//! to be sure brings no new error. Whatever the fix, the text can still be read.
+
+use std::collections::BTreeMap;
+use std::path::PathBuf;
+
+use rpi_diag::{Applicability, Code, Finding, Fix, Severity, apply};
+use rpi_house::fences;
+
+use crate::compile::{Said, check};
+use crate::ui::{name, programs};
+
+#[test]
+fn each_fix_of_a_broken_program_mends_it() {
+    let mut wrong = Vec::new();
+    let mut count = 0;
+    for path in programs() {
+        let text = std::fs::read_to_string(&path).expect("it is UTF-8");
+        count += try_fixes(&name(&path), &text, &mut wrong);
+    }
+    assert!(count >= 100, "only {count} fixes are offered");
+    assert!(wrong.is_empty(), "{}", wrong.join("\n\n"));
+}
+
+#[test]
+fn each_fix_of_a_page_mends_its_wrong_program() {
+    let mut wrong = Vec::new();
+    for code in Code::ALL {
+        for fence in fences(code.page()) {
+            if let Some(language) = language(&fence.info) {
+                let path = PathBuf::from(format!("{code}.{language}"));
+                try_fixes(&path.to_string_lossy(), &fence.code, &mut wrong);
+            }
+        }
+    }
+    assert!(wrong.is_empty(), "{}", wrong.join("\n\n"));
+}
+
+/// The ending of a file for a fence that shows a wrong program.
+fn language(info: &str) -> Option<&'static str> {
+    match info {
+        "rpi-wrong" => Some("rpi"),
+        "rpi-wrong lus" => Some("lus"),
+        "rpi-wrong net" => Some("rpinet"),
+        _ => None,
+    }
+}
+
+/// Applies each fix alone; returns how many there were.
+fn try_fixes(name: &str, text: &str, wrong: &mut Vec<String>) -> usize {
+    let Said { findings, .. } = check(name, text);
+    let mut count = 0;
+    for finding in &findings {
+        for fix in &finding.fixes {
+            count += 1;
+            let mended = apply(text, fix.edits.iter());
+            if let Err(why) = judge(&findings, finding, fix, &check(name, &mended).findings) {
+                let what = format!("{} {}", finding.code, finding.message);
+                wrong.push(format!(
+                    "{name}: {what}\n  fix: {}: {why}\n{mended}",
+                    fix.title
+                ));
+            }
+        }
+    }
+    count
+}
+
+/// Whether the finding is gone, and no other error is new if the fix is sure.
+fn judge(before: &[Finding], mended: &Finding, fix: &Fix, after: &[Finding]) -> Result<(), String> {
+    let (old, new) = (counted(before), counted(after));
+    let key = key(mended);
+    if new.get(&key) >= old.get(&key) {
+        return Err("the finding is still there".to_owned());
+    }
+    let is_new = |(key, count): &(&Key, &usize)| {
+        key.0.severity() == Severity::Error && Some(*count) > old.get(key)
+    };
+    let sure = fix.applicability == Applicability::Sure;
+    let mut errors = new.iter().filter(is_new);
+    match errors.find(|((code, _), _)| sure || code.as_str().starts_with("RPI0")) {
+        Some((new, _)) => Err(format!("but then: {} {}", new.0, new.1)),
+        None => Ok(()),
+    }
+}
+
+type Key = (Code, String);
+
+fn key(finding: &Finding) -> Key {
+    (finding.code, finding.message.clone())
+}
+
+fn counted(findings: &[Finding]) -> BTreeMap<Key, usize> {
+    let mut counts = BTreeMap::new();
+    for finding in findings {
+        *counts.entry(key(finding)).or_default() += 1;
+    }
+    counts
+}

@@ -1,0 +1,94 @@
+//! Coordinate frames: composing poses, and what is wrong where they do not meet.
+
+use super::body::Body;
+use crate::ty::{Geometry, Ty};
+use crate::typed::{ExprId, Kind};
+use rpi_diag::{Code, Finding, Fix, Span};
+use rpi_syntax::Name;
+use std::rc::Rc;
+
+impl Body<'_, '_> {
+    /// `(b in a) * (c in b)` is `(c in a)`; the frames in the middle must be the same.
+    pub(super) fn composed(&mut self, left: ExprId, right: ExprId) -> Ty {
+        let (a, b) = (self.ty_of(left).clone(), self.ty_of(right).clone());
+        let (Ty::Spatial(_, outer), Ty::Spatial(scalar, inner)) = (&a, &b) else {
+            return Ty::Unknown;
+        };
+        let meet = match (&outer.of, &inner.in_frame) {
+            (Some(x), Some(y)) => x == y,
+            _ => true,
+        };
+        if !meet {
+            self.do_not_meet((left, outer), (right, inner));
+        }
+        // What is wrong with the middle says nothing about the ends.
+        let geometry = Geometry {
+            dim: inner.dim,
+            of: inner.of.clone().filter(|_| meet),
+            in_frame: outer.in_frame.clone().filter(|_| meet),
+        };
+        Ty::Spatial(*scalar, Rc::new(geometry))
+    }
+
+    fn do_not_meet(
+        &mut self,
+        (left, outer): (ExprId, &Geometry),
+        (right, inner): (ExprId, &Geometry),
+    ) {
+        let (Some(x), Some(y)) = (&outer.of, &inner.in_frame) else {
+            return;
+        };
+        let (a, b) = (self.ty_of(left), self.ty_of(right));
+        let message = format!("`{a}` and `{b}` do not meet: `{x}` is not `{y}`");
+        let finding = Finding::new(Code::RPI2005, message)
+            .at(self.span_of(right), format!("this is given in `{y}`"))
+            .also(self.span_of(left), format!("this is the pose of `{x}`"));
+        let turned = inner.of.is_some() && inner.of == outer.in_frame;
+        let finding = match turned {
+            true => self.exchanged(finding.help("the other way round they meet"), left, right),
+            false => finding.help(format!("put the pose of `{y}` in `{x}` between them")),
+        };
+        self.report(finding);
+    }
+
+    /// Offers to exchange two operands, if both are plain flows.
+    fn exchanged(&self, finding: Finding, left: ExprId, right: ExprId) -> Finding {
+        let name = |id: ExprId| match &self.unit.expr(id).kind {
+            Kind::Flow(flow) => Some(self.unit.flow(*flow).name.to_string()),
+            _ => None,
+        };
+        match (name(left), name(right)) {
+            (Some(a), Some(b)) => finding.fix(
+                Fix::maybe(format!("write `{b} * {a}`"))
+                    .replace(self.span_of(left), b)
+                    .replace(self.span_of(right), a),
+            ),
+            _ => finding,
+        }
+    }
+}
+
+/// A spatial value in other frames than its place wants; `wanted` and `found` are the two that are not the same.
+pub(super) fn misplaced(
+    expected: &Ty,
+    is: &Ty,
+    (wanted, found): (&Name, &Name),
+    span: Span,
+) -> Finding {
+    let message = format!("expected `{expected}`, found `{is}`: `{found}` is not `{wanted}`");
+    let finding = Finding::new(Code::RPI2005, message).at(span, format!("this is `{is}`"));
+    if let Some(near) = rpi_diag::suggest(found, std::iter::once(wanted.as_str())) {
+        return finding.help(format!("is `{found}` misspelt for `{near}`?"));
+    }
+    let (Ty::Spatial(_, expected), Ty::Spatial(_, is)) = (expected, is) else {
+        return finding;
+    };
+    match expected.in_frame.is_none() || is.in_frame.is_none() || expected.in_frame == is.in_frame {
+        true => finding.help(format!(
+            "composed with the pose of `{wanted}` in `{found}` from the right it fits: `x * y`"
+        )),
+        false => finding.help(format!(
+            "composed with the pose of `{found}` in `{wanted}` from the left it fits: `y * x`"
+        )),
+    }
+}

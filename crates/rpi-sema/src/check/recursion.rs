@@ -1,0 +1,124 @@
+//! Calls that come back to where they began: every call is written out where it stands, and these never end.
+//!
+//! A recursion over static parameters makes units of its own, one for each choice, and so no ring of units.
+
+use crate::typed::{Kind, Unit, UnitId};
+use rpi_diag::{Code, Finding, Span};
+
+/// A call of one unit in another.
+#[derive(Clone, Copy)]
+struct Step {
+    to: UnitId,
+    span: Span,
+}
+
+/// One finding for each unit that calls itself, and for each ring of units that call one another.
+pub(super) fn check(units: &[Unit]) -> Vec<Finding> {
+    let calls: Vec<Vec<Step>> = units.iter().map(steps).collect();
+    let mut findings = Vec::new();
+    let mut told = vec![false; units.len()];
+    for start in leftovers(&calls) {
+        if told[start] {
+            continue;
+        }
+        let ring = ring_through(&calls, start);
+        for step in &ring {
+            told[step.to.0 as usize] = true;
+        }
+        if !ring.is_empty() {
+            findings.push(finding(units, start, &ring));
+        }
+    }
+    findings
+}
+
+fn steps(unit: &Unit) -> Vec<Step> {
+    let calls = unit.exprs.iter().filter_map(|expr| match &expr.kind {
+        Kind::Call(call) => Some(Step {
+            to: call.unit,
+            span: expr.span,
+        }),
+        _ => None,
+    });
+    calls.collect()
+}
+
+/// The units that are left when those are taken away, again and again, that call none of the others: all rings, and
+/// what leads to one.
+fn leftovers(calls: &[Vec<Step>]) -> Vec<usize> {
+    let mut open: Vec<usize> = calls.iter().map(Vec::len).collect();
+    let mut callers: Vec<Vec<usize>> = vec![Vec::new(); calls.len()];
+    for (from, steps) in calls.iter().enumerate() {
+        steps
+            .iter()
+            .for_each(|step| callers[step.to.0 as usize].push(from));
+    }
+    let mut done: Vec<usize> = (0..calls.len()).filter(|unit| open[*unit] == 0).collect();
+    while let Some(unit) = done.pop() {
+        for caller in &callers[unit] {
+            open[*caller] -= 1;
+            if open[*caller] == 0 {
+                done.push(*caller);
+            }
+        }
+    }
+    (0..calls.len()).filter(|unit| open[*unit] > 0).collect()
+}
+
+/// The shortest way from a unit back to itself; empty if there is none.
+fn ring_through(calls: &[Vec<Step>], start: usize) -> Vec<Step> {
+    let mut reached: Vec<Option<(usize, Step)>> = vec![None; calls.len()];
+    let mut queue = std::collections::VecDeque::from([start]);
+    while let Some(from) = queue.pop_front() {
+        for step in &calls[from] {
+            let to = step.to.0 as usize;
+            if reached[to].is_none() {
+                reached[to] = Some((from, *step));
+                queue.push_back(to);
+            }
+        }
+        if reached[start].is_some() {
+            break;
+        }
+    }
+    let mut ring = Vec::new();
+    let mut at = start;
+    while let Some((from, step)) = reached[at] {
+        ring.push(step);
+        at = from;
+        if at == start {
+            break;
+        }
+    }
+    ring.reverse();
+    ring
+}
+
+/// Calls that are shown at most.
+const SHOWN: usize = 20;
+
+fn finding(units: &[Unit], start: usize, ring: &[Step]) -> Finding {
+    let name = |step: &Step| units[step.to.0 as usize].name.clone();
+    let first = units[start].name.clone();
+    let message = match ring {
+        [_] => format!("`{first}` calls itself"),
+        _ => {
+            let way: Vec<String> = ring
+                .iter()
+                .take(SHOWN)
+                .map(|step| format!("`{}`", name(step)))
+                .collect();
+            format!("`{first}` calls itself: `{first}` -> {}", way.join(" -> "))
+        }
+    };
+    let mut finding = Finding::new(Code::RPI1011, message)
+        .help("each call is written out where it stands; what goes on from cycle to cycle is a `pre`, what goes on over sizes a recursion over static parameters that ends by `with`");
+    for (k, step) in ring.iter().take(SHOWN).enumerate() {
+        let text = format!("`{}` is called here", name(step));
+        finding = match k {
+            0 => finding.at(step.span, text),
+            _ => finding.also(step.span, text),
+        };
+    }
+    finding
+}

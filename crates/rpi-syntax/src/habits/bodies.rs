@@ -1,0 +1,292 @@
+//! Habits in bodies: statements that change things one after another, where equations say what holds.
+
+use super::{Habit, Mend, habit};
+use crate::ast::Ident;
+use crate::explain::Found;
+use crate::token::Token;
+use rpi_diag::{Fix, Span};
+use std::ops::Range;
+
+/// `let z = x;`, `var z = x;`
+pub(super) fn needless_word(found: &Found<'_, '_>) -> Option<Habit> {
+    let at = found.fault.at;
+    let word = matches!(
+        found.token(at),
+        Some(Token::Let | Token::Var | Token::Const)
+    );
+    let equation =
+        found.token(at + 1) == Some(Token::Ident) && found.token(at + 2) == Some(Token::Eq);
+    if !found.expects_equation() || !word || !equation {
+        return None;
+    }
+    let written = found.written(at);
+    let place = found
+        .cx
+        .span(found.lexemes[at].start, found.lexemes[at + 1].start);
+    let finding = habit(format!("an equation needs no `{written}`"))
+        .at(found.span_at(at), "the equation itself introduces the flow")
+        .fix(Fix::sure(format!("delete `{written}`")).replace(place, ""));
+    let mend = Mend::Tokens(vec![(at..at + 1, Vec::new())]);
+    Some(Habit { finding, mend })
+}
+
+/// `n += 1;` and `n++;`
+pub(super) fn compound(found: &Found<'_, '_>) -> Option<Habit> {
+    use Token::{Eq, Minus, Plus, Slash, Star};
+    let at = found.fault.at;
+    let op = found
+        .token(at)
+        .filter(|op| matches!(op, Plus | Minus | Star | Slash))?;
+    let next = found.token(at + 1)?;
+    if found.token_before() != Some(Token::Ident)
+        || !found.expects(Eq)
+        || !(next == Eq || next == op)
+    {
+        return None;
+    }
+    let phrase = found.structure.phrase(at);
+    let name = found.written(at - 1).to_owned();
+    let by = match next == Eq && at + 2 < phrase.end {
+        true => found.text(at + 2..phrase.end).to_owned(),
+        false => "1".to_owned(),
+    };
+    let zero = if by.contains(['.', '[']) { "0.0" } else { "0" };
+    let sign = op.spelling().unwrap_or_default();
+    let meant = format!("{name} = {zero} -> pre {name} {sign} {by}");
+    let others = found.lexemes.windows(2).enumerate();
+    let is_other = |(i, pair): (usize, &[crate::lexer::Lexeme])| {
+        i + 1 != at && pair[1].token == Eq && found.written(i) == name
+    };
+    let finding = habit("a flow has one equation, which says what it is in every cycle")
+        .at(
+            found.span_of(at..at + 2),
+            format!("changes `{name}` as elsewhere a variable"),
+        )
+        .help(format!(
+            "its value in the cycle before is `pre {name}`: `{meant}`"
+        ));
+    let finding = match others.into_iter().any(is_other) {
+        true => finding,
+        false => {
+            let place = found.span_of(at - 1..phrase.end);
+            finding.fix(Fix::maybe(format!("write `{meant}`")).replace(place, meant))
+        }
+    };
+    let names = vec![found.ident(at - 1)];
+    Some(Habit {
+        finding,
+        mend: Mend::Phrase(at - 1..phrase.end, names),
+    })
+}
+
+/// `return x;`
+pub(super) fn returned(found: &Found<'_, '_>) -> Option<Habit> {
+    let at = found.fault.at.checked_sub(1)?;
+    if found.written(at) != "return" || found.token(at) != Some(Token::Ident) {
+        return None;
+    }
+    let outputs = outputs(found);
+    let span = found.span_at(at);
+    let finding = habit("an out-port gets its value by an equation")
+        .at(span, "nothing returns: all equations hold at once");
+    let finding = match &outputs[..] {
+        [one] => {
+            let meant = format!("{} =", one.name);
+            finding.fix(Fix::sure(format!("write `{meant}`")).replace(span, meant))
+        }
+        _ => finding.help("write an equation for each: `y = ...;`"),
+    };
+    let phrase = found.structure.phrase(at);
+    Some(Habit {
+        finding,
+        mend: Mend::Phrase(at..phrase.end.max(at + 1), outputs),
+    })
+}
+
+/// The out-ports of the declaration.
+fn outputs(found: &Found<'_, '_>) -> Vec<Ident> {
+    let Some(word) = (0..found.fault.at).find(|at| found.token(*at) == Some(Token::Returns)) else {
+        return Vec::new();
+    };
+    let Some(close) = found.structure.partner(word + 1) else {
+        return Vec::new();
+    };
+    let is_name = |at: &usize| {
+        let next = found.token(at + 1);
+        let before = found.token(at - 1);
+        found.token(*at) == Some(Token::Ident)
+            && matches!(next, Some(Token::Colon | Token::Comma))
+            && matches!(before, Some(Token::LParen | Token::Comma | Token::Semi))
+    };
+    (word + 2..close)
+        .filter(is_name)
+        .map(|at| found.ident(at))
+        .collect()
+}
+
+/// `if c then y = a; else y = b; end`
+pub(super) fn choice(found: &Found<'_, '_>) -> Option<Habit> {
+    let at = found.fault.at;
+    if found.token(at) != Some(Token::If) || !found.expects_equation() {
+        return None;
+    }
+    let end = block_end(found, at);
+    let finding = habit("an `if` is a value, not a statement")
+        .at(found.span_at(at), "an equation is expected here")
+        .help("each flow has one equation: `y = if c then a else b;`");
+    let finding = match one_choice(found, at..end) {
+        Some(meant) => {
+            let place = found.span_of(at..end);
+            finding.fix(Fix::maybe(format!("write `{meant}`")).replace(place, meant))
+        }
+        None => finding,
+    };
+    Some(Habit {
+        finding,
+        mend: Mend::Phrase(at..end, defined(found, at..end)),
+    })
+}
+
+/// The equation for `if c then y = a; else y = b; end`.
+fn one_choice(found: &Found<'_, '_>, range: Range<usize>) -> Option<String> {
+    use Token::{Else, Eq, Ident, Semi, Then};
+    let find = |token, from: usize| (from..range.end).find(|at| found.token(*at) == Some(token));
+    let then = find(Then, range.start)?;
+    let first_end = find(Semi, then)?;
+    let second_end = find(Semi, first_end + 1)?;
+    let name = found.written(then + 1);
+    let shape = [
+        found.token(then + 1),
+        found.token(then + 2),
+        found.token(first_end + 1),
+    ];
+    let again = [found.token(first_end + 2), found.token(first_end + 3)];
+    let fits = shape == [Some(Ident), Some(Eq), Some(Else)] && again == [Some(Ident), Some(Eq)];
+    let ends = second_end + 3 >= range.end && name == found.written(first_end + 2);
+    let values = [
+        range.start + 1..then,
+        then + 3..first_end,
+        first_end + 4..second_end,
+    ];
+    if !fits || !ends || values.iter().any(Range::is_empty) {
+        return None;
+    }
+    let [c, a, b] = values.map(|value| found.text(value));
+    Some(format!("{name} = if {c} then {a} else {b};"))
+}
+
+/// `for i = 1 to 3 do ... end`, `while c do ... end`
+pub(super) fn repetition(found: &Found<'_, '_>) -> Option<Habit> {
+    let at = found.fault.at.checked_sub(1)?;
+    let word = found.written(at).to_owned();
+    if !matches!(&*word, "for" | "while" | "loop" | "foreach")
+        || found.token(at) != Some(Token::Ident)
+    {
+        return None;
+    }
+    let end = block_end(found, at);
+    let finding = habit("there are no loops")
+        .at(found.span_at(at), "every equation is computed once in each cycle")
+        .help("over the elements of an array work `map`, `fold` and `red`; what goes on from cycle to cycle reads its own past: `n = 0 -> pre n + 1`");
+    Some(Habit {
+        finding,
+        mend: Mend::Phrase(at..end, defined(found, at..end)),
+    })
+}
+
+/// `finish when c`, `fragment when c`
+pub(super) fn nameless(found: &Found<'_, '_>) -> Option<Habit> {
+    use Token::{Fail, Finish, Fragment, Ident, If, Let, When, Yield};
+    let at = found.fault.at;
+    let before = found.token_before()?;
+    let here = found.token(at)?;
+    let second = at.checked_sub(2).and_then(|at| found.token(at));
+    match (before, here) {
+        (Ident, If) if matches!(second, Some(Finish | Yield | Fail)) => {
+            let span = found.span_at(at);
+            let finding = habit("a result happens `when` its condition holds")
+                .at(span, "expected `when`")
+                .fix(Fix::sure("write `when`").replace(span, "when"));
+            let mend = Mend::Tokens(vec![found.instead(at, &[When])]);
+            Some(Habit { finding, mend })
+        }
+        (Finish | Yield | Fail, When | If) => {
+            let word = found.written(at - 1);
+            let finding = nameless_finding(found, &format!("this `{word}` names no result"));
+            let finding = finding.help(format!(
+                "tasks and successors branch on results by name: `{word} done when ...`"
+            ));
+            Some(Habit {
+                finding,
+                mend: Mend::Usual,
+            })
+        }
+        (Fragment, When | Let) => {
+            let finding = nameless_finding(found, "this fragment has no name")
+                .help("what it computes is read by its name: `fragment Slow when c let y = ...; tel`, then `Slow.y`");
+            Some(Habit {
+                finding,
+                mend: Mend::Usual,
+            })
+        }
+        _ => None,
+    }
+}
+
+fn nameless_finding(found: &Found<'_, '_>, message: &str) -> rpi_diag::Finding {
+    rpi_diag::Finding::new(rpi_diag::Code::RPI0001, message)
+        .at(found.span_at(found.fault.at), "expected a name before this")
+}
+
+/// One past the end of a block of another language: its `end`, its last brace, or before the `tel` around it.
+fn block_end(found: &Found<'_, '_>, at: usize) -> usize {
+    let mut i = at;
+    while let Some(token) = found.token(i) {
+        let closes = matches!(
+            found.written(i),
+            "end" | "endif" | "endfor" | "end_if" | "end_for" | "done" | "endwhile"
+        );
+        let next = i + 1;
+        let ends_braces = token == Token::RBrace && found.token(next) != Some(Token::Else);
+        if token == Token::Tel {
+            return i.max(at + 1);
+        }
+        if closes || ends_braces {
+            return next + usize::from(found.token(next) == Some(Token::Semi));
+        }
+        i = next;
+    }
+    found.lexemes.len()
+}
+
+/// The names that equations in a stretch of statements seem to define.
+fn defined(found: &Found<'_, '_>, range: Range<usize>) -> Vec<Ident> {
+    use Token::{Else, Eq, Ident as Word, LBrace, Semi, Then};
+    let begins = |at: usize| {
+        matches!(found.token(at), Some(Then | Else | Semi | LBrace)) || found.written(at) == "do"
+    };
+    let is_target = |at: &usize| {
+        found.token(*at) == Some(Word) && found.token(at + 1) == Some(Eq) && begins(at - 1)
+    };
+    let names = range.skip(1).filter(is_target);
+    let mut names: Vec<Ident> = names.map(|at| found.ident(at)).collect();
+    let mut seen = std::collections::BTreeSet::new();
+    names.retain(|ident| seen.insert(ident.name.clone()));
+    names
+}
+
+/// The empty place behind another.
+pub(super) fn behind(span: Span) -> Span {
+    Span {
+        start: span.end,
+        ..span
+    }
+}
+
+impl Found<'_, '_> {
+    /// The name at a token.
+    pub(super) fn ident(&self, at: usize) -> Ident {
+        let lexeme = self.lexemes[at];
+        self.cx.ident(lexeme.start, lexeme.end)
+    }
+}

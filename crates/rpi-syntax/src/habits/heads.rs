@@ -1,0 +1,176 @@
+//! Habits in the heads of declarations.
+
+use super::bodies::behind;
+use super::{Habit, Mend, habit};
+use crate::explain::Found;
+use crate::lexer::Lexeme;
+use crate::token::Token;
+use rpi_diag::{Code, Finding, Fix};
+
+/// `node f (x: real) -> (y: real)` and `node f (x: real) (y: real)`
+pub(super) fn returns(found: &Found<'_, '_>) -> Option<Habit> {
+    let at = found.fault.at;
+    let finding = || habit("the out-ports follow `returns`");
+    if !found.expects(Token::Returns) {
+        return None;
+    }
+    match found.token(at)? {
+        Token::Arrow => {
+            let span = found.span_at(at);
+            let fix = Fix::sure("write `returns`").replace(span, "returns");
+            let finding = finding()
+                .at(span, "`->` gives a flow its first value")
+                .fix(fix);
+            let mend = Mend::Tokens(vec![found.instead(at, &[Token::Returns])]);
+            Some(Habit { finding, mend })
+        }
+        Token::LParen => {
+            let span = found.span_at(at);
+            let fix = Fix::sure("insert `returns`").insert_before(span, "returns ");
+            let finding = finding()
+                .at(span, "expected `returns` before this")
+                .fix(fix);
+            let mend = Mend::Tokens(vec![found.before_token(at, Token::Returns)]);
+            Some(Habit { finding, mend })
+        }
+        _ => None,
+    }
+}
+
+/// `node f (x: real) returns (y: real) { y = x; }`
+pub(super) fn braces(found: &Found<'_, '_>) -> Option<Habit> {
+    let at = found.fault.at;
+    if found.token(at) != Some(Token::LBrace) || !found.expects(Token::Let) {
+        return None;
+    }
+    let close = found.structure.partner(at)?;
+    let fix = Fix::sure("write `let` and `tel`")
+        .replace(found.span_at(at), "let")
+        .replace(found.span_at(close), "tel");
+    let finding = habit("a body stands between `let` and `tel`")
+        .at(found.span_at(at), "braces hold fields and values")
+        .also(found.span_at(close), "ends here")
+        .fix(fix);
+    let mend = Mend::Tokens(vec![
+        found.instead(at, &[Token::Let]),
+        found.instead(close, &[Token::Tel]),
+    ]);
+    Some(Habit { finding, mend })
+}
+
+/// `node f (x: real) returns (y: real) y = x; tel`
+pub(super) fn no_let(found: &Found<'_, '_>) -> Option<Habit> {
+    let at = found.fault.at;
+    let begins_equation =
+        found.token(at) == Some(Token::Ident) && found.token(at + 1) == Some(Token::Eq);
+    let has_tel = found.lexemes[at..]
+        .iter()
+        .any(|lexeme| lexeme.token == Token::Tel);
+    if !found.expects(Token::Let) || !begins_equation || !has_tel || at == 0 {
+        return None;
+    }
+    let before = found.span_at(at - 1);
+    let finding = Finding::new(Code::RPI0001, "this body has no `let`")
+        .at(
+            found.span_at(at),
+            "an equation stands between `let` and `tel`",
+        )
+        .fix(Fix::sure("insert `let`").insert_after(before, "\nlet"));
+    let mend = Mend::Tokens(vec![found.before_token(at, Token::Let)]);
+    Some(Habit { finding, mend })
+}
+
+/// `(x: real, b: bool)`
+pub(super) fn comma(found: &Found<'_, '_>) -> Option<Habit> {
+    let at = found.fault.at;
+    let names = found.token(at + 1) == Some(Token::Ident);
+    let typed = matches!(found.token(at + 2), Some(Token::Colon | Token::Comma));
+    if found.token(at) != Some(Token::Comma) || !found.expects(Token::Semi) || !names || !typed {
+        return None;
+    }
+    let finding = habit("declarations are kept apart by `;`")
+        .at(
+            found.span_at(at),
+            "`,` stands between names of one type: `x, y: real`",
+        )
+        .fix(Fix::sure("write `;`").replace(found.span_at(at), ";"));
+    let mend = Mend::Tokens(vec![found.instead(at, &[Token::Semi])]);
+    Some(Habit { finding, mend })
+}
+
+/// `(real x)`
+pub(super) fn type_first(found: &Found<'_, '_>) -> Option<Habit> {
+    use Token::{BoolType, Colon, Comma, Ident, IntType, RParen, RealType, Semi};
+    let at = found.fault.at;
+    let known = |token| matches!(token, BoolType | IntType | RealType);
+    let ty = match (found.token_before(), found.token(at)) {
+        (_, Some(token)) if known(token) && found.expects(Ident) && !found.expects(token) => at,
+        (Some(Ident), Some(Ident)) if found.expects(Colon) => at - 1,
+        _ => return None,
+    };
+    let ends = matches!(found.token(ty + 2), Some(Semi | Comma | RParen));
+    if found.token(ty + 1) != Some(Ident) || !ends {
+        return None;
+    }
+    let (written, name) = (found.written(ty), found.written(ty + 1));
+    let span = found.span_of(ty..ty + 2);
+    let meant = format!("{name}: {written}");
+    let finding = habit(format!("the name goes before its type: `{meant}`"))
+        .at(span, "the type stands first")
+        .fix(Fix::sure(format!("write `{meant}`")).replace(span, meant));
+    let token = found.lexemes[ty].token;
+    let mend = match known(token) {
+        true => Mend::Tokens(vec![(ty..ty + 2, swapped(found, ty))]),
+        false => Mend::Phrase(ty..ty + 2, vec![found.ident(ty + 1)]),
+    };
+    Some(Habit { finding, mend })
+}
+
+/// `x: real` for `real x`, at the places that the text has.
+fn swapped(found: &Found<'_, '_>, ty: usize) -> Vec<Lexeme> {
+    let name = found.lexemes[ty + 1];
+    let end = behind(found.span_at(ty + 1)).start;
+    let at = |token| Lexeme {
+        token,
+        start: end,
+        end,
+    };
+    vec![name, at(Token::Colon), at(found.lexemes[ty].token)]
+}
+
+/// `int[3]`
+pub(super) fn size_in_brackets(found: &Found<'_, '_>) -> Option<Habit> {
+    use Token::{Hat, Int, LBracket, RBracket};
+    let at = found.fault.at;
+    let shape = [found.token(at), found.token(at + 1), found.token(at + 2)];
+    if shape != [Some(LBracket), Some(Int), Some(RBracket)] || !found.expects(Hat) {
+        return None;
+    }
+    let meant = format!("^{}", found.written(at + 1));
+    let span = found.span_of(at..at + 3);
+    let finding = habit("the size of an array stands behind `^`")
+        .at(span, "brackets hold an index, or the unit of a `real`")
+        .fix(Fix::sure(format!("write `{meant}`")).replace(span, meant));
+    let size = found.lexemes[at + 1];
+    let mend = Mend::Tokens(vec![
+        found.instead(at, &[Hat]),
+        (at + 1..at + 3, vec![size]),
+    ]);
+    Some(Habit { finding, mend })
+}
+
+/// `int[m]`
+pub(super) fn unit_of_int(found: &Found<'_, '_>) -> Option<Habit> {
+    let at = found.fault.at;
+    if found.token(at) != Some(Token::LBracket) || found.token_before() != Some(Token::IntType) {
+        return None;
+    }
+    let close = found.structure.partner(at)?;
+    let span = found.span_at(at - 1);
+    let finding = Finding::new(Code::RPI0001, "an `int` has no unit")
+        .at(found.span_of(at..close + 1), "only a `real` has one")
+        .also(span, "declared as an integer")
+        .fix(Fix::maybe("make it a `real`").replace(span, "real"));
+    let mend = Mend::Tokens(vec![found.instead(at - 1, &[Token::RealType])]);
+    Some(Habit { finding, mend })
+}

@@ -1,0 +1,133 @@
+//! Habits from other languages: what is written elsewhere, and how the same is written here.
+//!
+//! Each habit is told once, with the change that mends it, and the text is then read as it was meant, so that
+//! nothing follows from it. Signs are known as such ([`sign`]); everything else is recognised where the grammar
+//! did not accept a token ([`recognise`]).
+
+mod bodies;
+mod heads;
+mod operators;
+mod signs;
+
+pub(crate) use signs::{foreign_sign, sign};
+
+use crate::ast::Ident;
+use crate::explain::Found;
+use crate::lexer::Lexeme;
+use crate::token::Token;
+use rpi_diag::{Code, Finding, Span};
+use std::ops::Range;
+
+/// A habit, and what the parser goes on with.
+pub(crate) struct Habit {
+    pub(crate) finding: Finding,
+    pub(crate) mend: Mend,
+}
+
+/// How the tokens are read as they were meant.
+pub(crate) enum Mend {
+    /// Each range is replaced; ranges in text order.
+    Tokens(Vec<(Range<usize>, Vec<Lexeme>)>),
+    /// A phrase is left out, with the names that it was to define.
+    Phrase(Range<usize>, Vec<Ident>),
+    /// As any other fault.
+    Usual,
+}
+
+/// The habits, each a look at the token that was not accepted and at its neighbours.
+const HABITS: &[fn(&Found<'_, '_>) -> Option<Habit>] = &[
+    operators::remainder,
+    operators::else_if,
+    operators::no_else,
+    operators::conditional,
+    operators::bare_unit,
+    operators::field_by_colon,
+    heads::size_in_brackets,
+    heads::unit_of_int,
+    operators::end_if,
+    operators::stray_bracket,
+    heads::returns,
+    heads::braces,
+    heads::no_let,
+    heads::comma,
+    heads::type_first,
+    bodies::needless_word,
+    bodies::compound,
+    bodies::returned,
+    bodies::choice,
+    bodies::repetition,
+    bodies::nameless,
+];
+
+/// The habit behind a token that was not accepted, if it is one.
+pub(crate) fn recognise(found: &Found<'_, '_>) -> Option<Habit> {
+    HABITS.iter().find_map(|habit| habit(found))
+}
+
+/// A finding about a habit.
+fn habit(message: impl Into<String>) -> Finding {
+    Finding::new(Code::RPI0016, message)
+}
+
+/// What looking around needs.
+impl Found<'_, '_> {
+    fn token(&self, at: usize) -> Option<Token> {
+        self.lexemes.get(at).map(|lexeme| lexeme.token)
+    }
+
+    /// The token before the fault.
+    fn token_before(&self) -> Option<Token> {
+        self.fault.at.checked_sub(1).and_then(|at| self.token(at))
+    }
+
+    fn expects(&self, token: Token) -> bool {
+        self.fault.expected.contains(&token)
+    }
+
+    /// Whether an equation could stand here.
+    fn expects_equation(&self) -> bool {
+        self.expects(Token::Assert) && self.expects(Token::Automaton)
+    }
+
+    /// What is written at a token; empty behind the last.
+    fn written(&self, at: usize) -> &str {
+        let lexeme = self.lexemes.get(at);
+        lexeme.map_or("", |lexeme| self.cx.slice(lexeme.start, lexeme.end))
+    }
+
+    /// The text of a range of tokens.
+    fn text(&self, range: Range<usize>) -> &str {
+        let span = self.span_of(range);
+        self.cx.slice(span.start, span.end)
+    }
+
+    fn span_at(&self, at: usize) -> Span {
+        self.span_of(at..at + 1)
+    }
+
+    fn span_of(&self, range: Range<usize>) -> Span {
+        let (first, last) = (self.lexemes[range.start], self.lexemes[range.end - 1]);
+        self.cx.span(first.start, last.end)
+    }
+
+    /// Another token in the place of one.
+    fn instead(&self, at: usize, tokens: &[Token]) -> (Range<usize>, Vec<Lexeme>) {
+        let old = self.lexemes[at];
+        let lexemes = tokens.iter().map(|&token| Lexeme { token, ..old });
+        (at..at + 1, lexemes.collect())
+    }
+
+    /// A token before another.
+    fn before_token(&self, at: usize, token: Token) -> (Range<usize>, Vec<Lexeme>) {
+        let place = match self.lexemes.get(at) {
+            Some(next) => next.start,
+            None => self.lexemes.last().map_or(0, |last| last.end),
+        };
+        let lexeme = Lexeme {
+            token,
+            start: place,
+            end: place,
+        };
+        (at..at, vec![lexeme])
+    }
+}

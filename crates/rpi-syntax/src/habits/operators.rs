@@ -1,0 +1,214 @@
+//! Habits inside expressions.
+
+use super::{Habit, Mend, habit};
+use crate::explain::Found;
+use crate::token::Token;
+use rpi_diag::{Code, Finding, Fix};
+
+/// `x % 2`
+pub(super) fn remainder(found: &Found<'_, '_>) -> Option<Habit> {
+    let at = match (found.token_before(), found.token(found.fault.at)) {
+        (_, Some(Token::Percent)) => found.fault.at,
+        (Some(Token::Percent), _) => found.fault.at - 1,
+        _ => return None,
+    };
+    let finding = habit("the remainder is written `mod`")
+        .at(
+            found.span_at(at),
+            "a per cent sign stands behind a number: `60%` is 0.6",
+        )
+        .fix(Fix::sure("write `mod`").replace(found.span_at(at), "mod"));
+    let mend = Mend::Tokens(vec![found.instead(at, &[Token::Mod])]);
+    Some(Habit { finding, mend })
+}
+
+/// `if a then x elif b then y else z`
+pub(super) fn else_if(found: &Found<'_, '_>) -> Option<Habit> {
+    let at = found.fault.at;
+    let word = found.written(at);
+    let is_word = matches!(word, "elif" | "elsif" | "elseif");
+    if !is_word || !found.expects(Token::Else) {
+        return None;
+    }
+    let finding = habit("a further condition follows `else if`")
+        .at(
+            found.span_at(at),
+            format!("`{word}` is of another language"),
+        )
+        .fix(Fix::sure("write `else if`").replace(found.span_at(at), "else if"));
+    let mend = Mend::Tokens(vec![found.instead(at, &[Token::Else, Token::If])]);
+    Some(Habit { finding, mend })
+}
+
+/// `y = if c then x;`
+pub(super) fn no_else(found: &Found<'_, '_>) -> Option<Habit> {
+    use Token::{Comma, RBrace, RBracket, RParen, Semi, Tel};
+    let here = found.token(found.fault.at);
+    let ends = matches!(
+        here,
+        None | Some(Semi | Tel | Comma | RParen | RBracket | RBrace)
+    );
+    if !found.expects(Token::Else) || !ends {
+        return None;
+    }
+    let mut open = 0;
+    let is_own = |at: &usize| match found.token(*at) {
+        Some(Token::Else) => {
+            open += 1;
+            false
+        }
+        Some(Token::If) if open == 0 => true,
+        Some(Token::If) => {
+            open -= 1;
+            false
+        }
+        _ => false,
+    };
+    let own = (0..found.fault.at).rev().find(is_own)?;
+    let end = found.span_at(found.fault.at - 1);
+    let finding = Finding::new(Code::RPI0001, "this `if` has no `else`")
+        .at(found.span_at(own), "a flow has a value in every cycle")
+        .also(super::bodies::behind(end), "expected `else` here")
+        .help("say what holds otherwise: `if c then x else y`; to keep the value of the cycle before: `else pre y`");
+    Some(Habit {
+        finding,
+        mend: Mend::Usual,
+    })
+}
+
+/// `y = if c then x else z end;`
+pub(super) fn end_if(found: &Found<'_, '_>) -> Option<Habit> {
+    let at = found.fault.at;
+    let is_word = matches!(found.written(at), "end" | "endif" | "fi");
+    let phrase = found.structure.phrase(at);
+    let has_if = phrase.clone().any(|at| found.token(at) == Some(Token::If));
+    let is_last = found.token(at + 1) == Some(Token::Semi);
+    if !is_word || !has_if || !is_last || !found.expects(Token::Semi) {
+        return None;
+    }
+    let finding = habit("an `if` ends with its `else` value")
+        .at(found.span_at(at), "no word closes it")
+        .fix(Fix::sure(format!("delete `{}`", found.written(at))).replace(found.span_at(at), ""));
+    let mend = Mend::Tokens(vec![(at..at + 1, Vec::new())]);
+    Some(Habit { finding, mend })
+}
+
+/// `c ? x : y`
+pub(super) fn conditional(found: &Found<'_, '_>) -> Option<Habit> {
+    let at = found.fault.at;
+    if found.token(at) != Some(Token::Question) {
+        return None;
+    }
+    let (start, end) = operand(found, at);
+    let level = found.structure.parent(at);
+    let is_colon =
+        |i: &usize| found.token(*i) == Some(Token::Colon) && found.structure.parent(*i) == level;
+    let colon = (at + 1..end).find(is_colon)?;
+    let fix = Fix::sure("write `if ... then ... else ...`")
+        .insert_before(found.span_at(start), "if ")
+        .replace(found.span_at(at), "then")
+        .replace(found.span_at(colon), "else");
+    let finding = habit("a choice is written `if c then x else y`")
+        .at(found.span_at(at), "`? :` is of another language")
+        .fix(fix);
+    let mend = Mend::Tokens(vec![
+        found.before_token(start, Token::If),
+        found.instead(at, &[Token::Then]),
+        found.instead(colon, &[Token::Else]),
+    ]);
+    Some(Habit { finding, mend })
+}
+
+/// The element of a list, or the right side of an equation, in which a token stands.
+fn operand(found: &Found<'_, '_>, at: usize) -> (usize, usize) {
+    let level = found.structure.parent(at);
+    let phrase = found.structure.phrase(at);
+    let same = |i: &usize| found.structure.parent(*i) == level;
+    let token = |i: usize| found.token(i);
+    let first = level.map_or(phrase.start, |open| phrase.start.max(open + 1));
+    let ends = |i: &usize| same(i) && matches!(token(*i), Some(Token::Comma | Token::Semi));
+    let comma = (first..at)
+        .rev()
+        .find(ends)
+        .map_or(first, |comma| comma + 1);
+    let is_eq = |i: &usize| same(i) && token(*i) == Some(Token::Eq);
+    let start = match phrase.start == comma {
+        true => (comma..at).find(is_eq).map_or(comma, |eq| eq + 1),
+        false => comma,
+    };
+    let closes = |i: &usize| ends(i) || level.is_some() && found.structure.partner(*i) == level;
+    let end = (at..phrase.end).find(closes).unwrap_or(phrase.end);
+    (start, end)
+}
+
+/// `3 mm`
+pub(super) fn bare_unit(found: &Found<'_, '_>) -> Option<Habit> {
+    let at = found.fault.at;
+    let is_number = matches!(found.token_before(), Some(Token::Int | Token::Real));
+    if !is_number || found.token(at) != Some(Token::Ident) || !found.expects(Token::Plus) {
+        return None;
+    }
+    let number = found.lexemes[at - 1];
+    let gap = found.cx.slice(number.end, found.lexemes[at].start);
+    let apart = !gap.is_empty() && gap.chars().all(|c| matches!(c, ' ' | '\t'));
+    if !apart {
+        return None;
+    }
+    let start = found.lexemes[at].start as usize;
+    let word = found.lexemes[at].end as usize;
+    let end = word + crate::units::rest(&found.cx.text[word..]);
+    let after = found.lexemes[at..]
+        .iter()
+        .take_while(|lexeme| (lexeme.end as usize) <= end);
+    let last = at + after.count();
+    let unit = &found.cx.text[start..end];
+    let place = found.cx.span(number.end, end as u32);
+    let finding = Finding::new(
+        Code::RPI0007,
+        format!("a unit is written in brackets: `[{unit}]`"),
+    )
+    .at(found.span_at(at), "does not belong to the number like this")
+    .fix(Fix::maybe(format!("write `[{unit}]`")).replace(place, format!("[{unit}]")));
+    let mend = Mend::Tokens(vec![
+        found.before_token(at, Token::LBracket),
+        found.before_token(last, Token::RBracket),
+    ]);
+    Some(Habit { finding, mend })
+}
+
+/// `P { x: 1.0 }`
+pub(super) fn field_by_colon(found: &Found<'_, '_>) -> Option<Habit> {
+    let at = found.fault.at;
+    let inside = found
+        .structure
+        .parent(at)
+        .and_then(|open| found.token(open));
+    let is_field = found.token_before() == Some(Token::Ident) && found.expects(Token::Eq);
+    if found.token(at) != Some(Token::Colon) || inside != Some(Token::LBrace) || !is_field {
+        return None;
+    }
+    let finding = habit("the fields of a value are given by `=`")
+        .at(found.span_at(at), "`:` names arguments of calls")
+        .fix(Fix::sure("write `=`").replace(found.span_at(at), " ="));
+    let mend = Mend::Tokens(vec![found.instead(at, &[Token::Eq])]);
+    Some(Habit { finding, mend })
+}
+
+/// `(x + 1))`
+pub(super) fn stray_bracket(found: &Found<'_, '_>) -> Option<Habit> {
+    use Token::{RBrace, RBracket, RParen, RStatic};
+    let at = found.fault.at;
+    let closes = matches!(found.token(at), Some(RParen | RBracket | RBrace | RStatic));
+    if !closes
+        || found.structure.partner(at).is_some()
+        || found.structure.open_bracket(at).is_some()
+    {
+        return None;
+    }
+    let written = found.written(at);
+    let finding = Finding::new(Code::RPI0001, format!("this `{written}` closes nothing"))
+        .at(found.span_at(at), "no bracket is open here")
+        .fix(Fix::maybe(format!("delete `{written}`")).replace(found.span_at(at), ""));
+    let mend = Mend::Tokens(vec![(at..at + 1, Vec::new())]);
+    Some(Habit { finding, mend })
+}

@@ -1,0 +1,82 @@
+//! Signs of other languages.
+
+use super::habit;
+use crate::token::Token;
+use rpi_diag::{Finding, Fix, Span};
+
+/// A sign of another language.
+pub(crate) struct Sign {
+    written: &'static str,
+    /// What it is there.
+    name: &'static str,
+    /// What it is here.
+    pub(crate) token: Token,
+}
+
+const fn row(written: &'static str, name: &'static str, token: Token) -> Sign {
+    Sign {
+        written,
+        name,
+        token,
+    }
+}
+
+/// The signs that the lexer knows; none of them means anything here.
+pub(crate) const SIGNS: &[Sign] = &[
+    row("==", "equality", Token::Eq),
+    row("===", "equality", Token::Eq),
+    row("!=", "inequality", Token::Ne),
+    row("!==", "inequality", Token::Ne),
+    row("~=", "inequality", Token::Ne),
+    row("&&", "conjunction", Token::And),
+    row("||", "disjunction", Token::Or),
+    row("!", "negation", Token::Not),
+    row("~", "negation", Token::Not),
+    row(":=", "a definition", Token::Eq),
+    row("==>", "implication", Token::Implies),
+];
+
+/// The row of a sign.
+pub(crate) fn sign(written: &str) -> Option<&'static Sign> {
+    SIGNS.iter().find(|sign| sign.written == written)
+}
+
+/// Such a sign stands in the text.
+pub(crate) fn foreign_sign(span: Span, text: &str, sign: &Sign) -> Finding {
+    let meant = sign.token.spelling().unwrap_or_default();
+    habit(format!("{} is written `{meant}`", sign.name))
+        .at(span, format!("`{}` is of another language", sign.written))
+        .fix(Fix::sure(format!("write `{meant}`")).replace(span, apart(span, text, meant)))
+}
+
+/// A word with the spaces that keep it apart from what stands beside it.
+fn apart(span: Span, text: &str, word: &str) -> String {
+    let is_word = word.starts_with(|c: char| c.is_ascii_alphabetic());
+    let joins = |c: char| is_word && !c.is_whitespace() && c != '(';
+    let before = text[..span.start as usize].ends_with(joins);
+    let after = text[span.end as usize..].starts_with(|c: char| is_word && !c.is_whitespace());
+    let space = |needed: bool| if needed { " " } else { "" };
+    format!("{}{word}{}", space(before), space(after))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use rpi_diag::FileId;
+
+    #[test]
+    fn words_are_kept_apart() {
+        for (text, at, len, becomes) in [
+            ("a&&b", 1, 2, " and "),
+            ("a && b", 2, 2, "and"),
+            ("!a", 0, 1, "not "),
+            ("(!a)", 1, 1, "not "),
+            ("a==b", 1, 2, "="),
+        ] {
+            let span = Span::new(FileId(0), at, at + len);
+            let sign = sign(&text[at as usize..(at + len) as usize]).expect("a row");
+            let meant = sign.token.spelling().unwrap_or_default();
+            assert_eq!(apart(span, text, meant), becomes, "{text}");
+        }
+    }
+}

@@ -1,0 +1,74 @@
+//! Where a unit ends that was written without its brackets.
+//!
+//! What the units are is known elsewhere: here only their shape is, `mm/s^2`.
+
+/// How many bytes of what follows a word belong to the same unit: `^2/s` of `m^2/s + x`. A factor follows
+/// without a space, and is no longer than units are.
+pub(crate) fn rest(text: &str) -> usize {
+    let mut end = power(text);
+    loop {
+        let factor = factor(&text[end..]);
+        if factor == 0 {
+            return end;
+        }
+        end += factor;
+    }
+}
+
+/// The longest name of a unit that follows a sign.
+const LONGEST: usize = 4;
+
+/// The bytes of `/s^2` or `*m` at the start of a text.
+fn factor(text: &str) -> usize {
+    let Some(name) = text.strip_prefix(['/', '*']) else {
+        return 0;
+    };
+    let letters = name.len()
+        - name
+            .trim_start_matches(|c: char| c.is_ascii_alphabetic())
+            .len();
+    let next = name[letters..].chars().next();
+    let goes_on =
+        next.is_some_and(|c| c.is_ascii_alphanumeric() || matches!(c, '_' | '(' | '.' | '['));
+    match letters {
+        1..=LONGEST if !goes_on => 1 + letters + power(&name[letters..]),
+        _ => 0,
+    }
+}
+
+/// The bytes of `^2` or `^-1` at the start of a text.
+fn power(text: &str) -> usize {
+    let Some(exponent) = text.strip_prefix('^') else {
+        return 0;
+    };
+    let sign = usize::from(exponent.starts_with('-'));
+    let digits = exponent[sign..].len()
+        - exponent[sign..]
+            .trim_start_matches(|c: char| c.is_ascii_digit())
+            .len();
+    match digits {
+        0 => 0,
+        digits => 1 + sign + digits,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_unit_ends_where_an_expression_goes_on() {
+        for (text, unit) in [
+            ("/s;", "/s"),
+            ("^2/s + x", "^2/s"),
+            ("/s^-1*kg)", "/s^-1*kg"),
+            (" / x", ""),
+            ("/length", ""),
+            ("/f(x)", ""),
+            ("/a.b", ""),
+            ("^", ""),
+        ] {
+            assert_eq!(&text[..rest(text)], unit, "{text}");
+        }
+    }
+}

@@ -1,0 +1,177 @@
+//! `rpic check` on files as they come: line ends, tabs, marks, wide characters, several files; and what `--fix` does.
+
+use std::path::Path;
+use std::process::{Command, Output};
+
+fn rpic(folder: &Path, args: &[&str]) -> Output {
+    Command::new(env!("CARGO_BIN_EXE_rpic"))
+        .args(args)
+        .current_dir(folder)
+        .env_remove("NO_COLOR")
+        .output()
+        .expect("it starts")
+}
+
+fn text(bytes: &[u8]) -> String {
+    String::from_utf8_lossy(bytes).into_owned()
+}
+
+/// A folder with these files.
+fn folder(files: &[(&str, &str)]) -> tempfile::TempDir {
+    let folder = tempfile::tempdir().expect("a folder");
+    for (name, text) in files {
+        std::fs::write(folder.path().join(name), text).expect("it is written");
+    }
+    folder
+}
+
+fn read(folder: &Path, name: &str) -> String {
+    std::fs::read_to_string(folder.join(name)).expect("it is there")
+}
+
+#[test]
+fn fixes_keep_line_ends_and_are_told_one_by_one() {
+    let program = "node f (a, b: int) returns (y: bool)\r\n  y = a == b;\r\ntel\r\n";
+    let folder = folder(&[("a.rpi", program)]);
+    let output = rpic(folder.path(), &["check", "--fix", "a.rpi"]);
+    assert_eq!(output.status.code(), Some(0), "{}", text(&output.stderr));
+    let mended = "node f (a, b: int) returns (y: bool)\r\nlet\r\n  y = a = b;\r\ntel\r\n";
+    assert_eq!(read(folder.path(), "a.rpi"), mended);
+    let told = text(&output.stderr);
+    assert!(told.contains("a.rpi:2:9: fixed: write `=`"), "{told}");
+    assert!(told.contains("a.rpi:1:37: fixed: insert `let`"), "{told}");
+    let left: Vec<_> = std::fs::read_dir(folder.path())
+        .expect("readable")
+        .collect();
+    assert_eq!(left.len(), 1, "nothing is left behind");
+}
+
+#[test]
+fn what_one_fix_uncovers_is_fixed_too() {
+    let program = "node f (x: float) returns (y: float) {\n  y := x;\n}\n";
+    let folder = folder(&[("a.rpi", program)]);
+    let output = rpic(folder.path(), &["check", "--fix", "a.rpi"]);
+    assert_eq!(output.status.code(), Some(0), "{}", text(&output.stderr));
+    let mended = "node f (x: real) returns (y: real) let\n  y = x;\ntel\n";
+    assert_eq!(read(folder.path(), "a.rpi"), mended);
+}
+
+#[test]
+fn files_that_are_used_are_fixed_with_the_one_that_uses_them() {
+    let files = [
+        (
+            "main.rpi",
+            "use part;\nnode f (x: int) returns (y: int)\nlet\n  y = twice(x)\ntel\n",
+        ),
+        (
+            "part.rpi",
+            "node twice (x: int) returns (y: int)\nlet\n  y := 2 * x;\ntel\n",
+        ),
+    ];
+    let folder = folder(&files);
+    let before = rpic(folder.path(), &["check", "main.rpi"]);
+    assert_eq!(before.status.code(), Some(1));
+    assert!(
+        text(&before.stderr).contains("part.rpi:3:5"),
+        "{}",
+        text(&before.stderr)
+    );
+    let output = rpic(folder.path(), &["check", "--fix", "main.rpi"]);
+    assert_eq!(output.status.code(), Some(0), "{}", text(&output.stderr));
+    assert!(read(folder.path(), "part.rpi").contains("y = 2 * x;"));
+    assert!(read(folder.path(), "main.rpi").contains("y = twice(x);"));
+}
+
+#[test]
+fn what_is_not_sure_is_left_to_the_writer() {
+    let program = "node f (x: real[m]) returns (y: bool)\nlet\n  y = x > 3.0;\ntel\n";
+    let folder = folder(&[("a.rpi", program)]);
+    let output = rpic(folder.path(), &["check", "--fix", "a.rpi"]);
+    assert_eq!(output.status.code(), Some(1));
+    assert_eq!(read(folder.path(), "a.rpi"), program);
+}
+
+#[test]
+fn places_are_right_behind_tabs_marks_and_wide_characters() {
+    let program =
+        "\u{feff}node f (x: real) returns (y: real)\nlet\n\ty = (* 机器人 e\u{301} *) z;\ntel\n";
+    let folder = folder(&[("a.rpi", program)]);
+    let short = rpic(folder.path(), &["check", "--format", "short", "a.rpi"]);
+    assert!(
+        text(&short.stdout).starts_with("a.rpi:3:18: error RPI1001"),
+        "{}",
+        text(&short.stdout)
+    );
+    let json = rpic(folder.path(), &["check", "--format", "json", "a.rpi"]);
+    let json: serde_json::Value = serde_json::from_slice(&json.stdout).expect("JSON");
+    let start = &json["findings"][0]["labels"][0]["start"];
+    assert_eq!(
+        (&start["line"], &start["col"]),
+        (&3.into(), &18.into()),
+        "{start}"
+    );
+    assert_eq!(
+        start["offset"].as_u64(),
+        program.find("z;").map(|at| at as u64)
+    );
+}
+
+#[test]
+fn several_files_make_one_report() {
+    let wrong = "node f (x: real) returns (y: real)\nlet\n  y = q;\ntel\n";
+    let folder = folder(&[("a.rpi", wrong), ("b.rpi", wrong)]);
+    for format in ["json", "sarif"] {
+        let output = rpic(
+            folder.path(),
+            &["check", "--format", format, "a.rpi", "b.rpi"],
+        );
+        let report: serde_json::Value = serde_json::from_slice(&output.stdout).expect("one value");
+        let count = match format {
+            "json" => report["findings"].as_array(),
+            _ => report["runs"][0]["results"].as_array(),
+        };
+        assert_eq!(count.map(Vec::len), Some(2), "{report}");
+    }
+    let human = rpic(folder.path(), &["check", "a.rpi", "b.rpi"]);
+    let human = text(&human.stderr);
+    assert_eq!(human.matches("2 errors").count(), 1, "{human}");
+    assert!(!human.contains('\u{1b}'), "no colours in a pipe: {human}");
+}
+
+#[test]
+fn a_file_that_two_use_is_told_about_once() {
+    let part = "node twice (x: int) returns (y: int)\nlet\n  y = 2 * z;\ntel\n";
+    let main = "use part;\nnode f (x: int) returns (y: int)\nlet\n  y = twice(x);\ntel\n";
+    let folder = folder(&[("a.rpi", main), ("b.rpi", main), ("part.rpi", part)]);
+    let output = rpic(
+        folder.path(),
+        &["check", "--format", "short", "a.rpi", "b.rpi"],
+    );
+    assert_eq!(
+        text(&output.stdout).lines().count(),
+        1,
+        "{}",
+        text(&output.stdout)
+    );
+}
+
+#[test]
+fn the_worst_decides_how_it_ends() {
+    let good = "node f (x: real) returns (y: real)\nlet\n  y = x;\ntel\n";
+    let warned = "// odd\nnode f (x: real) returns (y: real)\nlet\n  y = x;\ntel\n";
+    let wrong = "node f (x: real) returns (y: real)\nlet\n  y = q;\ntel\n";
+    let folder = folder(&[
+        ("good.rpi", good),
+        ("warned.rpi", warned),
+        ("wrong.rpi", wrong),
+    ]);
+    let status = |files: &[&str]| {
+        rpic(folder.path(), &[&["check"], files].concat())
+            .status
+            .code()
+    };
+    assert_eq!(status(&["good.rpi"]), Some(0));
+    assert_eq!(status(&["warned.rpi"]), Some(0));
+    assert_eq!(status(&["good.rpi", "wrong.rpi", "warned.rpi"]), Some(1));
+    assert_eq!(status(&["missing.rpi"]), Some(2));
+}
