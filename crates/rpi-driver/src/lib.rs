@@ -21,6 +21,7 @@ mod project;
 mod source;
 mod task;
 mod tests;
+mod typed;
 mod unwanted;
 mod violation;
 
@@ -40,3 +41,4 @@ pub use rpi_sema::elab::Claims;
 pub use source::Told;
 pub use task::{Target, Task, TaskNode, TaskPlan};
 pub use tests::{Branch, Test};
+pub use typed::{Typed, typed};

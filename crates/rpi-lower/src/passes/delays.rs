@@ -172,7 +172,8 @@ impl Known {
         let mut content = Vec::new();
         flat.slots.content(first, &mut content);
         let is_first = content == [1] && self.latched.get(&first) == Some(&Slot::FALSE);
-        (is_first && flat.slots.region(first) == flat.slots.region(kept)).then_some(choice)
+        let alike = first != kept && flat.slots.region(first) == flat.slots.region(kept);
+        (is_first && alike).then_some(choice)
     }
 
     /// `null(pre x) ? k : pre x` for a total x: the `pre` is absent exactly as long as it has its initial content.

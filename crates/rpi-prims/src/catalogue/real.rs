@@ -42,13 +42,13 @@ primitive! {
 }
 
 primitive! {
-    /// True if the operands differ by at most `Epsilon`. Never true for not-a-number.
+    /// True if the operands are equal or differ by at most `Epsilon`. Never true for not-a-number.
     EQUALS = "Core::DoubleEquals";
     in { inFirst: f64 = First(Real(0.0)); inSecond: f64 = Second(Real(0.0)) }
     param { Epsilon: f64 = Real(0.0) }
     out { outValue: bool }
     presence strict work 1;
-    full |_, _, _, (epsilon,), (a, b)| (libm::fabs(a - b) <= epsilon,)
+    full |_, _, _, (epsilon,), (a, b)| (equal(a, b, epsilon),)
 }
 
 primitive! {
@@ -58,4 +58,9 @@ primitive! {
     out { outValue: bool }
     presence strict work 1;
     pure |(a, b)| (a > b,)
+}
+
+/// Infinities are equal to themselves, although their difference is not a number.
+fn equal(a: f64, b: f64, epsilon: f64) -> bool {
+    a == b || libm::fabs(a - b) <= epsilon
 }

@@ -98,6 +98,9 @@ impl<'a> Body<'_, 'a> {
                 self.fault(span)
             }
             Callee::Special(special) => self.special(special, call, span),
+            Callee::Iterator("condact") if call.callee.statics.is_empty() => {
+                self.special(Special::Condact, call, span)
+            }
             Callee::Iterator("condact") => self.condact_of(call, span),
             Callee::Iterator(name) => {
                 match self.iteration(name, &call.callee.statics, call.callee.span) {

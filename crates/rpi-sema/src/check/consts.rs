@@ -63,7 +63,9 @@ impl<'a> Body<'_, 'a> {
     pub(super) fn constant_def(&mut self, def: &'a ast::ConstDef) -> Option<Constant> {
         let declared = def.ty.as_ref().map(|ty| self.ty(ty));
         let Some(value) = &def.value else {
-            let finding = no_value(&def.names[0], self.is_rpi());
+            // Without a name it is what is left of a broken text.
+            let name = def.names.first()?;
+            let finding = no_value(name, self.is_rpi());
             self.report(finding);
             return None;
         };

@@ -31,7 +31,9 @@ impl<'u> Elab<'u> {
             scope.fragments[state.block.0 as usize] = Some(fragment);
             if !state.until.is_empty() {
                 let inner = At::fragment(fragment);
+                let around = std::mem::replace(&mut scope.base, fragment);
                 let weak = self.transitions(scope, &state.until, stay(&number(k)), inner, span);
+                scope.base = around;
                 chosen = self.pick(&here, weak, chosen, at, span);
             }
         }

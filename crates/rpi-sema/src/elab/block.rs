@@ -53,7 +53,9 @@ impl<'u> Elab<'u> {
         self.begin(&path);
         let activation = match content.when {
             Some(when) => {
+                let around = std::mem::replace(&mut scope.base, outer.fragment);
                 let condition = self.one(scope, when, outer);
+                scope.base = around;
                 self.when(&condition, outer, content.span)
             }
             None => net::Activation::Always,
@@ -97,7 +99,9 @@ impl<'u> Elab<'u> {
         self.begin(&format!("{}{name}", scope.prefix));
         self.top = Some(equation.value);
         let before = self.net.nodes.len();
-        let mut wire = self.expr(scope, equation.value, at);
+        let taken = equation.targets.iter().map(|t| t.ty.leaf_count());
+        let taken = taken.sum::<usize>().max(1);
+        let mut wire = self.wide(scope, equation.value, taken, at);
         if self.mode == Mode::Steps {
             wire = self.steps(&wire, scope.unit.expr(equation.value), at);
         }

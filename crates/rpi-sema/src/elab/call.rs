@@ -20,15 +20,22 @@ impl<'u> Elab<'u> {
         at: At,
     ) -> Wire {
         let span = scope.unit.expr(id).span;
+        let callee = &self.units[call.unit.0 as usize];
+        let given = match callee.kind {
+            UnitKind::Function => at,
+            // It may have state, which goes on whatever an `if` chooses.
+            _ => at.unguarded(),
+        };
         let mut args = Vec::with_capacity(call.args.len());
-        for arg in &call.args {
-            args.push(arg.map(|id| self.expr(scope, id, at)));
+        for (port, arg) in callee.inputs.iter().zip(&call.args) {
+            let count = callee.flow(*port).ty.leaf_count();
+            args.push(arg.map(|id| self.wide(scope, id, count, given)));
         }
         let path = self.path(id);
         match &call.activation {
             Activation::Always => self.inlined(call.unit, &args, at, path, span),
             Activation::Restart { every } => {
-                let every = self.one(scope, *every, at);
+                let every = self.one(scope, *every, at.unguarded());
                 let Some(every) = self.port_of(&every, Scalar::Bool, at, span) else {
                     return super::signal::nothing();
                 };
@@ -45,7 +52,7 @@ impl<'u> Elab<'u> {
                 let inner = self.activated(scope, *every, *restart, &path, at, span);
                 let result = self.inlined(call.unit, &args, At::fragment(inner), path, span);
                 let result = self.leaving(&result, inner, at.fragment);
-                let default = default.map(|id| self.expr(scope, id, at));
+                let default = default.map(|id| self.expr(scope, id, at.unguarded()));
                 self.held(&result, default.as_ref(), id, scope, at)
             }
         }
@@ -69,6 +76,7 @@ impl<'u> Elab<'u> {
         at: At,
         span: Span,
     ) -> FragmentId {
+        let at = at.unguarded();
         let every = self.one(scope, every, at);
         let restart = restart.map(|id| self.one(scope, id, at));
         let restart = restart.and_then(|signal| self.port_of(&signal, Scalar::Bool, at, span));

@@ -9,9 +9,8 @@ use rpi_diag::Span;
 use rpi_image::{Scalar, Value};
 use rpi_net::{FragmentId, PortRef, Restart};
 
-/// What a clock's fragment is known by: the fragment around it, the flow that decides, for which value, and the flow that
-/// is computed in it if each has a fragment of its own.
-pub(super) type ClockKey = (FragmentId, PortRef, u32, String);
+/// What a clock's fragments are known by: the fragment around them, the flow that decides, and for which value.
+pub(super) type ClockKey = (FragmentId, PortRef, u32);
 
 impl<'u> Elab<'u> {
     /// Where an expression is evaluated: in the fragment of its clock.
@@ -20,7 +19,7 @@ impl<'u> Elab<'u> {
             return at;
         };
         let span = scope.unit.expr(id).span;
-        let fragment = self.clocked(scope, facts.clocks.of_expr(id), span);
+        let fragment = self.clocked(scope, facts.clocks.of_expr(id), at, span);
         let inside = fragment == at.fragment
             || self
                 .net
@@ -37,12 +36,18 @@ impl<'u> Elab<'u> {
         scope.id.and_then(|unit| facts.get(unit.0 as usize))
     }
 
-    /// The fragment of a clock.
-    fn clocked(&mut self, scope: &mut Scope<'u>, clock: &'u [ClockOn], span: Span) -> FragmentId {
+    /// The fragment of a clock, for an expression that stands at a place.
+    fn clocked(
+        &mut self,
+        scope: &mut Scope<'u>,
+        clock: &'u [ClockOn],
+        place: At,
+        span: Span,
+    ) -> FragmentId {
         let mut fragment = scope.base;
         if self.mode != Mode::Constant {
             for on in clock {
-                fragment = self.sampled(scope, *on, fragment, span);
+                fragment = self.sampled(scope, *on, fragment, place, span);
             }
         }
         fragment
@@ -53,16 +58,17 @@ impl<'u> Elab<'u> {
         scope: &mut Scope<'u>,
         on: ClockOn,
         parent: FragmentId,
+        place: At,
         span: Span,
     ) -> FragmentId {
         let wire = self.flow(scope, on.flow, span);
         let deciding = wire.first().cloned().unwrap_or(Signal::Absent);
         let key: Option<ClockKey> = match deciding {
-            Signal::Port(port) => Some((parent, port, on.value, self.owner())),
+            Signal::Port(port) => Some((parent, port, on.value)),
             _ => None,
         };
-        if let Some(fragment) = key.as_ref().and_then(|key| self.clocks.get(key)) {
-            return *fragment;
+        if let Some(fragment) = key.and_then(|key| self.known_clock(key, place)) {
+            return fragment;
         }
         let at = At::fragment(parent);
         let condition = self.ticks(scope, on, at, span);
@@ -71,16 +77,19 @@ impl<'u> Elab<'u> {
         let path = format!("{}@{name}#{}", scope.prefix, self.net.fragments.len());
         let fragment = self.fragment(&path, parent, activation, Restart::Never, span);
         if let Some(key) = key {
-            self.clocks.insert(key, fragment);
+            self.clocks.entry(key).or_default().push(fragment);
         }
         fragment
     }
 
-    /// Whose fragment of a clock it is: everybody's, unless that makes a ring.
-    fn owner(&self) -> String {
+    /// A fragment of a clock that there is already: any; or, if all in one would make a ring, only one around the place,
+    /// so that each sampled expression has its own.
+    fn known_clock(&self, key: ClockKey, place: At) -> Option<FragmentId> {
+        let known = self.clocks.get(&key)?;
+        let mut around = self.net.enclosing(place.fragment);
         match self.splits_clocks {
-            true => self.name.clone(),
-            false => String::new(),
+            false => known.first().copied(),
+            true => around.find(|fragment| known.contains(fragment)),
         }
     }
 
@@ -99,7 +108,7 @@ impl<'u> Elab<'u> {
         let clock = self.facts_of(scope)?.clocks.of_expr(id);
         let (on, outer) = clock.split_last()?;
         let span = scope.unit.expr(id).span;
-        let beside = At::fragment(self.clocked(scope, outer, span));
+        let beside = At::fragment(self.clocked(scope, outer, at, span));
         let wire = self.expr(scope, operand, at);
         let scalars = super::expr::leaf_scalars(&scope.unit.expr(id).ty);
         let ticks = self.ticks(scope, *on, beside, span);
@@ -145,9 +154,9 @@ impl<'u> Elab<'u> {
         let Some(((_, last), others)) = cases.split_last() else {
             return super::signal::nothing();
         };
-        let mut chosen = self.expr(scope, *last, at).to_vec();
+        let mut chosen = self.wide(scope, *last, scalars.len(), at).to_vec();
         for (value, case) in others.iter().rev() {
-            let wire = self.expr(scope, *case, at);
+            let wire = self.wide(scope, *case, scalars.len(), at);
             let here = match (is_truth, value) {
                 (true, 0) => self.named(
                     "Core::BooleanNot",
@@ -177,7 +186,7 @@ impl<'u> Elab<'u> {
         at: At,
         span: Span,
     ) -> Wire {
-        let wire = self.expr(scope, operand, at);
+        let wire = self.expr(scope, operand, at.unguarded());
         let clock = self
             .facts_of(scope)
             .map(|facts| facts.clocks.of_value(operand));

@@ -32,29 +32,22 @@ impl<'u> Elab<'u> {
             (Each::Arrow, [a, b]) => self.arrow(scope, *a, *b, id, at),
             (Each::Coalesce, [a, b]) => {
                 let scalars = leaf_scalars(ty);
-                let (a, b) = (self.expr(scope, *a, at), self.expr(scope, *b, at));
-                let pairs = a
-                    .iter()
-                    .zip(spread(&b, a.len()).iter().cloned().collect::<Vec<_>>());
-                let pairs: Vec<(Signal, Signal)> = pairs.map(|(a, b)| (a.clone(), b)).collect();
-                let leaves = pairs.into_iter().zip(scalars);
+                let a = self.wide(scope, *a, scalars.len(), at);
+                let b = self.wide(scope, *b, scalars.len(), at);
+                let leaves = a.iter().zip(b.iter()).zip(scalars);
                 leaves
-                    .map(|((a, b), scalar)| self.coalesce(a, b, scalar, at, span))
+                    .map(|((a, b), scalar)| self.coalesce(a.clone(), b.clone(), scalar, at, span))
                     .collect()
             }
             (Each::Hold, [x, init]) => {
-                let scalars = leaf_scalars(ty);
-                let (x, init) = (self.expr(scope, *x, at), self.expr(scope, *init, at));
-                let leaves: Vec<((Signal, Signal), Scalar)> = x
-                    .iter()
-                    .cloned()
-                    .zip(init.iter().cloned())
-                    .zip(scalars)
-                    .collect();
+                let (at, scalars) = (at.unguarded(), leaf_scalars(ty));
+                let x = self.wide(scope, *x, scalars.len(), at);
+                let init = self.wide(scope, *init, scalars.len(), at);
+                let leaves = x.iter().zip(init.iter()).zip(scalars);
                 leaves
-                    .into_iter()
                     .map(|((x, init), scalar)| {
-                        self.family(Family::Hold, scalar, &[x, init], at, span)
+                        let inputs = [x.clone(), init.clone()];
+                        self.family(Family::Hold, scalar, &inputs, at, span)
                     })
                     .collect()
             }
@@ -88,34 +81,17 @@ impl<'u> Elab<'u> {
         at: At,
     ) -> Wire {
         let span = scope.unit.expr(id).span;
-        let condition = self.one(scope, condition, at);
-        match &condition {
-            Signal::Const(value) if value.as_bool() == Some(true) => {
-                return self.expr(scope, yes, at);
-            }
-            Signal::Const(_) => return self.expr(scope, no, at),
-            _ => {}
-        }
-        let guards = self.guards(scope, &condition, [yes, no], at, span);
-        let yes = self.expr(
-            scope,
-            yes,
-            At {
-                guard: guards[0],
-                ..at
-            },
-        );
-        let no = self.expr(
-            scope,
-            no,
-            At {
-                guard: guards[1],
-                ..at
-            },
-        );
         let scalars = leaf_scalars(&scope.unit.expr(id).ty);
         let count = scalars.len();
-        let (yes, no) = (spread(&yes, count), spread(&no, count));
+        let condition = self.one(scope, condition, at);
+        if let Signal::Const(value) = &condition {
+            let chosen = if value.as_bool() == Some(true) { yes } else { no };
+            return self.wide(scope, chosen, count, at);
+        }
+        let guards = self.guards(scope, &condition, [yes, no], at, span);
+        let [in_yes, in_no] = guards.map(|guard| At { guard, ..at });
+        let yes = self.wide(scope, yes, count, in_yes);
+        let no = self.wide(scope, no, count, in_no);
         let mut leaves = Vec::with_capacity(count);
         for (k, scalar) in scalars.into_iter().enumerate() {
             let (Some(yes), Some(no)) = (yes.get(k), no.get(k)) else {
@@ -256,8 +232,8 @@ impl<'u> Elab<'u> {
             return self.delayed(scope, operands[0], b, at, |_| true);
         }
         let scalars = leaf_scalars(&unit.expr(id).ty);
-        let (a, b) = (self.expr(scope, a, at), self.expr(scope, b, at));
-        let (a, b) = (spread(&a, scalars.len()), spread(&b, scalars.len()));
+        let a = self.wide(scope, a, scalars.len(), at);
+        let b = self.wide(scope, b, scalars.len(), at);
         let first = self.first(at.fragment, span);
         let mut leaves = Vec::with_capacity(scalars.len());
         for (k, scalar) in scalars.into_iter().enumerate() {
@@ -293,12 +269,20 @@ impl<'u> Elab<'u> {
             _ => None,
         }
     }
-}
 
-/// `none` has one leaf, whatever it stands beside.
-fn spread(wire: &Wire, count: usize) -> Wire {
-    match (&wire[..], count) {
-        ([Signal::Absent], n) if n != 1 => (0..n).map(|_| Signal::Absent).collect(),
-        _ => wire.clone(),
+    /// The wire of an expression where a value of so many leaves is wanted: `none` by itself has one, whatever it stands
+    /// beside.
+    pub(super) fn wide(
+        &mut self,
+        scope: &mut Scope<'u>,
+        id: ExprId,
+        count: usize,
+        at: At,
+    ) -> Wire {
+        let wire = self.expr(scope, id, at);
+        match (&wire[..], count) {
+            ([Signal::Absent], n) if n != 1 => (0..n).map(|_| Signal::Absent).collect(),
+            _ => wire,
+        }
     }
 }

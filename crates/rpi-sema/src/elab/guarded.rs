@@ -35,8 +35,10 @@ pub(super) fn can_fault(units: &[Unit], unit: &Unit, id: ExprId) -> bool {
         match kind {
             Kind::Select { .. } => return true,
             Kind::Prim(call) if call.prim.desc().may_fault => return true,
-            Kind::Each(Each::Pre | Each::Last, _) => continue,
-            Kind::Call(call) if units[call.unit.0 as usize].kind == UnitKind::Function => {
+            // On the way to a state.
+            Kind::Each(Each::Pre | Each::Last | Each::Hold, _) | Kind::Current(_) => continue,
+            Kind::Call(call) if units[call.unit.0 as usize].kind != UnitKind::Function => continue,
+            Kind::Call(call) => {
                 let callee = &units[call.unit.0 as usize];
                 let values = callee.blocks.iter().flat_map(|block| &block.equations);
                 open.extend(values.map(|equation| (callee, equation.value)));

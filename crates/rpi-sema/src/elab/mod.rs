@@ -137,7 +137,7 @@ struct Elab<'u> {
     /// `first` of each fragment.
     firsts: Map<FragmentId, PortRef>,
     /// The fragments of clocks.
-    clocks: Map<clocks::ClockKey, FragmentId>,
+    clocks: Map<clocks::ClockKey, Vec<FragmentId>>,
     /// Whether each flow of a clock has a fragment of its own.
     splits_clocks: bool,
     /// Elements that have been taken out of array ports.

@@ -370,7 +370,9 @@ impl<'u> Elab<'u> {
         for (k, block) in unit.blocks.iter().enumerate() {
             let fragment = scope.fragments[k].unwrap_or(rpi_net::FragmentId::ROOT);
             for export in &block.exports {
+                scope.base = fragment;
                 let wire = self.expr(scope, export.value, At::fragment(fragment));
+                scope.base = rpi_net::FragmentId::ROOT;
                 self.begin(&export.key);
                 let mut leaves: Vec<(String, Ty)> = Vec::new();
                 let ty = &unit.expr(export.value).ty;

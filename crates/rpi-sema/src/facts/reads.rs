@@ -114,6 +114,9 @@ fn blocks(unit: &Unit) -> Vec<BlockId> {
             .automata
             .iter()
             .flat_map(|automaton| &automaton.states);
+        // A strong condition is decided around the states, a weak one in its own.
+        let unless = states.clone().flat_map(|s| &s.unless);
+        let unless = unless.filter_map(|t| t.condition);
         let until = states.flat_map(|s| {
             s.until
                 .iter()
@@ -121,6 +124,7 @@ fn blocks(unit: &Unit) -> Vec<BlockId> {
         });
         roots
             .chain(claims)
+            .chain(unless)
             .for_each(|root| mark(unit, root, id, &mut blocks));
         until.for_each(|(state, root)| mark(unit, root, state, &mut blocks));
         if let (Some(when), Some(parent)) = (block.when, block.parent) {

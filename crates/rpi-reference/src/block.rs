@@ -1,0 +1,154 @@
+//! Blocks: when a fragment or a state is active, and when it starts afresh.
+
+use rpi_sema::typed::{Automaton, BlockId, Transition};
+
+use crate::cycle::{Keep, Reference};
+use crate::instance::{Here, InstanceId, State};
+use crate::value::Stop;
+
+impl<'p> Reference<'p> {
+    /// Whether a block is active in this cycle (M6.2, M6.3). If it starts afresh, it forgets before anything in it runs.
+    pub(crate) fn is_active(&mut self, instance: InstanceId, block: BlockId) -> Result<bool, Stop> {
+        if let Some(known) = self.instances[instance].now.active.get(&block) {
+            return Ok(*known);
+        }
+        let unit = self.instances[instance].unit;
+        let parent = unit.block(block).parent;
+        let active = match parent {
+            Some(parent) if !self.is_active(instance, parent)? => false,
+            _ => {
+                let here = Here {
+                    instance,
+                    block: parent,
+                    chosen: true,
+                };
+                self.begins(here, block)?
+            }
+        };
+        self.instances[instance].now.active.insert(block, active);
+        Ok(active)
+    }
+
+    /// Evaluates the condition of a block, which stands around it.
+    pub(crate) fn condition(&mut self, instance: InstanceId, block: BlockId) -> Result<(), Stop> {
+        let unit = self.instances[instance].unit;
+        let parent = unit.block(block).parent;
+        let here = Here {
+            instance,
+            block: parent,
+            chosen: true,
+        };
+        let around = match parent {
+            Some(parent) => self.is_active(instance, parent)?,
+            None => true,
+        };
+        match unit.block(block).when {
+            Some(when) if around => self.visit(here, when),
+            _ => Ok(()),
+        }
+    }
+
+    /// Whether a block is active of which the parent is.
+    fn begins(&mut self, here: Here, block: BlockId) -> Result<bool, Stop> {
+        let unit = self.instances[here.instance].unit;
+        if let Some(parent) = here.block
+            && let Some((k, index)) = state_of(&unit.block(parent).automata, block)
+        {
+            let state = self.state(here, parent, k)?;
+            let active = state.index == index;
+            if active && state.afresh {
+                self.instances[here.instance].start_afresh(block);
+            }
+            return Ok(active);
+        }
+        let content = unit.block(block);
+        let active = match content.when {
+            Some(when) => self.truth(here, when)? == Some(true),
+            None => true,
+        };
+        let instance = &mut self.instances[here.instance];
+        let was_active = instance.memory(here.block).was_active.contains(&block);
+        if active && content.restart && !was_active {
+            instance.start_afresh(block);
+        }
+        self.keep.push((here, Keep::Active(block, active)));
+        Ok(active)
+    }
+
+    /// The state of an automaton in this cycle: strong transitions act before it runs.
+    fn state(&mut self, here: Here, block: BlockId, k: usize) -> Result<State, Stop> {
+        if let Some(known) = self.instances[here.instance].now.states.get(&(block, k)) {
+            return Ok(*known);
+        }
+        let automaton = self.automaton(here, block, k);
+        let start = State {
+            index: automaton.initial,
+            afresh: false,
+        };
+        let memory = self.instances[here.instance].memory(Some(block));
+        let before = memory.states.get(&k).copied().unwrap_or(start);
+        let unless = &automaton.states[before.index as usize].unless;
+        let state = self.taken(here, unless)?.unwrap_or(before);
+        let now = &mut self.instances[here.instance].now;
+        now.states.insert((block, k), state);
+        Ok(state)
+    }
+
+    /// The transitions of an automaton: weak ones act in the next cycle. All conditions are evaluated: those of strong
+    /// transitions stand around the states, those of weak ones in them.
+    pub(crate) fn transitions(&mut self, here: Here, block: BlockId, k: usize) -> Result<(), Stop> {
+        let automaton = self.automaton(here, block, k);
+        let state = self.state(here, block, k)?;
+        let mut next = State {
+            index: state.index,
+            afresh: false,
+        };
+        for inner in &automaton.states {
+            for condition in inner.unless.iter().filter_map(|one| one.condition) {
+                self.visit(here, condition)?;
+            }
+            if self.is_active(here.instance, inner.block)? {
+                let inside = self.inside(here.instance, inner.block);
+                for condition in inner.until.iter().filter_map(|one| one.condition) {
+                    self.visit(inside, condition)?;
+                }
+                next = self.taken(inside, &inner.until)?.unwrap_or(next);
+            }
+        }
+        self.keep.push((here, Keep::State(k, next)));
+        Ok(())
+    }
+
+    /// Where the first transition leads whose condition holds.
+    fn taken(&mut self, here: Here, transitions: &[Transition]) -> Result<Option<State>, Stop> {
+        for transition in transitions {
+            let holds = match transition.condition {
+                Some(condition) => self.truth(here, condition)? == Some(true),
+                None => true,
+            };
+            if holds {
+                return Ok(Some(State {
+                    index: transition.target,
+                    afresh: !transition.resumes,
+                }));
+            }
+        }
+        Ok(None)
+    }
+
+    fn automaton(&self, here: Here, block: BlockId, k: usize) -> &'p Automaton {
+        &self.instances[here.instance].unit.block(block).automata[k]
+    }
+}
+
+/// Which automaton has a block as a state, and as which.
+fn state_of(automata: &[Automaton], block: BlockId) -> Option<(usize, u32)> {
+    for (k, automaton) in automata.iter().enumerate() {
+        for (index, state) in (0..).zip(&automaton.states) {
+            if state.block == block {
+                return Some((k, index));
+            }
+        }
+    }
+    None
+}

@@ -1,0 +1,116 @@
+//! Calls: behind each stands an instance of its own, which lives as long as the block that calls (M6.5).
+
+use rpi_sema::typed::{Activation, Call, ExprId, UnitId, UnitKind};
+
+use crate::cycle::Reference;
+use crate::instance::{Here, Instance, InstanceId};
+use crate::value::{Leaf, Stop};
+
+impl<'p> Reference<'p> {
+    /// A leaf of what a call gives.
+    pub(crate) fn result(
+        &mut self,
+        here: Here,
+        id: ExprId,
+        call: &'p Call,
+        k: usize,
+    ) -> Result<Leaf, Stop> {
+        let leaf = match self.called(here, id, call)? {
+            Some(instance) => self.output(instance, k)?,
+            None => None,
+        };
+        match &call.activation {
+            Activation::Condact { default, .. } => self.lasting(here, id, k, leaf, *default),
+            _ => Ok(leaf),
+        }
+    }
+
+    /// Between its runs an activated call gives what it gave last; before the first the default of the first cycle.
+    fn lasting(
+        &mut self,
+        here: Here,
+        id: ExprId,
+        k: usize,
+        leaf: Leaf,
+        default: Option<ExprId>,
+    ) -> Result<Leaf, Stop> {
+        let memory = self.instances[here.instance].memory(here.block);
+        let kept = memory.kept.get(&(id, k)).copied();
+        let before = match (kept, default) {
+            (Some(kept), _) => kept,
+            (None, Some(default)) => self.leaf(here.unguarded(), default, k)?,
+            (None, None) => None,
+        };
+        self.held(here, id, k, leaf.or(before), None)
+    }
+
+    /// The instance behind a call, if it runs in this cycle.
+    pub(crate) fn called(
+        &mut self,
+        here: Here,
+        id: ExprId,
+        call: &'p Call,
+    ) -> Result<Option<InstanceId>, Stop> {
+        if let Some(known) = self.instances[here.instance].now.entered.get(&id) {
+            return Ok(*known);
+        }
+        let (runs, afresh) = self.activation(here, &call.activation)?;
+        let entered = runs.then(|| self.instance(here, id, call, afresh));
+        let now = &mut self.instances[here.instance].now;
+        now.entered.insert(id, entered);
+        Ok(entered)
+    }
+
+    /// Whether a call runs, and whether it starts afresh.
+    fn activation(&mut self, here: Here, activation: &Activation) -> Result<(bool, bool), Stop> {
+        let here = here.unguarded();
+        Ok(match activation {
+            Activation::Always => (true, false),
+            Activation::Restart { every } => (true, self.truth(here, *every)? == Some(true)),
+            Activation::Condact { every, restart, .. } => {
+                let runs = self.truth(here, *every)? == Some(true);
+                let afresh = match restart {
+                    Some(restart) => self.truth(here, *restart)? == Some(true),
+                    None => false,
+                };
+                (runs, afresh)
+            }
+        })
+    }
+
+    fn instance(&mut self, here: Here, id: ExprId, call: &'p Call, afresh: bool) -> InstanceId {
+        let kind = self.is_function(call.unit);
+        let around = if kind { here } else { here.unguarded() };
+        let caller = Some((around, &call.args[..]));
+        let calls = &self.instances[here.instance].memory(here.block).calls;
+        let known = calls.get(&id).copied().filter(|_| !afresh);
+        let instance = known.unwrap_or_else(|| {
+            let unit = &self.units[call.unit.0 as usize];
+            self.instances.push(Instance::new(unit, call.unit, caller));
+            self.instances.len() - 1
+        });
+        let memory = self.instances[here.instance].memory(here.block);
+        memory.calls.insert(id, instance);
+        self.instances[instance].caller = caller;
+        self.enter(instance, around.chosen);
+        instance
+    }
+
+    /// A leaf of an instance's out-ports, one after the other.
+    fn output(&mut self, instance: InstanceId, mut k: usize) -> Result<Leaf, Stop> {
+        let unit = self.instances[instance].unit;
+        for flow in &unit.outputs {
+            let size = unit.flow(*flow).ty.leaf_count();
+            if k < size {
+                return self.flow(instance, *flow, k);
+            }
+            k -= size;
+        }
+        Err(Stop::Beyond("an out-port that is not there".to_owned()))
+    }
+
+    /// Whether a unit has no state.
+    pub(crate) fn is_function(&self, unit: UnitId) -> bool {
+        self.units[unit.0 as usize].kind == UnitKind::Function
+    }
+}

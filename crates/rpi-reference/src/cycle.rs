@@ -1,0 +1,249 @@
+//! One cycle: everything that is active once (M1.2), then what is kept for the next.
+
+use rpi_sema::facts::Facts;
+use rpi_sema::typed::{BlockId, Each, ExprId, FlowRole, Kind, Unit, UnitId};
+use rpi_syntax::ast::EndKind;
+
+use crate::instance::{Here, Instance, InstanceId, Now, State};
+use crate::value::{Leaf, Stop, Value};
+
+/// A program at work.
+pub struct Reference<'p> {
+    pub(crate) units: &'p [Unit],
+    pub(crate) facts: &'p [Facts],
+    /// All instances that ever were; those that were forgotten stay here unused.
+    pub(crate) instances: Vec<Instance<'p>>,
+    /// Number of the cycle.
+    pub(crate) cycle: u64,
+    /// Seconds between two cycles.
+    pub(crate) dt: f64,
+    /// What is read from outside in this cycle, leaf by leaf.
+    pub(crate) inputs: Vec<Leaf>,
+    /// What is kept for the next cycle.
+    pub(crate) keep: Vec<(Here, Keep)>,
+}
+
+/// Something that is kept for the next cycle.
+pub(crate) enum Keep {
+    /// A leaf of what is delayed: worked out at the end of the cycle.
+    Delayed(ExprId, usize, ExprId),
+    /// A leaf that is known.
+    Leaf(ExprId, usize, Leaf),
+    /// `a -> b` or `first` has had its first cycle.
+    Begun(ExprId),
+    /// Whether a block was active.
+    Active(BlockId, bool),
+    /// The state of an automaton.
+    State(usize, State),
+}
+
+/// What is seen of a cycle.
+#[derive(Clone, PartialEq, Debug)]
+pub struct Cycle {
+    /// The out-ports, leaf by leaf.
+    pub outputs: Vec<Leaf>,
+    /// The exported flows, leaf by leaf, in the order of the text.
+    pub exports: Vec<Leaf>,
+    /// The result by which a command ends, by its place in the text. No `yield` is covered.
+    pub end: Option<usize>,
+}
+
+impl<'p> Reference<'p> {
+    /// A program before its first cycle: a unit that runs by itself. `dt` is its period in seconds.
+    #[must_use]
+    pub fn new(units: &'p [Unit], facts: &'p [Facts], root: UnitId, dt: f64) -> Reference<'p> {
+        Reference {
+            units,
+            facts,
+            instances: vec![Instance::new(&units[root.0 as usize], root, None)],
+            cycle: 0,
+            dt,
+            inputs: Vec::new(),
+            keep: Vec::new(),
+        }
+    }
+
+    /// Runs a cycle. `inputs` has the leaves of all in-ports.
+    ///
+    /// # Errors
+    /// If the cycle faults: then there is no next one.
+    pub fn cycle(&mut self, inputs: &[Leaf]) -> Result<Cycle, Stop> {
+        self.cycle += 1;
+        self.inputs = inputs.to_vec();
+        self.enter(0, true);
+        self.body(0)?;
+        let unit = self.instances[0].unit;
+        let mut outputs = Vec::new();
+        for flow in &unit.outputs {
+            for k in 0..unit.flow(*flow).ty.leaf_count() {
+                outputs.push(self.flow(0, *flow, k)?);
+            }
+        }
+        let seen = Cycle {
+            outputs,
+            exports: self.exports()?,
+            end: self.end()?,
+        };
+        self.remember()?;
+        Ok(seen)
+    }
+
+    /// Begins a cycle of an instance.
+    pub(crate) fn enter(&mut self, instance: InstanceId, chosen: bool) {
+        self.instances[instance].now = Now {
+            chosen,
+            ..Now::default()
+        };
+    }
+
+    /// Evaluates all that stands in an instance and is active.
+    pub(crate) fn body(&mut self, instance: InstanceId) -> Result<(), Stop> {
+        let unit = self.instances[instance].unit;
+        for (id, block) in (0..).map(BlockId).zip(&unit.blocks) {
+            self.condition(instance, id)?;
+            if !self.is_active(instance, id)? {
+                continue;
+            }
+            let here = self.inside(instance, id);
+            for equation in &block.equations {
+                self.visit(here, equation.value)?;
+            }
+            for claim in &block.claims {
+                self.visit(here, claim.condition)?;
+            }
+            for k in 0..block.automata.len() {
+                self.transitions(here, id, k)?;
+            }
+            for export in &block.exports {
+                self.visit(here, export.value)?;
+            }
+            for end in &block.ends {
+                self.visit(here, end.condition)?;
+            }
+        }
+        Ok(())
+    }
+
+    /// Inside of a block.
+    pub(crate) fn inside(&self, instance: InstanceId, block: BlockId) -> Here {
+        Here {
+            instance,
+            block: Some(block),
+            chosen: self.instances[instance].now.chosen,
+        }
+    }
+
+    /// Evaluates all leaves of an expression and of its operands: what is not asked for may still fault or have state.
+    pub(crate) fn visit(&mut self, here: Here, id: ExprId) -> Result<(), Stop> {
+        if !self.instances[here.instance].now.visited.insert(id) {
+            return Ok(());
+        }
+        let expr = self.instances[here.instance].unit.expr(id);
+        for k in 0..expr.ty.leaf_count() {
+            self.leaf(here, id, k)?;
+        }
+        if let Kind::Call(call) = &expr.kind
+            && self.ticks(here, id)?
+            && let Some(instance) = self.called(here, id, call)?
+        {
+            self.body(instance)?;
+        }
+        let mut operands = Vec::new();
+        expr.kind.operands(&mut |operand| operands.push(operand));
+        for (k, operand) in operands.into_iter().enumerate() {
+            let there = self.operand(here, id, k)?;
+            self.visit(there, operand)?;
+        }
+        Ok(())
+    }
+
+    /// Where the operand of this number is evaluated.
+    pub(crate) fn operand(&mut self, here: Here, id: ExprId, number: usize) -> Result<Here, Stop> {
+        let unit = self.instances[here.instance].unit;
+        Ok(match &unit.expr(id).kind {
+            Kind::Each(Each::If, operands) if number > 0 => {
+                let condition = self.truth(here, operands[0])?;
+                Here {
+                    chosen: here.chosen && condition == Some(number == 1),
+                    ..here
+                }
+            }
+            Kind::Each(Each::Pre | Each::Hold, _) | Kind::Current(_) => here.unguarded(),
+            Kind::Call(call) if !self.is_function(call.unit) => here.unguarded(),
+            _ => here,
+        })
+    }
+
+    fn exports(&mut self) -> Result<Vec<Leaf>, Stop> {
+        let unit = self.instances[0].unit;
+        let mut leaves = Vec::new();
+        for (id, block) in (0..).map(BlockId).zip(&unit.blocks) {
+            for export in &block.exports {
+                let here = self.inside(0, id);
+                for k in 0..unit.expr(export.value).ty.leaf_count() {
+                    let active = self.is_active(0, id)?;
+                    let leaf = if active { self.leaf(here, export.value, k)? } else { None };
+                    leaves.push(leaf);
+                }
+            }
+        }
+        Ok(leaves)
+    }
+
+    /// `fail` goes before the others, then the order of the text (M10.1).
+    fn end(&mut self) -> Result<Option<usize>, Stop> {
+        let ends = &self.instances[0].unit.block(BlockId::ROOT).ends;
+        let here = self.inside(0, BlockId::ROOT);
+        for fail in [true, false] {
+            for (k, end) in ends.iter().enumerate() {
+                let asked = (end.kind == EndKind::Fail) == fail && end.kind != EndKind::Yield;
+                if asked && self.truth(here, end.condition)? == Some(true) {
+                    return Ok(Some(k));
+                }
+            }
+        }
+        Ok(None)
+    }
+
+    /// Keeps for the next cycle what this one has met.
+    fn remember(&mut self) -> Result<(), Stop> {
+        let mut known = Vec::new();
+        while !self.keep.is_empty() {
+            for (here, keep) in std::mem::take(&mut self.keep) {
+                let keep = match keep {
+                    Keep::Delayed(id, k, operand) => {
+                        Keep::Leaf(id, k, self.leaf(here.unguarded(), operand, k)?)
+                    }
+                    other => other,
+                };
+                known.push((here, keep));
+            }
+        }
+        for (here, keep) in known {
+            let memory = self.instances[here.instance].memory(here.block);
+            match keep {
+                Keep::Leaf(id, k, leaf) => drop(memory.kept.insert((id, k), leaf)),
+                Keep::Begun(id) => drop(memory.begun.insert(id)),
+                Keep::Active(block, true) => drop(memory.was_active.insert(block)),
+                Keep::Active(block, false) => drop(memory.was_active.remove(&block)),
+                Keep::State(k, state) => drop(memory.states.insert(k, state)),
+                Keep::Delayed(..) => {}
+            }
+        }
+        Ok(())
+    }
+
+    /// The first in-port leaf of the whole program's flow.
+    pub(crate) fn input(&self, port: usize, k: usize) -> Leaf {
+        let unit = self.instances[0].unit;
+        let from_outside = |id: &&rpi_sema::typed::FlowId| unit.flow(**id).role != FlowRole::Param;
+        let before = unit.inputs[..port].iter().filter(from_outside);
+        let first: usize = before.map(|id| unit.flow(*id).ty.leaf_count()).sum();
+        self.inputs.get(first + k).copied().flatten()
+    }
+
+    /// The time since the first cycle in seconds.
+    pub(crate) fn time(&self) -> Value {
+        Value::Real((self.cycle - 1) as f64 * self.dt)
+    }
+}

@@ -1,0 +1,95 @@
+//! Flows: what the caller gives, what an equation defines, what the states of an automaton define together.
+
+use rpi_sema::typed::{BlockId, ExprId, FlowId, Place, Shared, Unit};
+
+use crate::cycle::Reference;
+use crate::instance::InstanceId;
+use crate::value::{Leaf, Stop};
+
+impl<'p> Reference<'p> {
+    /// A leaf of a flow.
+    pub(crate) fn flow(&mut self, instance: InstanceId, flow: FlowId, k: usize) -> Result<Leaf, Stop> {
+        let unit = self.instances[instance].unit;
+        if let Some(port) = unit.inputs.iter().position(|input| *input == flow) {
+            return self.given(instance, port, k);
+        }
+        if let Some((block, shared)) = shared(unit, flow) {
+            return self.of_states(instance, block, shared, k);
+        }
+        let Some((block, value, leaf)) = definition(unit, flow, k) else {
+            let name = &unit.flow(flow).name;
+            return Err(Stop::Beyond(format!("`{name}` has no equation")));
+        };
+        // Outside of a fragment that is inactive its flows are absent (M6.3).
+        if !self.is_active(instance, block)? {
+            return Ok(None);
+        }
+        let here = self.inside(instance, block);
+        self.leaf(here, value, leaf)
+    }
+
+    /// What the caller gives for an in-port, or what stands there by default.
+    fn given(&mut self, instance: InstanceId, port: usize, k: usize) -> Result<Leaf, Stop> {
+        let it = &self.instances[instance];
+        let Some((caller, args)) = it.caller else {
+            return Ok(self.input(port, k));
+        };
+        match (args[port], it.unit.flow(it.unit.inputs[port]).default) {
+            (Some(arg), _) => self.leaf(caller, arg, k),
+            (None, Some(default)) => {
+                let here = self.inside(instance, BlockId::ROOT);
+                self.leaf(here, default, k)
+            }
+            (None, None) => Ok(None),
+        }
+    }
+
+    /// A flow that several states define: the one that runs.
+    fn of_states(
+        &mut self,
+        instance: InstanceId,
+        block: BlockId,
+        shared: &Shared,
+        k: usize,
+    ) -> Result<Leaf, Stop> {
+        if !self.is_active(instance, block)? {
+            return Ok(None);
+        }
+        for inner in shared.states.iter().flatten() {
+            if let Some(value) = self.flow(instance, *inner, k)? {
+                return Ok(Some(value));
+            }
+        }
+        Ok(None)
+    }
+}
+
+/// The automaton that defines a flow, and the block that it stands in.
+fn shared(unit: &Unit, flow: FlowId) -> Option<(BlockId, &Shared)> {
+    let blocks = (0..).map(BlockId).zip(&unit.blocks);
+    let mut all = blocks.flat_map(|(id, block)| {
+        let automata = block.automata.iter();
+        automata.flat_map(move |automaton| automaton.shared.iter().map(move |shared| (id, shared)))
+    });
+    all.find(|(_, shared)| shared.flow == flow)
+}
+
+/// Where a leaf of a flow is defined: the block, the value of the equation, and which leaf of that it is.
+fn definition(unit: &Unit, flow: FlowId, k: usize) -> Option<(BlockId, ExprId, usize)> {
+    for (id, block) in (0..).map(BlockId).zip(&unit.blocks) {
+        for equation in &block.equations {
+            let mut first = 0;
+            for target in &equation.targets {
+                let size = target.ty.leaf_count();
+                if let Place::Flow { flow: defined, at } = target.place
+                    && defined == flow
+                    && (at as usize..at as usize + size).contains(&k)
+                {
+                    return Some((id, equation.value, first + k - at as usize));
+                }
+                first += size;
+            }
+        }
+    }
+    None
+}

@@ -1,0 +1,302 @@
+//! Expressions: one leaf of one expression in this cycle.
+
+use rpi_sema::clocks::Clocks;
+use rpi_sema::ty::Ty;
+use rpi_sema::typed::{ClockOn, Each, Expr, ExprId, Kind, PrimCall};
+
+use crate::cycle::{Keep, Reference};
+use crate::instance::Here;
+use crate::operator;
+use crate::value::{Leaf, Stop, Value};
+
+impl<'p> Reference<'p> {
+    /// A leaf of an expression. It is worked out once in a cycle.
+    pub(crate) fn leaf(&mut self, here: Here, id: ExprId, k: usize) -> Result<Leaf, Stop> {
+        let now = &mut self.instances[here.instance].now;
+        match now.leaves.get(&(id, k)) {
+            Some(Some(leaf)) => return Ok(*leaf),
+            Some(None) => return Err(Stop::Ring),
+            None => drop(now.leaves.insert((id, k), None)),
+        }
+        let leaf = match self.ticks(here, id)? {
+            true => self.fresh(here, id, k)?,
+            false => None,
+        };
+        let now = &mut self.instances[here.instance].now;
+        now.leaves.insert((id, k), Some(leaf));
+        Ok(leaf)
+    }
+
+    /// A condition.
+    pub(crate) fn truth(&mut self, here: Here, id: ExprId) -> Result<Option<bool>, Stop> {
+        Ok(match self.leaf(here, id, 0)? {
+            Some(Value::Bool(truth)) => Some(truth),
+            _ => None,
+        })
+    }
+
+    fn fresh(&mut self, here: Here, id: ExprId, k: usize) -> Result<Leaf, Stop> {
+        let unit = self.instances[here.instance].unit;
+        let expr = unit.expr(id);
+        match &expr.kind {
+            Kind::Fault => Err(Stop::Beyond("a fault of the program".to_owned())),
+            Kind::Sensor { .. } => Err(Stop::Beyond("a device".to_owned())),
+            Kind::Const(leaves) => Ok(Value::of(&leaves[k])),
+            Kind::Literal(leaf) => Ok(Value::of(leaf)),
+            Kind::None => Ok(None),
+            Kind::Flow(flow) => self.flow(here.instance, *flow, k),
+            Kind::Part { base, at } => self.leaf(here, *base, *at as usize + k),
+            Kind::Slice { base, from, step } => {
+                let size = element_size(&unit.expr(*base).ty);
+                let element = i64::from(*from) + (k / size) as i64 * i64::from(*step);
+                self.leaf(here, *base, element as usize * size + k % size)
+            }
+            Kind::Select { base, index } => self.select(here, *base, *index, k),
+            Kind::Build(parts) => self.built(here, parts, k),
+            Kind::Repeat(element) => {
+                let size = unit.expr(*element).ty.leaf_count();
+                self.leaf(here, *element, k % size)
+            }
+            Kind::Replace { base, at, value } => {
+                let at = *at as usize;
+                let size = unit.expr(*value).ty.leaf_count();
+                match (at..at + size).contains(&k) {
+                    true => self.leaf(here, *value, k - at),
+                    false => self.leaf(here, *base, k),
+                }
+            }
+            Kind::Each(each, operands) => self.each(here, id, *each, operands, k),
+            Kind::Equal { operands, negated } => self.equal(here, *operands, *negated),
+            Kind::Present(operand) => self.present(here, *operand),
+            Kind::Prim(call) => self.operator(here, id, call),
+            Kind::Call(call) => self.result(here, id, call, k),
+            Kind::When { value, .. } => self.leaf(here, *value, k),
+            Kind::Merge { on, cases } => self.merge(here, *on, cases, k),
+            Kind::Current(operand) => self.current(here, id, *operand, k),
+        }
+    }
+
+    /// A struct, tuple or array: its parts one after the other.
+    fn built(&mut self, here: Here, parts: &[ExprId], mut k: usize) -> Result<Leaf, Stop> {
+        let unit = self.instances[here.instance].unit;
+        for part in parts {
+            let size = unit.expr(*part).ty.leaf_count();
+            if k < size {
+                return self.leaf(here, *part, k);
+            }
+            k -= size;
+        }
+        Err(Stop::Beyond("a part that is not there".to_owned()))
+    }
+
+    /// An element at a place that is computed.
+    fn select(&mut self, here: Here, base: ExprId, index: ExprId, k: usize) -> Result<Leaf, Stop> {
+        let unit = self.instances[here.instance].unit;
+        let ty = &unit.expr(base).ty;
+        let size = element_size(ty);
+        let count = ty.leaf_count() / size;
+        let Some(Value::Int(index)) = self.leaf(here, index, 0)? else {
+            return Ok(None);
+        };
+        match usize::try_from(index) {
+            Ok(index) if index < count => self.leaf(here, base, index * size + k),
+            _ if here.chosen => Err(Stop::Fault("index")),
+            _ => self.leaf(here, base, k),
+        }
+    }
+
+    /// Operators that work leaf by leaf.
+    fn each(
+        &mut self,
+        here: Here,
+        id: ExprId,
+        each: Each,
+        operands: &[ExprId],
+        k: usize,
+    ) -> Result<Leaf, Stop> {
+        match (each, operands) {
+            // Without its condition it is absent, and the branch not taken does not matter (M4.5).
+            (Each::If, [condition, ..]) => match self.truth(here, *condition)? {
+                None => Ok(None),
+                Some(chosen) => {
+                    let number = if chosen { 1 } else { 2 };
+                    let branch = self.operand(here, id, number)?;
+                    self.leaf(branch, operands[number], k)
+                }
+            },
+            (Each::Pre, [x]) => self.pre(here, id, *x, k),
+            (Each::Arrow, [a, b]) => {
+                let side = if self.first(here, id) { a } else { b };
+                self.leaf(here, *side, k)
+            }
+            (Each::Coalesce, [a, b]) => match self.leaf(here, *a, k)? {
+                None => self.leaf(here, *b, k),
+                present => Ok(present),
+            },
+            (Each::Hold, [x, init]) => {
+                let x = self.leaf(here.unguarded(), *x, k)?;
+                self.held(here, id, k, x, Some(*init))
+            }
+            _ => Err(Stop::Beyond(format!("{each:?}"))),
+        }
+    }
+
+    /// `pre x`: x in the previous cycle of the fragment it stands in (M5.1). Before, it is absent if x can be (M5.2); else
+    /// the checker has proved that nobody reads it (M5.3).
+    fn pre(&mut self, here: Here, id: ExprId, x: ExprId, k: usize) -> Result<Leaf, Stop> {
+        self.keep.push((here, Keep::Delayed(id, k, x)));
+        let instance = &mut self.instances[here.instance];
+        if let Some(leaf) = instance.memory(here.block).kept.get(&(id, k)) {
+            return Ok(*leaf);
+        }
+        let facts = &self.facts[instance.id.0 as usize];
+        let unread = neutral(instance.unit.expr(id), k);
+        Ok(unread.filter(|_| !facts.absence(x).leaf(k)))
+    }
+
+    /// The latest value that was present, `init` before (M4.3). What is kept is what was present, or `init` if asked for.
+    pub(crate) fn held(
+        &mut self,
+        here: Here,
+        id: ExprId,
+        k: usize,
+        x: Leaf,
+        init: Option<ExprId>,
+    ) -> Result<Leaf, Stop> {
+        let memory = self.instances[here.instance].memory(here.block);
+        let latest = x.or(memory.kept.get(&(id, k)).copied().flatten());
+        if latest.is_some() {
+            self.keep.push((here, Keep::Leaf(id, k, latest)));
+        }
+        match (latest, init) {
+            (None, Some(init)) => self.leaf(here.unguarded(), init, k),
+            _ => Ok(latest),
+        }
+    }
+
+    /// Whether this is the first cycle of what stands here.
+    pub(crate) fn first(&mut self, here: Here, id: ExprId) -> bool {
+        self.keep.push((here, Keep::Begun(id)));
+        !self.instances[here.instance].memory(here.block).begun.contains(&id)
+    }
+
+    /// `x = y`: all leaves are equal.
+    fn equal(&mut self, here: Here, [a, b]: [ExprId; 2], negated: bool) -> Result<Leaf, Stop> {
+        let unit = self.instances[here.instance].unit;
+        let mut all = Some(Value::Bool(true));
+        for k in 0..unit.expr(a).ty.leaf_count() {
+            let (a, b) = (self.leaf(here, a, k)?, self.leaf(here, b, k)?);
+            let so_far = all.map(|all| all == Value::Bool(true));
+            all = operator::and(so_far, operator::equal(a, b));
+        }
+        match negated {
+            true => operator::apply("Core::BooleanNot", &[all], here.chosen),
+            false => Ok(all),
+        }
+    }
+
+    /// `present(x)`: all leaves are there.
+    fn present(&mut self, here: Here, operand: ExprId) -> Result<Leaf, Stop> {
+        let unit = self.instances[here.instance].unit;
+        let mut all = true;
+        for k in 0..unit.expr(operand).ty.leaf_count() {
+            all &= self.leaf(here, operand, k)?.is_some();
+        }
+        Ok(Some(Value::Bool(all)))
+    }
+
+    fn operator(&mut self, here: Here, id: ExprId, call: &PrimCall) -> Result<Leaf, Stop> {
+        let mut operands = Vec::with_capacity(call.inputs.len());
+        for input in call.inputs.iter().flatten() {
+            operands.push(self.leaf(here, *input, 0)?);
+        }
+        match call.prim.desc().name {
+            "Rpi::First" => Ok(Some(Value::Bool(self.first(here, id)))),
+            "Rpi::Time" => Ok(Some(self.time())),
+            "Core::CycleTime" => Ok(Some(Value::Real(self.dt))),
+            name => operator::apply(name, &operands, here.chosen),
+        }
+    }
+
+    /// `merge c (...)`: the case of the chooser's value; the others are not there (M4.7).
+    fn merge(
+        &mut self,
+        here: Here,
+        on: ExprId,
+        cases: &[(u32, ExprId)],
+        k: usize,
+    ) -> Result<Leaf, Stop> {
+        let Some(on) = self.leaf(here, on, 0)? else {
+            return Ok(None);
+        };
+        let case = cases.iter().find(|(value, _)| has(on, *value));
+        case.map_or(Ok(None), |(_, case)| self.leaf(here, *case, k))
+    }
+
+    /// `current x`: x at the latest tick of its clock (M4.7).
+    fn current(&mut self, here: Here, id: ExprId, operand: ExprId, k: usize) -> Result<Leaf, Stop> {
+        let Some(on) = self.clocks(here).of_value(operand).last().copied() else {
+            return self.leaf(here, operand, k);
+        };
+        let instance = &mut self.instances[here.instance];
+        let unread = neutral(instance.unit.expr(id), k).filter(|_| instance.unit.is_lustre);
+        let kept = instance.memory(here.block).kept.get(&(id, k)).copied();
+        let leaf = match self.is_on(here, on)? {
+            Some(true) => self.leaf(here.unguarded(), operand, k)?,
+            Some(false) => kept.unwrap_or(unread),
+            None => None,
+        };
+        self.keep.push((here, Keep::Leaf(id, k, leaf)));
+        Ok(leaf)
+    }
+
+    /// Whether the clock of an expression ticks (M4.7).
+    pub(crate) fn ticks(&mut self, here: Here, id: ExprId) -> Result<bool, Stop> {
+        for on in self.clocks(here).of_expr(id) {
+            if self.is_on(here, *on)? != Some(true) {
+                return Ok(false);
+            }
+        }
+        Ok(true)
+    }
+
+    fn clocks(&self, here: Here) -> &'p Clocks {
+        &self.facts[self.instances[here.instance].id.0 as usize].clocks
+    }
+
+    /// Whether the flow that decides about a clock has its value.
+    fn is_on(&mut self, here: Here, on: ClockOn) -> Result<Option<bool>, Stop> {
+        let leaf = self.flow(here.instance, on.flow, 0)?;
+        Ok(leaf.map(|leaf| has(leaf, on.value)))
+    }
+}
+
+/// Whether a Boolean or an enum's value is the one of this number.
+fn has(leaf: Value, value: u32) -> bool {
+    match leaf {
+        Value::Bool(truth) => u32::from(truth) == value,
+        Value::Int(place) => place == i64::from(value),
+        Value::Real(_) => false,
+    }
+}
+
+/// The leaves of one element of an array.
+fn element_size(array: &Ty) -> usize {
+    match array {
+        Ty::Array(element, _) => element.leaf_count().max(1),
+        _ => 1,
+    }
+}
+
+/// What stands where nobody reads: false or 0.
+fn neutral(expr: &Expr, k: usize) -> Leaf {
+    let mut leaves = Vec::new();
+    expr.ty.leaves(&mut |_, leaf| {
+        leaves.push(match leaf {
+            Ty::Bool => Value::Bool(false),
+            Ty::Real(_) => Value::Real(0.0),
+            _ => Value::Int(0),
+        });
+    });
+    leaves.get(k).copied()
+}

@@ -1,0 +1,120 @@
+//! Operators on numbers and truth values, by the names of their primitives.
+
+use crate::value::Value::{Bool, Int, Real};
+use crate::value::{Leaf, Stop, Value};
+
+/// What an operator gives. One that would fault gives 0 where nobody chose it (M6.6).
+pub(crate) fn apply(name: &str, operands: &[Leaf], chosen: bool) -> Result<Leaf, Stop> {
+    if let Some(leaf) = logic(name, operands) {
+        return Ok(leaf);
+    }
+    // Strict operators are absent if an operand is (M4.4).
+    let Some(present) = operands.iter().copied().collect::<Option<Vec<Value>>>() else {
+        return Ok(None);
+    };
+    match total(name, &present) {
+        Some(value) => Ok(Some(value)),
+        None => partial(name, &present, chosen).map(Some),
+    }
+}
+
+/// Kleene's logic (M4.4): a result that one operand decides does not need the other.
+fn logic(name: &str, operands: &[Leaf]) -> Option<Leaf> {
+    let truth = |leaf: &Leaf| match leaf {
+        Some(Bool(truth)) => Some(*truth),
+        _ => None,
+    };
+    let [a, b] = operands else {
+        return None;
+    };
+    let (a, b) = (truth(a), truth(b));
+    Some(match name {
+        "Core::BooleanAnd" => and(a, b),
+        "Core::BooleanOr" => and(a.map(|a| !a), b.map(|b| !b)).map(negated),
+        "Rpi::BooleanImplies" => and(a, b.map(|b| !b)).map(negated),
+        _ => return None,
+    })
+}
+
+/// Conjunction of truth values that may be absent.
+pub(crate) fn and(a: Option<bool>, b: Option<bool>) -> Leaf {
+    match (a, b) {
+        (Some(false), _) | (_, Some(false)) => Some(Bool(false)),
+        (Some(true), Some(true)) => Some(Bool(true)),
+        _ => None,
+    }
+}
+
+fn negated(value: Value) -> Value {
+    match value {
+        Bool(truth) => Bool(!truth),
+        other => other,
+    }
+}
+
+/// Operators that always have a result.
+fn total(name: &str, operands: &[Value]) -> Option<Value> {
+    Some(match (name, operands) {
+        ("Core::BooleanNot", &[Bool(a)]) => Bool(!a),
+        ("Rpi::BooleanXor", &[Bool(a), Bool(b)]) => Bool(a != b),
+        ("Core::IntGreater", &[Int(a), Int(b)]) => Bool(a > b),
+        ("Rpi::IntGreaterOrEqual", &[Int(a), Int(b)]) => Bool(a >= b),
+        ("Core::DoubleGreater", &[Real(a), Real(b)]) => Bool(a > b),
+        ("Rpi::DoubleGreaterOrEqual", &[Real(a), Real(b)]) => Bool(a >= b),
+        ("Core::DoubleAdd", &[Real(a), Real(b)]) => Real(a + b),
+        ("Rpi::DoubleSubtract", &[Real(a), Real(b)]) => Real(a - b),
+        ("Core::DoubleMultiply", &[Real(a), Real(b)]) => Real(a * b),
+        ("Core::DoubleDivide", &[Real(a), Real(b)]) => Real(a / b),
+        ("Core::DoubleModulo", &[Real(a), Real(b)]) => Real(a % b),
+        ("Core::DoubleSquareRoot", &[Real(a)]) => Real(a.sqrt()),
+        ("Rpi::DoubleNegate", &[Real(a)]) => Real(-a),
+        ("Rpi::DoubleFloor", &[Real(a)]) => Real(a.floor()),
+        ("Rpi::DoubleCeiling", &[Real(a)]) => Real(a.ceil()),
+        ("Rpi::DoubleRound", &[Real(a)]) => Real(a.round()),
+        ("Core::DoubleFromInt", &[Int(a)]) => Real(a as f64),
+        _ => return None,
+    })
+}
+
+/// Operators that fault where there is no result (M2.2).
+fn partial(name: &str, operands: &[Value], chosen: bool) -> Result<Value, Stop> {
+    let (result, fault) = match (name, operands) {
+        ("Core::IntAdd", &[Int(a), Int(b)]) => (a.checked_add(b), "overflow"),
+        ("Rpi::IntSubtract", &[Int(a), Int(b)]) => (a.checked_sub(b), "overflow"),
+        ("Core::IntMultiply", &[Int(a), Int(b)]) => (a.checked_mul(b), "overflow"),
+        ("Core::IntDivide", &[Int(a), Int(b)]) => (a.checked_div(b), "division"),
+        ("Rpi::IntModulo", &[Int(a), Int(b)]) => (a.checked_rem(b), "division"),
+        ("Rpi::IntPower", &[Int(a), Int(b)]) => (power(a, b), "overflow"),
+        ("Rpi::IntNegate", &[Int(a)]) => (a.checked_neg(), "overflow"),
+        ("Core::IntFromDouble", &[Real(a)]) => (whole(a), "conversion"),
+        _ => return Err(Stop::Beyond(format!("{name} of {operands:?}"))),
+    };
+    match result {
+        Some(number) => Ok(Int(number)),
+        None if chosen => Err(Stop::Fault(fault)),
+        None => Ok(Int(0)),
+    }
+}
+
+/// A power by multiplying so many times; there is none for a negative exponent.
+fn power(base: i64, exponent: i64) -> Option<i64> {
+    if exponent < 0 {
+        return None;
+    }
+    match base {
+        0 | 1 => Some(if exponent == 0 { 1 } else { base }),
+        -1 => Some(if exponent % 2 == 0 { 1 } else { -1 }),
+        _ => (0..exponent).try_fold(1_i64, |so_far, _| so_far.checked_mul(base)),
+    }
+}
+
+/// A real without its fraction, if that is an integer of 64 bits.
+fn whole(real: f64) -> Option<i64> {
+    const LIMIT: f64 = 9_223_372_036_854_775_808.0;
+    (-LIMIT..LIMIT).contains(&real).then_some(real as i64)
+}
+
+/// Whether two leaves are equal (`=`); absent if one is.
+pub(crate) fn equal(a: Leaf, b: Leaf) -> Option<bool> {
+    Some(a? == b?)
+}
