@@ -30,13 +30,15 @@ const CHORES: &[Chore] = &[
     ),
     (
         "soak",
-        "a million random steps of the control core beside its model, as many takeovers of two arms, a day of blending",
+        "a million random steps of the control core beside its model, as many takeovers of two arms, a day of blending, 10 000 random programs",
         soak,
     ),
 ];
 
 /// Histories of up to 120 steps: together more than a million.
 const HISTORIES: &str = "20000";
+
+const PROGRAMS: &str = "10000";
 
 const TAKEOVERS: &str = "1000000";
 
@@ -84,6 +86,10 @@ fn soak(_: &[String]) -> Result<(), String> {
     cargo_test(
         &["-p", "rpi", "--test", "soak"],
         ("RPI_TAKEOVERS", TAKEOVERS),
+    )?;
+    cargo_test(
+        &["-p", "rpi-reference", "--test", "properties"],
+        ("RPI_PROGRAMS", PROGRAMS),
     )
 }
 
@@ -102,4 +108,5 @@ fn cargo_test(which: &[&str], (name, value): (&str, &str)) -> Result<(), String>
             which.join(" ")
         )),
     }
+    Ok(())
 }

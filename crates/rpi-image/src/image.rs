@@ -14,8 +14,8 @@ use alloc::vec::Vec;
 pub const FALSE: u32 = 0;
 /// The cell that is always 1: true, and the presence of a flow that is always present.
 pub const TRUE: u32 = 1;
-/// Largest memory of one command, in cells (512 MiB).
-pub const MAX_CELLS: u32 = 1 << 26;
+/// Largest memory of one command, in cells (64 MiB): loading one, whatever it says of itself, takes less than 200 MB.
+pub const MAX_CELLS: u32 = 1 << 23;
 
 /// A compiled command.
 #[derive(Clone, PartialEq, Debug, Default)]

@@ -116,6 +116,13 @@ impl<'p> Reference<'p> {
             }
         }
         self.keep.push((here, Keep::State(k, next)));
+        for shared in &automaton.shared {
+            let flow = self.instances[here.instance].unit.flow(shared.flow);
+            let around = self.inside(here.instance, flow.block);
+            for leaf in 0..flow.ty.leaf_count() {
+                self.keep.push((around, Keep::Last(shared.flow, leaf)));
+            }
+        }
         Ok(())
     }
 

@@ -1,7 +1,7 @@
 //! One cycle: everything that is active once (M1.2), then what is kept for the next.
 
 use rpi_sema::facts::Facts;
-use rpi_sema::typed::{BlockId, Each, ExprId, FlowRole, Kind, Unit, UnitId};
+use rpi_sema::typed::{BlockId, Each, ExprId, FlowId, FlowRole, Kind, Unit, UnitId};
 use rpi_syntax::ast::EndKind;
 
 use crate::instance::{Here, Instance, InstanceId, Now, State};
@@ -29,6 +29,10 @@ pub(crate) enum Keep {
     Delayed(ExprId, usize, ExprId),
     /// A leaf that is known.
     Leaf(ExprId, usize, Leaf),
+    /// A leaf of a flow that states share: worked out at the end of the cycle.
+    Last(FlowId, usize),
+    /// The same, known.
+    LastLeaf(FlowId, usize, Leaf),
     /// `a -> b` or `first` has had its first cycle.
     Begun(ExprId),
     /// Whether a block was active.
@@ -168,7 +172,9 @@ impl<'p> Reference<'p> {
                     ..here
                 }
             }
-            Kind::Each(Each::Pre | Each::Hold, _) | Kind::Current(_) => here.unguarded(),
+            Kind::Each(Each::Pre | Each::Last | Each::Hold, _) | Kind::Current(_) => {
+                here.unguarded()
+            }
             Kind::Call(call) if !self.is_function(call.unit) => here.unguarded(),
             _ => here,
         })
@@ -182,7 +188,11 @@ impl<'p> Reference<'p> {
                 let here = self.inside(0, id);
                 for k in 0..unit.expr(export.value).ty.leaf_count() {
                     let active = self.is_active(0, id)?;
-                    let leaf = if active { self.leaf(here, export.value, k)? } else { None };
+                    let leaf = if active {
+                        self.leaf(here, export.value, k)?
+                    } else {
+                        None
+                    };
                     leaves.push(leaf);
                 }
             }
@@ -214,6 +224,9 @@ impl<'p> Reference<'p> {
                     Keep::Delayed(id, k, operand) => {
                         Keep::Leaf(id, k, self.leaf(here.unguarded(), operand, k)?)
                     }
+                    Keep::Last(flow, k) => {
+                        Keep::LastLeaf(flow, k, self.flow(here.instance, flow, k)?)
+                    }
                     other => other,
                 };
                 known.push((here, keep));
@@ -223,11 +236,12 @@ impl<'p> Reference<'p> {
             let memory = self.instances[here.instance].memory(here.block);
             match keep {
                 Keep::Leaf(id, k, leaf) => drop(memory.kept.insert((id, k), leaf)),
+                Keep::LastLeaf(flow, k, leaf) => drop(memory.last.insert((flow, k), leaf)),
                 Keep::Begun(id) => drop(memory.begun.insert(id)),
                 Keep::Active(block, true) => drop(memory.was_active.insert(block)),
                 Keep::Active(block, false) => drop(memory.was_active.remove(&block)),
                 Keep::State(k, state) => drop(memory.states.insert(k, state)),
-                Keep::Delayed(..) => {}
+                Keep::Delayed(..) | Keep::Last(..) => {}
             }
         }
         Ok(())
@@ -236,7 +250,7 @@ impl<'p> Reference<'p> {
     /// The first in-port leaf of the whole program's flow.
     pub(crate) fn input(&self, port: usize, k: usize) -> Leaf {
         let unit = self.instances[0].unit;
-        let from_outside = |id: &&rpi_sema::typed::FlowId| unit.flow(**id).role != FlowRole::Param;
+        let from_outside = |id: &&FlowId| unit.flow(**id).role != FlowRole::Param;
         let before = unit.inputs[..port].iter().filter(from_outside);
         let first: usize = before.map(|id| unit.flow(*id).ty.leaf_count()).sum();
         self.inputs.get(first + k).copied().flatten()

@@ -8,7 +8,12 @@ use crate::value::{Leaf, Stop};
 
 impl<'p> Reference<'p> {
     /// A leaf of a flow.
-    pub(crate) fn flow(&mut self, instance: InstanceId, flow: FlowId, k: usize) -> Result<Leaf, Stop> {
+    pub(crate) fn flow(
+        &mut self,
+        instance: InstanceId,
+        flow: FlowId,
+        k: usize,
+    ) -> Result<Leaf, Stop> {
         let unit = self.instances[instance].unit;
         if let Some(port) = unit.inputs.iter().position(|input| *input == flow) {
             return self.given(instance, port, k);

@@ -2,7 +2,7 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 
-use rpi_sema::typed::{BlockId, ExprId, Unit, UnitId};
+use rpi_sema::typed::{BlockId, ExprId, FlowId, Unit, UnitId};
 
 use crate::value::Leaf;
 
@@ -31,6 +31,8 @@ pub(crate) struct Instance<'p> {
 pub(crate) struct Memory {
     /// What `pre`, `hold`, `current` and activated calls keep for the next cycle.
     pub(crate) kept: BTreeMap<Place, Leaf>,
+    /// What the flows that states share were.
+    pub(crate) last: BTreeMap<(FlowId, usize), Leaf>,
     /// The expressions `a -> b` and `first` that have had their first cycle (M5.1).
     pub(crate) begun: BTreeSet<ExprId>,
     /// The instance behind each call.

@@ -125,6 +125,7 @@ impl<'p> Reference<'p> {
                 }
             },
             (Each::Pre, [x]) => self.pre(here, id, *x, k),
+            (Each::Last, [x]) => self.last(here, *x, k),
             (Each::Arrow, [a, b]) => {
                 let side = if self.first(here, id) { a } else { b };
                 self.leaf(here, *side, k)
@@ -154,6 +155,25 @@ impl<'p> Reference<'p> {
         Ok(unread.filter(|_| !facts.absence(x).leaf(k)))
     }
 
+    /// `last x`: what a flow that states share was in the previous cycle, whatever the state.
+    fn last(&mut self, here: Here, x: ExprId, k: usize) -> Result<Leaf, Stop> {
+        let instance = &mut self.instances[here.instance];
+        let unit = instance.unit;
+        match &unit.expr(x).kind {
+            Kind::Part { base, at } => self.last(here, *base, *at as usize + k),
+            Kind::Flow(flow) => {
+                let memory = instance.memory(Some(unit.flow(*flow).block));
+                if let Some(leaf) = memory.last.get(&(*flow, k)) {
+                    return Ok(*leaf);
+                }
+                let facts = &self.facts[instance.id.0 as usize];
+                let unread = neutral(unit.expr(x), k);
+                Ok(unread.filter(|_| !facts.absence(x).leaf(k)))
+            }
+            other => Err(Stop::Beyond(format!("last of {other:?}"))),
+        }
+    }
+
     /// The latest value that was present, `init` before (M4.3). What is kept is what was present, or `init` if asked for.
     pub(crate) fn held(
         &mut self,
@@ -177,7 +197,10 @@ impl<'p> Reference<'p> {
     /// Whether this is the first cycle of what stands here.
     pub(crate) fn first(&mut self, here: Here, id: ExprId) -> bool {
         self.keep.push((here, Keep::Begun(id)));
-        !self.instances[here.instance].memory(here.block).begun.contains(&id)
+        !self.instances[here.instance]
+            .memory(here.block)
+            .begun
+            .contains(&id)
     }
 
     /// `x = y`: all leaves are equal.

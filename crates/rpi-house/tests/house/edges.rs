@@ -112,6 +112,7 @@ const EDGES: &[(&str, &[&str])] = &[
             "rpi-sim",
         ],
     ),
+    ("rpi-reference", &["rpi-image", "rpi-sema", "rpi-syntax"]),
     (
         "rpi-nostd",
         &[

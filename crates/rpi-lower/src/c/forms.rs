@@ -67,7 +67,10 @@ static FORMS: &[CForm] = &[
     total("Core::DoubleDivide", &["{a} / {b}"]),
     total("Core::DoubleModulo", &["fmod({a}, {b})"]),
     total("Core::DoubleGreater", &["{a} > {b}"]),
-    total("Core::DoubleEquals", &["{a} == {b} || fabs({a} - {b}) <= {c}"]),
+    total(
+        "Core::DoubleEquals",
+        &["{a} == {b} || fabs({a} - {b}) <= {c}"],
+    ),
     total("Rpi::DoubleSubtract", &["{a} - {b}"]),
     total("Rpi::DoubleNegate", &["-{a}"]),
     total("Rpi::DoubleAbsolute", &["fabs({a})"]),

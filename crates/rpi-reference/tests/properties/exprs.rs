@@ -43,7 +43,10 @@ impl Exprs<'_> {
                 return tree;
             }
         }
-        let fits: Vec<&Form> = FORMS.iter().filter(|form| usable(form, scope, ty)).collect();
+        let fits: Vec<&Form> = FORMS
+            .iter()
+            .filter(|form| usable(form, scope, ty))
+            .collect();
         match fits.is_empty() {
             true => self.leaf(scope, ty),
             false => {
@@ -152,7 +155,11 @@ impl Exprs<'_> {
             false => {
                 self.counts.add("when");
                 let flow = *self.random.pick(&flows);
-                Tree::expr(ty, &format!("({} when {not}{clock})", flow.name), Vec::new())
+                Tree::expr(
+                    ty,
+                    &format!("({} when {not}{clock})", flow.name),
+                    Vec::new(),
+                )
             }
         }
     }

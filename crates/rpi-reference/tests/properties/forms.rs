@@ -1,6 +1,8 @@
 //! The forms of expressions: one row for each, with what stands in it. Adding a construct of the language is adding a row.
 
-use crate::types::Kind::{self, Area, Bool, Int, Ints, Length, Mode, Point, Real, Reals, Speed, Time};
+use crate::types::Kind::{
+    self, Area, Bool, Int, Ints, Length, Mode, Point, Real, Reals, Speed, Time,
+};
 
 /// What stands in a form where it says `@`.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]

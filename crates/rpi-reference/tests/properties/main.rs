@@ -7,6 +7,7 @@
 //! | `exprs.rs`, `program.rs` | random expressions, random programs |
 //! | `tree.rs` | a program as a tree, and making it smaller |
 //! | `run.rs` | running it both ways |
+//! | `wrapped.rs` | `main` inside of a reset and of a fragment |
 //!
 //! A plain run tries a few programs; `RPI_PROGRAMS=10000` (`cargo xtask soak`) tries so many, `RPI_SEED` others. What
 //! fails is made smaller and printed; its seed is the program's own.
@@ -18,6 +19,11 @@ mod random;
 mod run;
 mod tree;
 mod types;
+mod wrapped;
+
+use rpi_diag::FileId;
+use rpi_reference::Value;
+use rpi_syntax::{Mode, Parens, Parse, dump_ast, format, parse, print};
 
 use program::{Counts, program};
 use random::Random;
@@ -56,11 +62,121 @@ fn the_optimised_image_equals_the_reference() {
     holds_of_all(|text, seed| {
         let ready = Ready::new(text, "main")?;
         let rows = ready.rows(&mut Random::new(seed), CYCLES);
-        let expected = run::reference(text, "main", &rows).map_err(|e| format!("no reference: {e}"))?;
-        let found = ready.run(&rows);
-        match expected == found {
-            true => Ok(()),
-            false => Err(format!("differ: inputs {rows:?}\nreference {expected:?}\nimage     {found:?}")),
+        let expected = run::reference(text, "main", &rows)?;
+        alike(&format!("inputs {rows:?}"), &expected, &ready.run(&rows))
+    });
+}
+
+#[test]
+fn the_image_of_a_command_equals_the_reference() {
+    holds_of_all(|text, _| {
+        let expected = run::reference_command(text, CYCLES)?;
+        alike("command", &expected, &run::run_command(text, CYCLES)?)
+    });
+}
+
+#[test]
+fn print_then_parse_is_the_identity() {
+    holds_of_all(|text, _| {
+        let tree = parsed(text)?;
+        let printed = print(&tree.file, Mode::Rpi);
+        let again = parsed(&printed)?;
+        let [one, two] = [&tree, &again].map(|tree| dump_ast(&tree.file, Parens::Drop));
+        alike(&printed, &one, &two)
+    });
+}
+
+#[test]
+fn fmt_is_idempotent_and_keeps_meaning() {
+    holds_of_all(|text, seed| {
+        let once = format(text, Mode::Rpi).map_err(|f| format!("no format: {f:?}"))?;
+        let twice = format(&once, Mode::Rpi).map_err(|f| format!("no second format: {f:?}"))?;
+        alike("formatted again", &once, &twice)?;
+        let [before, after] = [Ready::new(text, "main")?, Ready::new(&once, "main")?];
+        let rows = before.rows(&mut Random::new(seed), CYCLES);
+        alike(&once, &before.run(&rows), &after.run(&rows))
+    });
+}
+
+#[test]
+fn resetting_equals_a_fresh_load() {
+    holds_of_all(|text, seed| {
+        let again = Ready::new(&wrapped::again(text), "Again")?;
+        let fresh = Ready::new(text, "main")?;
+        let reset = 1 + Random::new(seed).below(CYCLES - 1);
+        let rows = fresh.rows(&mut Random::new(seed), CYCLES);
+        let asked =
+            |(k, row): (usize, &Vec<Value>)| [&[Value::Bool(k == reset)], &row[..]].concat();
+        let found = again.run(&rows.iter().enumerate().map(asked).collect());
+        match found.get(reset..).filter(|found| !found.is_empty()) {
+            Some(found) => alike(
+                "after the reset",
+                &fresh.run(&rows[reset..].to_vec()),
+                &found.to_vec(),
+            ),
+            None => Ok(()),
         }
     });
+}
+
+#[test]
+fn an_inactive_fragment_equals_an_absent_one() {
+    holds_of_all(|text, seed| {
+        let inside = Ready::new(&wrapped::inside(text), "Inside")?;
+        let fresh = Ready::new(text, "main")?;
+        let mut random = Random::new(seed);
+        let rows = fresh.rows(&mut random, CYCLES);
+        let on: Vec<bool> = rows.iter().map(|_| random.one_in(2)).collect();
+        let asked = |(on, row): (&bool, &Vec<Value>)| [&[Value::Bool(*on)], &row[..]].concat();
+        let found = inside.run(&on.iter().zip(&rows).map(asked).collect());
+        let active = on.iter().zip(&rows).filter(|(on, _)| **on);
+        let mut active = fresh
+            .run(&active.map(|(_, row)| row.clone()).collect())
+            .into_iter();
+        for (k, (on, seen)) in on.iter().zip(found).enumerate() {
+            let beside = |mut leaves: Vec<Option<u64>>| {
+                leaves.push(Some(k as u64));
+                leaves
+            };
+            let expected = match on {
+                true => active.next().flatten().map(beside),
+                false => Some(beside(vec![None; inside.width() - 1])),
+            };
+            alike(&format!("active {on} in cycle {k}"), &expected, &seen)?;
+        }
+        Ok(())
+    });
+}
+
+#[test]
+fn every_construct_occurs() {
+    let mut counts = Counts::default();
+    for seed in SEED..SEED + PROGRAMS {
+        program(seed, &mut counts);
+    }
+    let forms = forms::FORMS.iter().map(|form| form.name);
+    let all = forms.chain(program::STATEMENTS.iter().copied());
+    let missing: Vec<&str> = all.filter(|name| !counts.0.contains_key(name)).collect();
+    assert!(
+        missing.is_empty(),
+        "never made: {missing:?}; made: {counts:?}"
+    );
+}
+
+/// Says what differs.
+fn alike<T: PartialEq + std::fmt::Debug>(of: &str, expected: &T, found: &T) -> Result<(), String> {
+    match expected == found {
+        true => Ok(()),
+        false => Err(format!(
+            "differ: {of}\nexpected {expected:?}\nfound    {found:?}"
+        )),
+    }
+}
+
+fn parsed(text: &str) -> Result<Parse, String> {
+    let parse = parse(FileId(0), text, Mode::Rpi);
+    match parse.findings.first() {
+        None => Ok(parse),
+        Some(finding) => Err(format!("no syntax: {finding:?}\n{text}")),
+    }
 }

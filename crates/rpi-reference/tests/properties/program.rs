@@ -106,7 +106,9 @@ impl Writer<'_> {
         let outputs: Vec<Flow> = (0..count).map(|_| self.fresh("y")).collect();
         let body = self.body(known, outputs.clone(), 2, 3);
         let mut tree = Tree::new(Role::Rest);
-        let ports = INPUTS.iter().map(|(name, kind)| format!("{name}: {}", kind.text()));
+        let ports = INPUTS
+            .iter()
+            .map(|(name, kind)| format!("{name}: {}", kind.text()));
         let ports: Vec<String> = ports.collect();
         let results: Vec<String> = outputs.iter().map(declaration).collect();
         let (ports, results) = (ports.join("; "), results.join("; "));
@@ -146,25 +148,49 @@ impl Writer<'_> {
         };
         for flow in &flows {
             let value = self.exprs.expr(&scope, flow.ty.kind.total(), 3);
-            tree.push(Tree::form(Role::Item(0), &format!("  {0} = @;\n  export {0};\n", flow.name), vec![value]));
+            tree.push(Tree::form(
+                Role::Item(0),
+                &format!("  {0} = @;\n  export {0};\n", flow.name),
+                vec![value],
+            ));
             self.exprs.counts.add("export");
         }
         let fail = self.exprs.expr(&scope, Kind::Bool.total(), 2);
         let finish = self.exprs.expr(&scope, Kind::Bool.total(), 2);
         self.exprs.counts.add("finish");
         self.exprs.counts.add("fail");
-        tree.push(Tree::form(Role::Item(0), "  fail bad when @ and n > 3;\n", vec![fail]));
-        tree.push(Tree::form(Role::Rest, "  finish done when @ or n > 9;\n", vec![finish]));
+        tree.push(Tree::form(
+            Role::Item(0),
+            "  fail bad when @ and n > 3;\n",
+            vec![fail],
+        ));
+        tree.push(Tree::form(
+            Role::Rest,
+            "  finish done when @ or n > 9;\n",
+            vec![finish],
+        ));
         tree.text("tel\n");
         tree
     }
 
     /// Equations for flows that must be defined, and some of its own around them.
-    fn body(&mut self, mut known: Vec<Flow>, wanted: Vec<Flow>, nesting: usize, depth: usize) -> Body {
-        let locals: Vec<Flow> = (0..1 + self.exprs.random.below(4)).map(|_| self.fresh("x")).collect();
+    fn body(
+        &mut self,
+        mut known: Vec<Flow>,
+        wanted: Vec<Flow>,
+        nesting: usize,
+        depth: usize,
+    ) -> Body {
+        let locals: Vec<Flow> = (0..1 + self.exprs.random.below(4))
+            .map(|_| self.fresh("x"))
+            .collect();
         let mut declared = Tree::new(Role::Rest);
         for local in &locals {
-            declared.text(if std::ptr::eq(local, &locals[0]) { "var\n" } else { "" });
+            declared.text(if std::ptr::eq(local, &locals[0]) {
+                "var\n"
+            } else {
+                ""
+            });
             let form = format!("  {};\n", declaration(local));
             declared.push(Tree::form(Role::Item(number(local)), &form, Vec::new()));
         }
@@ -172,7 +198,11 @@ impl Writer<'_> {
         delayed.retain(|flow| !flow.name.contains('.'));
         delayed.extend(locals.iter().chain(&wanted).cloned());
         let mut statements = Tree::new(Role::Rest);
-        for (flow, is_local) in locals.iter().map(|f| (f, true)).chain(wanted.iter().map(|f| (f, false))) {
+        for (flow, is_local) in locals
+            .iter()
+            .map(|f| (f, true))
+            .chain(wanted.iter().map(|f| (f, false)))
+        {
             let scope = Scope {
                 known: known.clone(),
                 delayed: delayed.clone(),
@@ -183,11 +213,22 @@ impl Writer<'_> {
                 statements.push(self.statement(&scope, &mut known, nesting));
             }
             let value = self.exprs.expr(&scope, flow.ty, depth);
-            let role = if is_local { Role::Item(number(flow)) } else { Role::Rest };
-            statements.push(Tree::form(role, &format!("  {} = @;\n", flow.name), vec![value]));
+            let role = if is_local {
+                Role::Item(number(flow))
+            } else {
+                Role::Rest
+            };
+            statements.push(Tree::form(
+                role,
+                &format!("  {} = @;\n", flow.name),
+                vec![value],
+            ));
             known.push(flow.clone());
         }
-        Body { declared, statements }
+        Body {
+            declared,
+            statements,
+        }
     }
 
     /// Something that is more than an equation; adds what it defines to what is known.
@@ -208,7 +249,11 @@ impl Writer<'_> {
     fn fragment(&mut self, scope: &Scope, known: &mut Vec<Flow>, nesting: usize) -> Tree {
         let name = self.name("F");
         let restart = self.exprs.random.one_in(2);
-        self.exprs.counts.add(if restart { "fragment, restart" } else { "fragment" });
+        self.exprs.counts.add(if restart {
+            "fragment, restart"
+        } else {
+            "fragment"
+        });
         let when = self.exprs.expr(scope, Kind::Bool.total(), 2);
         let wanted: Vec<Flow> = (0..2).map(|_| self.fresh("f")).collect();
         let mut body = self.body(scope.known.clone(), wanted.clone(), nesting - 1, 2);
@@ -223,7 +268,11 @@ impl Writer<'_> {
                 ty: flow.ty.kind.optional(),
             });
         }
-        Tree::form(Role::Item(0), &form, vec![when, body.declared, body.statements])
+        Tree::form(
+            Role::Item(0),
+            &form,
+            vec![when, body.declared, body.statements],
+        )
     }
 
     /// `automaton initial state A ... end`: its states define the same flows, or some of them.
@@ -262,7 +311,13 @@ impl Writer<'_> {
         tree
     }
 
-    fn state(&mut self, scope: &Scope, total: &Flow, partial: Option<&Flow>, nesting: usize) -> Tree {
+    fn state(
+        &mut self,
+        scope: &Scope,
+        total: &Flow,
+        partial: Option<&Flow>,
+        nesting: usize,
+    ) -> Tree {
         let wanted: Vec<Flow> = std::iter::once(total).chain(partial).cloned().collect();
         let wanted: Vec<Flow> = wanted
             .into_iter()
@@ -277,9 +332,14 @@ impl Writer<'_> {
             let name = self.name("z");
             let form = format!("  {name} = @ -> last {};\n", total.name);
             let start = Tree::expr(total.ty, total.ty.literal(), Vec::new());
-            body.statements.push(Tree::form(Role::Item(0), &form, vec![start]));
+            body.statements
+                .push(Tree::form(Role::Item(0), &form, vec![start]));
         }
-        Tree::form(Role::Rest, "    @let\n@    tel\n", vec![body.declared, body.statements])
+        Tree::form(
+            Role::Rest,
+            "    @let\n@    tel\n",
+            vec![body.declared, body.statements],
+        )
     }
 
     fn strong(&mut self, scope: &Scope, states: &[String]) -> Tree {
@@ -289,7 +349,11 @@ impl Writer<'_> {
         self.exprs.counts.add("automaton, strong");
         let condition = self.exprs.expr(scope, Kind::Bool.total(), 2);
         let target = self.exprs.random.pick(states).clone();
-        Tree::form(Role::Item(0), &format!("      unless @ then {target};\n"), vec![condition])
+        Tree::form(
+            Role::Item(0),
+            &format!("      unless @ then {target};\n"),
+            vec![condition],
+        )
     }
 
     fn weak(&mut self, scope: &Scope, states: &[String]) -> Tree {
@@ -302,7 +366,11 @@ impl Writer<'_> {
                 "continue"
             }
         };
-        Tree::form(Role::Item(0), &format!("      until @ {how} {target};\n"), vec![condition])
+        Tree::form(
+            Role::Item(0),
+            &format!("      until @ {how} {target};\n"),
+            vec![condition],
+        )
     }
 
     /// A call with several out-ports: bound to several names, or to one.

@@ -42,9 +42,19 @@ impl Ready {
     /// What is wrong with it, in words.
     pub(crate) fn new(text: &str, name: &str) -> Result<Ready, String> {
         let made = compile_node(&input(text), Some(name), false).map_err(|e| e.to_string())?;
-        let errors = made.findings.iter().filter(|f| f.severity() == rpi_diag::Severity::Error);
+        let errors = made
+            .findings
+            .iter()
+            .filter(|f| f.severity() == rpi_diag::Severity::Error);
         let errors: Vec<String> = errors
-            .map(|f| format!("does not compile, {}: {} {:?}", f.code, f.message, made.sources.slice(f.span())))
+            .map(|f| {
+                format!(
+                    "does not compile, {}: {} {:?}",
+                    f.code,
+                    f.message,
+                    made.sources.slice(f.span())
+                )
+            })
             .collect();
         let node = made.node.ok_or_else(|| errors.join("\n"))?;
         let image = lower_to_run(&node.net, PERIOD_NS)?;
@@ -54,18 +64,26 @@ impl Ready {
         })
     }
 
+    /// Number of leaves of the out-ports.
+    pub(crate) fn width(&self) -> usize {
+        self.node.outputs.len()
+    }
+
     /// Random values for all in-ports, over so many cycles.
     pub(crate) fn rows(&self, random: &mut Random, cycles: usize) -> Rows {
         let row = |random: &mut Random| {
             let columns = self.node.inputs.iter();
-            columns.map(|c| value(random, c.ty, c.values.len())).collect()
+            columns
+                .map(|c| value(random, c.ty, c.values.len()))
+                .collect()
         };
         (0..cycles).map(|_| row(random)).collect()
     }
 
     /// Runs the image, up to a fault.
     pub(crate) fn run(&self, rows: &Rows) -> Vec<Seen> {
-        let mut machine = Machine::load(Arc::clone(&self.image), &mut NoDevices).expect("it verifies");
+        let mut machine =
+            Machine::load(Arc::clone(&self.image), &mut NoDevices).expect("it verifies");
         let mut seen = Vec::new();
         for row in rows {
             for (column, value) in self.node.inputs.iter().zip(row) {
@@ -92,7 +110,9 @@ impl Ready {
         }
         let leaf = |key: &str| {
             let export = self.image.exports.iter().find(|e| e.key == key)?;
-            machine.value(export.value).map(|cells| plain(export.value.ty, cells[0]))
+            machine
+                .value(export.value)
+                .map(|cells| plain(export.value.ty, cells[0]))
         };
         let columns = self.node.outputs.iter();
         Some(columns.map(|column| leaf(&column.key)).collect())
@@ -181,7 +201,9 @@ pub(crate) fn run_command(text: &str, cycles: usize) -> Result<Vec<Ended>, Strin
             _ => None,
         };
         let value = |e: &rpi_image::image::Export| {
-            machine.value(e.value).map(|cells| plain(e.value.ty, cells[0]))
+            machine
+                .value(e.value)
+                .map(|cells| plain(e.value.ty, cells[0]))
         };
         let exports = image.exports.iter().map(value);
         let faulted = machine.fault().is_some();

@@ -183,7 +183,9 @@ pub(crate) fn shrink(mut tree: Tree, bad: impl Fn(&str) -> bool) -> String {
 impl Ty {
     /// Whether an expression of this type may stand where another is wanted.
     fn fits(self, wanted: Ty) -> bool {
-        self.kind == wanted.kind && self.ticking == wanted.ticking && (wanted.optional || !self.optional)
+        self.kind == wanted.kind
+            && self.ticking == wanted.ticking
+            && (wanted.optional || !self.optional)
     }
 
     /// The simplest expression of the type.

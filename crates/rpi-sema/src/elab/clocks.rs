@@ -3,7 +3,7 @@
 use super::families::Family;
 use super::scope::Scope;
 use super::signal::{Signal, Wire};
-use super::{At, Elab, Mode};
+use super::{At, Elab, Mode, Sampled};
 use crate::typed::{ClockOn, ExprId, FlowId};
 use rpi_diag::Span;
 use rpi_image::{Scalar, Value};
@@ -87,9 +87,9 @@ impl<'u> Elab<'u> {
     fn known_clock(&self, key: ClockKey, place: At) -> Option<FragmentId> {
         let known = self.clocks.get(&key)?;
         let mut around = self.net.enclosing(place.fragment);
-        match self.splits_clocks {
-            false => known.first().copied(),
-            true => around.find(|fragment| known.contains(fragment)),
+        match self.sampled {
+            Sampled::Together => known.first().copied(),
+            _ => around.find(|fragment| known.contains(fragment)),
         }
     }
 
@@ -102,7 +102,7 @@ impl<'u> Elab<'u> {
         id: ExprId,
         at: At,
     ) -> Option<Wire> {
-        if !self.splits_clocks || at.fragment == scope.base {
+        if self.sampled != Sampled::DelaysBeside || at.fragment == scope.base {
             return None;
         }
         let clock = self.facts_of(scope)?.clocks.of_expr(id);

@@ -85,7 +85,11 @@ impl<'u> Elab<'u> {
         let count = scalars.len();
         let condition = self.one(scope, condition, at);
         if let Signal::Const(value) = &condition {
-            let chosen = if value.as_bool() == Some(true) { yes } else { no };
+            let chosen = if value.as_bool() == Some(true) {
+                yes
+            } else {
+                no
+            };
             return self.wide(scope, chosen, count, at);
         }
         let guards = self.guards(scope, &condition, [yes, no], at, span);
@@ -272,13 +276,7 @@ impl<'u> Elab<'u> {
 
     /// The wire of an expression where a value of so many leaves is wanted: `none` by itself has one, whatever it stands
     /// beside.
-    pub(super) fn wide(
-        &mut self,
-        scope: &mut Scope<'u>,
-        id: ExprId,
-        count: usize,
-        at: At,
-    ) -> Wire {
+    pub(super) fn wide(&mut self, scope: &mut Scope<'u>, id: ExprId, count: usize, at: At) -> Wire {
         let wire = self.expr(scope, id, at);
         match (&wire[..], count) {
             ([Signal::Absent], n) if n != 1 => (0..n).map(|_| Signal::Absent).collect(),

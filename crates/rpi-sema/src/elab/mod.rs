@@ -89,6 +89,17 @@ enum Mode {
     Constant,
 }
 
+/// How what ticks by one clock lies in fragments, each of which is one vertex for what is around it.
+#[derive(Clone, Copy, PartialEq, PartialOrd, Debug)]
+enum Sampled {
+    /// All in one.
+    Together,
+    /// Each sampled expression in one of its own.
+    Apart,
+    /// So, and its delays beside it, where they break rings through it.
+    DelaysBeside,
+}
+
 /// Where an expression is evaluated.
 #[derive(Clone, Copy, PartialEq, Debug)]
 struct At {
@@ -138,8 +149,8 @@ struct Elab<'u> {
     firsts: Map<FragmentId, PortRef>,
     /// The fragments of clocks.
     clocks: Map<clocks::ClockKey, Vec<FragmentId>>,
-    /// Whether each flow of a clock has a fragment of its own.
-    splits_clocks: bool,
+    /// How what ticks by one clock lies in fragments.
+    sampled: Sampled,
     /// Elements that have been taken out of array ports.
     elements: Map<(PortRef, u32), PortRef>,
     /// Sensor ports that have been read.
@@ -190,7 +201,7 @@ impl<'u> Elab<'u> {
             top: None,
             firsts: Map::default(),
             clocks: Map::default(),
-            splits_clocks: false,
+            sampled: Sampled::Together,
             elements: Map::default(),
             sensors: Map::default(),
             failure: None,

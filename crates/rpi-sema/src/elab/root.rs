@@ -2,7 +2,7 @@
 
 use super::scope::{Scope, State};
 use super::signal::{Signal, Wire, single};
-use super::{At, Claims, Elab, Mode, NotConstant};
+use super::{At, Claims, Elab, Mode, NotConstant, Sampled};
 use crate::facts::Facts;
 use crate::ty::Ty;
 use crate::typed::{BlockId, ExprId, FlowId, FlowRole, Leaf, Unit, UnitId, UnitKind};
@@ -71,7 +71,7 @@ pub fn elaborate(
 #[must_use]
 pub fn elaborate_steps(units: &[Unit], facts: &[Facts], id: UnitId, args: &[Argument]) -> Net {
     Job::new(units, facts, id, args, Claims::Report)
-        .run(Mode::Steps, false)
+        .run(Mode::Steps, Sampled::Together)
         .0
         .net
 }
@@ -119,25 +119,24 @@ impl<'u, 'a> Job<'u, 'a> {
         }
     }
 
-    /// The net. All flows of one clock share a fragment, which is one vertex around it; where that makes a ring which the
-    /// flows themselves do not have, each gets a fragment of its own.
+    /// The net. What ticks by one clock shares a fragment, which is one vertex around it; where that makes a ring which the
+    /// flows themselves do not have, it is taken apart as far as needed.
     fn net(&self) -> Elaborated {
-        let (together, has_clocks) = self.run(Mode::Net, false);
+        let (together, has_clocks) = self.run(Mode::Net, Sampled::Together);
         if !has_clocks || !has_ring(&together.net) {
             return together;
         }
-        let (apart, _) = self.run(Mode::Net, true);
-        match has_ring(&apart.net) {
-            true => together,
-            false => apart,
-        }
+        let others = [Sampled::Apart, Sampled::DelaysBeside];
+        let mut others = others.iter().map(|how| self.run(Mode::Net, *how).0);
+        let apart = others.find(|made| !has_ring(&made.net));
+        apart.unwrap_or(together)
     }
 
     /// What became of it, and whether there are fragments of clocks.
-    fn run(&self, mode: Mode, splits_clocks: bool) -> (Elaborated, bool) {
+    fn run(&self, mode: Mode, sampled: Sampled) -> (Elaborated, bool) {
         let mut elab = Elab::new(self.units, self.facts, mode);
         elab.claims = self.claims;
-        elab.splits_clocks = splits_clocks;
+        elab.sampled = sampled;
         let unit = &self.units[self.id.0 as usize];
         elab.net.name = unit.name.to_string();
         let root = &mut elab.net.fragments[0];
