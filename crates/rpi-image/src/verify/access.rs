@@ -48,7 +48,9 @@ impl<'a> Check<'a> {
             let Some(scope) = self.scopes.get(at as usize) else {
                 return false;
             };
-            let stays = scope.guard >= self.image.layout.state;
+            // Only state may change between two skips of one guard.
+            let layout = self.image.layout;
+            let stays = !(layout.external..layout.state).contains(&scope.guard);
             let holds = self.holds.get(scope.guard as usize).is_some_and(|&n| n > 0);
             if !(stays && holds || self.is_open(at)) {
                 return false;

@@ -2,6 +2,7 @@
 
 use super::{At, Check, UNWRITTEN};
 use crate::image::{Cells, End, FALSE, MAX_CELLS, Signal, TRUE};
+use crate::ty::{Scalar, Type};
 use alloc::{format, vec};
 
 /// The longest period that is believed, one hour.
@@ -73,8 +74,14 @@ impl Check<'_> {
                 "wrong parent".into()
             });
             let within = parent.map_or(l.external..l.state, |p| p.state.at..p.state.end());
-            let fits =
-                f.state.len == 0 || within.start <= f.state.at && f.state.end() <= within.end;
+            // Even an empty state must not begin outside of the memory.
+            let inside = within.start <= f.state.at || f.state.len == 0;
+            let end = if f.state.len == 0 {
+                l.cells
+            } else {
+                within.end
+            };
+            let fits = inside && f.state.end() <= end;
             self.demand(fits, || {
                 format!("state {:?} lies outside {within:?}", f.state)
             });
@@ -116,14 +123,26 @@ impl Check<'_> {
         }
         self.at = At::Table("end", 0);
         match &self.image.end {
-            End::Results(results) => results.iter().for_each(|r| self.published(r.condition)),
+            End::Results(results) => {
+                let conditions = results.iter().map(|r| r.condition);
+                conditions.for_each(|s| self.deciding(s, Scalar::Bool));
+            }
             End::Ports { terminate, fail } => {
-                [terminate, fail]
-                    .into_iter()
-                    .flatten()
-                    .for_each(|s| self.published(*s));
+                terminate
+                    .iter()
+                    .for_each(|s| self.deciding(*s, Scalar::Bool));
+                fail.iter().for_each(|s| self.deciding(*s, Scalar::Int));
             }
         }
+    }
+
+    /// A flow by which a command ends: one value.
+    fn deciding(&mut self, s: Signal, scalar: Scalar) {
+        let ty = s.ty;
+        self.demand(ty == Type::One(scalar), || {
+            format!("a command ends by {ty}")
+        });
+        self.published(s);
     }
 
     /// A flow that is read at the end of the cycle.

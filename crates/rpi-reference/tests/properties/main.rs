@@ -21,6 +21,8 @@ mod tree;
 mod types;
 mod wrapped;
 
+use std::panic::{AssertUnwindSafe, catch_unwind};
+
 use rpi_diag::FileId;
 use rpi_reference::Value;
 use rpi_syntax::{Mode, Parens, Parse, dump_ast, format, parse, print};
@@ -44,6 +46,10 @@ fn number(name: &str, otherwise: u64) -> u64 {
 /// Tries a property on so many programs. It says what does not hold, if the program is one it speaks of.
 fn holds_of_all(property: fn(&str, u64) -> Result<(), String>) {
     let (programs, first) = (number("RPI_PROGRAMS", PROGRAMS), number("RPI_SEED", SEED));
+    let property = |text: &str, seed: u64| {
+        let tried = catch_unwind(AssertUnwindSafe(|| property(text, seed)));
+        tried.unwrap_or_else(|_| Err("panics: see above".to_owned()))
+    };
     for seed in first..first + programs {
         let (tree, _) = program(seed, &mut Counts::default());
         let Err(why) = property(&tree.render(), seed) else {
