@@ -30,7 +30,7 @@ const CHORES: &[Chore] = &[
     ),
     (
         "soak",
-        "a million random steps of the control core beside its model, as many takeovers of two arms, a day of blending, 10 000 random programs",
+        "a million random steps of the control core beside its model, as many takeovers of two arms, a day of blending, random programs",
         soak,
     ),
 ];
@@ -38,6 +38,7 @@ const CHORES: &[Chore] = &[
 /// Histories of up to 120 steps: together more than a million.
 const HISTORIES: &str = "20000";
 
+/// Random programs for each property of the language.
 const PROGRAMS: &str = "10000";
 
 const TAKEOVERS: &str = "1000000";
@@ -80,16 +81,16 @@ fn generate(_: &[String]) -> Result<(), String> {
 /// day of blending.
 fn soak(_: &[String]) -> Result<(), String> {
     cargo_test(
+        &["-p", "rpi-reference", "--test", "properties"],
+        ("RPI_PROGRAMS", PROGRAMS),
+    )?;
+    cargo_test(
         &["-p", "rpi-core", "--test", "model"],
         ("RPI_HISTORIES", HISTORIES),
     )?;
     cargo_test(
         &["-p", "rpi", "--test", "soak"],
         ("RPI_TAKEOVERS", TAKEOVERS),
-    )?;
-    cargo_test(
-        &["-p", "rpi-reference", "--test", "properties"],
-        ("RPI_PROGRAMS", PROGRAMS),
     )
 }
 
@@ -108,5 +109,4 @@ fn cargo_test(which: &[&str], (name, value): (&str, &str)) -> Result<(), String>
             which.join(" ")
         )),
     }
-    Ok(())
 }

@@ -60,7 +60,7 @@ impl<'p> Reference<'p> {
         if !self.is_active(instance, block)? {
             return Ok(None);
         }
-        for inner in shared.states.iter().flatten() {
+        for inner in &shared.states {
             if let Some(value) = self.flow(instance, *inner, k)? {
                 return Ok(Some(value));
             }

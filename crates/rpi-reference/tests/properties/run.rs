@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use rpi_core::{Machine, Moment, Verdict};
 use rpi_device::NoDevices;
-use rpi_driver::{Input, Kind, Node, Typed, compile, compile_node, lower_to_run, typed};
+use rpi_driver::{Claims, Input, Kind, Node, Typed, compile, compile_node, lower_to_run, typed};
 use rpi_image::{Image, Scalar, Type};
 use rpi_reference::{Leaf, Reference, Stop, Value};
 
@@ -41,7 +41,8 @@ impl Ready {
     /// # Errors
     /// What is wrong with it, in words.
     pub(crate) fn new(text: &str, name: &str) -> Result<Ready, String> {
-        let made = compile_node(&input(text), Some(name), false).map_err(|e| e.to_string())?;
+        let made = compile_node(&input(text), Some(name), Claims::Report, false)
+            .map_err(|e| e.to_string())?;
         let errors = made
             .findings
             .iter()
