@@ -40,7 +40,9 @@ impl<'p> Reference<'p> {
         let expr = unit.expr(id);
         match &expr.kind {
             Kind::Fault => Err(Stop::Beyond("a fault of the program".to_owned())),
-            Kind::Sensor { .. } => Err(Stop::Beyond("a device".to_owned())),
+            Kind::Outside | Kind::Sensor { .. } => {
+                Err(Stop::Beyond("what lies outside".to_owned()))
+            }
             Kind::Const(leaves) => Ok(Value::of(&leaves[k])),
             Kind::Literal(leaf) => Ok(Value::of(leaf)),
             Kind::None => Ok(None),
