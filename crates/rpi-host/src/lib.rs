@@ -8,6 +8,7 @@ pub mod control;
 pub mod measure;
 pub mod node;
 pub mod plot;
+pub mod realtime;
 pub mod record;
 pub mod replay;
 pub mod run;

@@ -6,6 +6,7 @@ use std::path::PathBuf;
 use clap::{Args, Parser, Subcommand, ValueEnum, value_parser};
 use clap_complete::Shell;
 use rpi_driver::Claims;
+use rpi_host::realtime::{OverrunPolicy, Wanted};
 use rpi_host::run::Setting;
 use rpi_serve::OnLoss;
 
@@ -100,6 +101,15 @@ pub(crate) struct RunArgs {
     /// Assertions and contracts: left out, watched and told with cycle and values, or a fault that ends the run.
     #[arg(long, value_name = "HOW", default_value = "report")]
     pub(crate) contracts: Contracts,
+    /// What happens if a cycle ends when the next one was due already: `catch-up`, `skip`, or `stop:N/M` at the Nth of M cycles.
+    #[arg(long, value_name = "POLICY", default_value_t, requires = "real_time")]
+    pub(crate) on_overrun: OverrunPolicy,
+    /// Priority of the cycle among the threads of SCHED_FIFO, 1 to 99.
+    #[arg(long, value_name = "N", default_value_t = Wanted::default().priority, requires = "real_time", value_parser = value_parser!(u8).range(1..100))]
+    pub(crate) priority: u8,
+    /// Core of the cycle; the last one unless said otherwise.
+    #[arg(long, value_name = "N", requires = "real_time")]
+    pub(crate) core: Option<usize>,
     /// How long it takes to have the next command ready once one has started.
     #[arg(long, value_parser = rpi_driver::parse_period, value_name = "TIME")]
     pub(crate) planning_time: Option<u64>,

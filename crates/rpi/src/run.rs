@@ -10,8 +10,11 @@ use rpi_diag::{Style, render};
 use rpi_driver::Compiled;
 use rpi_host::claims::ClaimSink;
 use rpi_host::plot;
+use rpi_host::realtime::Wanted;
 use rpi_host::record::{Digest, Form, Motion, Rows};
-use rpi_host::run::{self, CommandEnd, Job, Limits, Outcome, Pace, Several, Sink, Status};
+use rpi_host::run::{
+    self, CommandEnd, Job, Limits, Outcome, Pace, RealTime, Several, Sink, Status,
+};
 
 use rpi_net::Net;
 
@@ -99,6 +102,13 @@ fn execute(
             Pace::Real
         } else {
             Pace::Simulated
+        },
+        real_time: RealTime {
+            wanted: Wanted {
+                priority: args.priority,
+                core: args.core,
+            },
+            overrun: args.on_overrun,
         },
         continuity: args.on_jump.into(),
         limits: Limits {

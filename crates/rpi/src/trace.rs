@@ -6,7 +6,7 @@ use rpi_core::Continuity;
 use rpi_driver::Claims;
 use rpi_driver::Kind;
 use rpi_host::record::{Filter, Traced, copy};
-use rpi_host::run::{self, Job, Limits, Pace};
+use rpi_host::run::{self, Job, Limits, Pace, RealTime};
 
 use crate::args::TraceArgs;
 use crate::exit::{Exit, Outcome};
@@ -38,6 +38,7 @@ fn record(args: &TraceArgs) -> Outcome {
         plans: &script.plans,
         cell: &cell,
         pace: Pace::Simulated,
+        real_time: RealTime::default(),
         continuity: Continuity::Allow,
         limits: Limits {
             ticks: target::ticks(&args.target, tick_ns),

@@ -242,3 +242,20 @@ fn a_leap_at_a_switch_is_refused_with_its_figures() {
     assert!(out(&allowed).contains(leap), "{}", out(&allowed));
     assert!(out(&allowed).contains(lost), "{}", out(&allowed));
 }
+
+/// On real time the run tells what it asked of the system, granted or not.
+#[test]
+fn real_time_tells_what_it_got() {
+    let here = Path::new(env!("CARGO_MANIFEST_DIR"));
+    let program = here
+        .join("../../examples/first/first.rpi")
+        .display()
+        .to_string();
+    let output = rpi(&["run", &program, "--real-time", "--cycles", "20"]);
+    for wish in ["memory locked", "priority 80 of SCHED_FIFO"] {
+        assert!(out(&output).contains(wish), "{}", out(&output));
+    }
+    let wrong = rpi(&["run", &program, "--real-time", "--on-overrun", "stop:5/3"]);
+    assert_eq!(wrong.status.code(), Some(2));
+    assert!(err(&wrong).contains("stop:N/M"), "{}", err(&wrong));
+}

@@ -20,6 +20,8 @@ pub(super) struct Clock {
     pace: Pace,
     tick_ns: u64,
     start: Instant,
+    /// Ticks by which all are put off.
+    put_off: u64,
     /// Nanoseconds since the Unix epoch at the start; 0 on simulated time.
     epoch_ns: i64,
 }
@@ -30,6 +32,7 @@ impl Clock {
             pace,
             tick_ns,
             start: Instant::now(),
+            put_off: 0,
             epoch_ns: match pace {
                 Pace::Simulated => 0,
                 Pace::Real => now_ns(),
@@ -42,7 +45,9 @@ impl Clock {
         if self.pace == Pace::Simulated {
             return 0;
         }
-        let due = self.tick_ns.saturating_mul(tick);
+        let due = self
+            .tick_ns
+            .saturating_mul(tick.saturating_add(self.put_off));
         loop {
             let now = self.elapsed();
             match due.checked_sub(now) {
@@ -52,6 +57,24 @@ impl Clock {
                 }
                 Some(_) => std::hint::spin_loop(),
             }
+        }
+    }
+
+    /// Puts all later ticks off by so many periods.
+    pub(super) fn put_off(&mut self, periods: u64) {
+        self.put_off = self.put_off.saturating_add(periods);
+    }
+
+    /// Begins anew: tick 0 is due now.
+    pub(super) fn restart(&mut self) {
+        *self = Clock::start(self.pace, self.tick_ns);
+    }
+
+    /// How much later than the next tick is due it is after one that began so late and took so long, nanoseconds. Never on simulated time.
+    pub(super) fn overrun(&self, late: u64, took: u64) -> u64 {
+        match self.pace {
+            Pace::Simulated => 0,
+            Pace::Real => late.saturating_add(took).saturating_sub(self.tick_ns),
         }
     }
 

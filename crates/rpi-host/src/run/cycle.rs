@@ -14,6 +14,7 @@ use super::clock::Clock;
 use super::figures::Meter;
 use super::samples::Tap;
 use crate::control::Executive;
+use crate::realtime::{OverrunPolicy, Verdict};
 
 /// After the last command the devices get this long to come to rest, seconds.
 const SETTLE: f64 = 10.0;
@@ -25,6 +26,8 @@ pub(super) struct Bounds {
     pub(super) last: u64,
     /// Length of a tick, nanoseconds.
     pub(super) tick_ns: u64,
+    /// What happens if one takes longer.
+    pub(super) overrun: OverrunPolicy,
 }
 
 /// The cycle and everything that it owns.
@@ -84,9 +87,25 @@ impl Cycle {
         let took = u64::try_from(begin.elapsed().as_nanos()).unwrap_or(u64::MAX);
         if self.settling.is_none() {
             self.meter.record(took, late);
+            self.judge(now, self.clock.overrun(late, took));
         }
         self.sample(now);
         self.now.store(self.executive.now(), Ordering::Release);
+    }
+
+    /// Tick 0 is due now.
+    pub(super) fn restart_clock(&mut self) {
+        self.clock.restart();
+    }
+
+    /// Does what is to be done after a tick that ended so much too late.
+    fn judge(&mut self, tick: u64, over: u64) {
+        let (ns, policy) = (self.bounds.tick_ns, self.bounds.overrun);
+        match self.meter.overruns.judge(tick, over, ns, policy) {
+            Verdict::GoOn => {}
+            Verdict::PutOff(periods) => self.clock.put_off(periods),
+            Verdict::Stop => self.executive.halt(Why::Overrun),
+        }
     }
 
     /// Whether another tick is wanted: commands run, or devices still come to rest after them. `over` says that no command will

@@ -9,6 +9,7 @@ use super::host::Host;
 use super::job::{Failure, Progress};
 use super::outcome::Outcome;
 use super::samples::Sink;
+use crate::realtime::{self, Grant, Wanted};
 
 /// How often the host looks after things on real time.
 const SERVE_EVERY: Duration = Duration::from_millis(2);
@@ -64,7 +65,7 @@ pub(super) fn taking_turns(
         cycle.tick();
         listener.serve(&mut host);
     }
-    outcome(cycle, host, listener)
+    outcome((cycle, Vec::new()), host, listener)
 }
 
 /// The cycle on a thread of its own; the host here.
@@ -72,11 +73,12 @@ pub(super) fn side_by_side(
     cycle: Cycle,
     mut host: Host<'_>,
     mut listener: Listener<'_>,
+    wanted: Wanted,
 ) -> Result<Outcome, Failure> {
     let over = AtomicBool::new(false);
     listener.serve(&mut host);
     let cycle = std::thread::scope(|scope| {
-        let running = scope.spawn(|| tick_until(cycle, &over));
+        let running = scope.spawn(|| tick_until(cycle, &over, wanted));
         while !running.is_finished() {
             listener.serve(&mut host);
             over.fetch_or(host.is_over(), Ordering::Relaxed);
@@ -90,15 +92,17 @@ pub(super) fn side_by_side(
     }
 }
 
-fn tick_until(mut cycle: Cycle, over: &AtomicBool) -> Cycle {
+fn tick_until(mut cycle: Cycle, over: &AtomicBool, wanted: Wanted) -> (Cycle, Vec<Grant>) {
+    let grants = realtime::ask(wanted);
+    cycle.restart_clock();
     while cycle.goes_on(over.load(Ordering::Relaxed)) {
         cycle.tick();
     }
-    cycle
+    (cycle, grants)
 }
 
 fn outcome(
-    mut cycle: Cycle,
+    (mut cycle, grants): (Cycle, Vec<Grant>),
     mut host: Host<'_>,
     listener: Listener<'_>,
 ) -> Result<Outcome, Failure> {
@@ -125,6 +129,7 @@ fn outcome(
         tick_ns: listener.tick_ns,
         cut_off: cycle.cut_off,
         digest: None,
+        grants: grants.iter().map(ToString::to_string).collect(),
         samples_lost: cycle.watcher.tap.lost,
     })
 }

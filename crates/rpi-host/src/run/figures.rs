@@ -3,6 +3,8 @@
 use hdrhistogram::Histogram;
 use serde::Serialize;
 
+use crate::realtime::Overruns;
+
 /// Longest time that is told apart, nanoseconds.
 const LONGEST: u64 = 60_000_000_000;
 
@@ -15,6 +17,8 @@ pub struct Figures {
     pub tick: Spread,
     /// How late they began, nanoseconds; only on real time.
     pub lateness: Option<Spread>,
+    /// Cycles that took too long; only on real time.
+    pub overruns: Option<Overruns>,
 }
 
 /// Percentiles, nanoseconds, exact to 1 %.
@@ -32,6 +36,7 @@ pub struct Spread {
 pub(super) struct Meter {
     tick: Histogram<u64>,
     lateness: Option<Histogram<u64>>,
+    pub(super) overruns: Overruns,
 }
 
 impl Meter {
@@ -42,6 +47,7 @@ impl Meter {
         Meter {
             tick: histogram(),
             lateness: lateness.then(histogram),
+            overruns: Overruns::default(),
         }
     }
 
@@ -57,6 +63,7 @@ impl Meter {
             ticks: self.tick.len(),
             tick: spread(&self.tick),
             lateness: self.lateness.as_ref().map(spread),
+            overruns: self.lateness.as_ref().map(|_| self.overruns),
         }
     }
 }

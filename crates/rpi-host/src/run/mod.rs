@@ -28,7 +28,7 @@ pub(crate) use end::fault_text;
 pub use clock::Pace;
 pub use figures::{Figures, Spread};
 pub use inputs::{BadSetting, Setting};
-pub use job::{Failure, Job, Limits, Progress, run};
+pub use job::{Failure, Job, Limits, Progress, RealTime, run};
 pub use outcome::{CommandEnd, DeviceEnd, Outcome, RunEnd, Status, Trouble};
 pub use plan::{Node, Plan, Target};
 pub use samples::{Channel, Several, Sink, Source};

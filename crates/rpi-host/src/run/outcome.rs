@@ -21,6 +21,9 @@ pub struct Outcome {
     pub tick_ns: u64,
     /// True if it was cut off because it had run as long as asked for.
     pub cut_off: bool,
+    /// What the system has said to what was asked of it on real time.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub grants: Vec<String>,
     /// One number for all that the devices did, if it was asked for.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub digest: Option<String>,

@@ -32,6 +32,18 @@ impl fmt::Display for Outcome {
         if let Some(lateness) = &self.figures.lateness {
             writeln!(f, "late by     {lateness}")?;
         }
+        if let Some(overruns) = self.figures.overruns.filter(|o| o.count > 0) {
+            write!(f, "overruns    {}", overruns.count)?;
+            let (first, longest) = (overruns.first.unwrap_or(0), time(overruns.longest));
+            write!(f, ", first in tick {first}, at most {longest} too late")?;
+            match overruns.skipped {
+                0 => writeln!(f)?,
+                skipped => writeln!(f, ", {skipped} periods skipped")?,
+            }
+        }
+        for grant in &self.grants {
+            writeln!(f, "  {grant}")?;
+        }
         for device in &self.devices {
             write!(f, "{device}")?;
         }

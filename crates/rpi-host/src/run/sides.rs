@@ -40,6 +40,7 @@ pub(super) fn sides<'a>(job: &Job<'a>, tick_ns: u64) -> Result<(Cycle, Host<'a>)
     let bounds = Bounds {
         last: job.limits.ticks.unwrap_or(u64::MAX),
         tick_ns,
+        overrun: job.real_time.overrun,
     };
     let now = Arc::new(AtomicU64::new(0));
     let real = job.pace == Pace::Real;

@@ -27,7 +27,7 @@ const OWNERS: &[(&str, &[&str])] = &[
     ("pulldown-cmark", &["rpi-doc"]),
     ("rtrb", &["rpi-host", "rpi-serve"]),
     ("rustc-hash", &["rpi-lower", "rpi-net"]),
-    ("rustix", &["rpi-bench", "rpi-fuzz"]),
+    ("rustix", &["rpi-bench", "rpi-fuzz", "rpi-host"]),
     ("serde", &["rpi-diag", "rpi-driver", "rpi-host"]),
     (
         "serde_json",
@@ -44,6 +44,7 @@ const OWNERS: &[(&str, &[&str])] = &[
     ),
     ("smallvec", &["rpi-image", "rpi-lower", "rpi-net"]),
     ("tempfile", &["xtask"]),
+    ("thread-priority", &["rpi-host"]),
     ("toml", &["rpi-driver", "rpi-sim"]),
     ("tungstenite", &["rpi-client", "rpi-serve"]),
     ("assert_no_alloc", &["rpi-testkit"]),

@@ -1,0 +1,179 @@
+//! Cycles that end after the next one was due.
+
+use std::fmt;
+use std::str::FromStr;
+
+use serde::Serialize;
+
+/// What happens then.
+#[derive(Clone, Copy, PartialEq, Eq, Debug, Default)]
+pub enum OverrunPolicy {
+    /// It is counted, and the cycles that are late follow at once: as many as there would have been, closer together.
+    #[default]
+    CatchUp,
+    /// It is counted, and all later cycles are put off by whole periods: none follows at once.
+    Skip,
+    /// It is counted; once so many of the last so many cycles were too long, every command is ended and its devices stop on
+    /// their own. Until then late cycles follow at once.
+    Stop {
+        /// So many overruns, at least 1.
+        overruns: u32,
+        /// Of so many cycles, at most 64.
+        of: u32,
+    },
+}
+
+/// Cycles that an [`OverrunPolicy::Stop`] can look back on.
+const LONGEST: u32 = 64;
+
+impl FromStr for OverrunPolicy {
+    type Err = String;
+
+    /// `catch-up`, `skip`, `stop` (at the first one), `stop:3/10` (at the third of ten cycles).
+    fn from_str(text: &str) -> Result<Self, String> {
+        let counts = match text {
+            "catch-up" => return Ok(OverrunPolicy::CatchUp),
+            "skip" => return Ok(OverrunPolicy::Skip),
+            "stop" => Some((1, 1)),
+            text => text.strip_prefix("stop:").and_then(counts),
+        };
+        match counts {
+            Some((overruns, of)) if (1..=of).contains(&overruns) && of <= LONGEST => {
+                Ok(OverrunPolicy::Stop { overruns, of })
+            }
+            _ => Err(format!(
+                "expected `catch-up`, `skip`, `stop` or `stop:N/M` with N of M cycles, M at most {LONGEST}"
+            )),
+        }
+    }
+}
+
+fn counts(text: &str) -> Option<(u32, u32)> {
+    let (overruns, of) = text.split_once('/')?;
+    Some((overruns.parse().ok()?, of.parse().ok()?))
+}
+
+impl fmt::Display for OverrunPolicy {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            OverrunPolicy::CatchUp => f.write_str("catch-up"),
+            OverrunPolicy::Skip => f.write_str("skip"),
+            OverrunPolicy::Stop { overruns, of } => write!(f, "stop:{overruns}/{of}"),
+        }
+    }
+}
+
+/// What is known of overruns; counting neither allocates nor fails.
+#[derive(Clone, Copy, PartialEq, Eq, Debug, Default, Serialize)]
+pub struct Overruns {
+    /// How many cycles ended after the next one was due.
+    pub count: u64,
+    /// The first of them, as its tick from 0.
+    pub first: Option<u64>,
+    /// By how much the worst was too late, nanoseconds.
+    pub longest: u64,
+    /// Periods by which later cycles were put off.
+    pub skipped: u64,
+    /// The last cycles, the latest in the lowest bit.
+    #[serde(skip)]
+    history: u64,
+}
+
+/// What is to be done after a cycle.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub(crate) enum Verdict {
+    /// Nothing.
+    GoOn,
+    /// Put all later cycles off by so many periods.
+    PutOff(u64),
+    /// End everything.
+    Stop,
+}
+
+impl Overruns {
+    /// Takes in a cycle that ended `over` nanoseconds after the next one was due, 0 if it was in time.
+    pub(crate) fn judge(
+        &mut self,
+        tick: u64,
+        over: u64,
+        tick_ns: u64,
+        policy: OverrunPolicy,
+    ) -> Verdict {
+        self.history = self.history << 1 | u64::from(over > 0);
+        if over == 0 {
+            return Verdict::GoOn;
+        }
+        self.count += 1;
+        self.first.get_or_insert(tick);
+        self.longest = self.longest.max(over);
+        match policy {
+            OverrunPolicy::CatchUp => Verdict::GoOn,
+            OverrunPolicy::Skip => {
+                let periods = over.div_ceil(tick_ns.max(1));
+                self.skipped += periods;
+                Verdict::PutOff(periods)
+            }
+            OverrunPolicy::Stop { overruns, of } => {
+                let latest = self.history & (u64::MAX >> (LONGEST - of.clamp(1, LONGEST)));
+                match latest.count_ones() >= overruns {
+                    true => Verdict::Stop,
+                    false => Verdict::GoOn,
+                }
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const MS: u64 = 1_000_000;
+
+    fn judged(policy: &str, overs: &[u64]) -> (Vec<Verdict>, Overruns) {
+        let mut overruns = Overruns::default();
+        let policy = policy.parse().unwrap();
+        let verdicts = (0..)
+            .zip(overs)
+            .map(|(tick, over)| overruns.judge(tick, *over, MS, policy));
+        (verdicts.collect(), overruns)
+    }
+
+    #[test]
+    fn overruns_are_counted_whatever_the_policy() {
+        for policy in ["catch-up", "skip", "stop:64/64"] {
+            let (_, overruns) = judged(policy, &[0, 5, 0, 700]);
+            assert_eq!(
+                (overruns.count, overruns.first, overruns.longest),
+                (2, Some(1), 700)
+            );
+        }
+    }
+
+    #[test]
+    fn skipping_puts_off_by_whole_periods() {
+        let (verdicts, overruns) = judged("skip", &[1, MS, MS + 1]);
+        assert_eq!(verdicts, [1, 1, 2].map(Verdict::PutOff));
+        assert_eq!(overruns.skipped, 4);
+    }
+
+    #[test]
+    fn the_nth_of_the_last_m_stops() {
+        let (verdicts, _) = judged("stop:2/3", &[1, 0, 0, 1, 0, 1]);
+        assert_eq!(verdicts[..5], [Verdict::GoOn; 5]);
+        assert_eq!(verdicts[5], Verdict::Stop);
+        assert_eq!(judged("stop", &[0, 1]).0, [Verdict::GoOn, Verdict::Stop]);
+    }
+
+    #[test]
+    fn what_means_nothing_is_refused_with_the_forms() {
+        for bad in ["", "stop:", "stop:0/3", "stop:4/3", "stop:1/65", "halt"] {
+            let why = bad.parse::<OverrunPolicy>().unwrap_err();
+            assert!(why.contains("stop:N/M"), "{why}");
+        }
+        assert_eq!(
+            "stop:2/3".parse::<OverrunPolicy>().unwrap().to_string(),
+            "stop:2/3"
+        );
+    }
+}
