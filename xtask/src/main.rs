@@ -91,7 +91,8 @@ fn soak(_: &[String]) -> Result<(), String> {
     cargo_test(
         &["-p", "rpi", "--test", "soak"],
         ("RPI_TAKEOVERS", TAKEOVERS),
-    )
+    )?;
+    cargo_test(&["-p", "rpi", "--test", "endless"], ("RPI_ENDLESS", DAY))
 }
 
 fn cargo_test(which: &[&str], (name, value): (&str, &str)) -> Result<(), String> {

@@ -92,10 +92,7 @@ pub(super) fn array_chain(n: usize) -> String {
             let (from, at) = (k - 1, k % 8);
             match k % 3 {
                 0 => format!("  a{k} = a{from}[1 .. 7] | a{from}[0 .. 0];"),
-                1 => format!(
-                    "  a{k} = (a{from} with [{at}] = a{from}[{}] * 0.5);",
-                    7 - at
-                ),
+                1 => format!("  a{k} = (a{from} with [{at}] = a{from}[{}] * 0.5);", at),
                 _ => format!("  a{k} = a{from};"),
             }
         }

@@ -67,16 +67,10 @@ pub const FAULTY: &[Shape] = &[
     shape("absent", "rpi", faults::absent),
 ];
 
-/// A file as people write it: an example and two modules of the library, together 300 lines; it uses a third one.
+/// A file as people write it: a module of the library, 300 lines long; it uses another one.
 #[must_use]
 pub fn written() -> &'static str {
-    concat!(
-        include_str!("../../../examples/blending/blending.rpi"),
-        "\n",
-        include_str!("../../../stdlib/control.rpi"),
-        "\n",
-        include_str!("../../../stdlib/timers.rpi"),
-    )
+    include_str!("../../../stdlib/motion.rpi")
 }
 
 /// The program `f(k)` for each number, each on a line of its own.
@@ -130,9 +124,9 @@ mod tests {
         for shape in FAULTY {
             let few = findings(shape.ending, shape.text(100)).len();
             let many = findings(shape.ending, shape.text(400)).len();
-            let whole = shape.name == "one ring";
+            let whole = ["one ring", "defined twice"].contains(&shape.name);
             assert!(
-                few > 0 && (whole || many > 2 * few),
+                few > 0 && (whole || many >= 2 * few),
                 "{}: {few}, {many}",
                 shape.name
             );

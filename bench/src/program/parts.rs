@@ -97,7 +97,7 @@ pub(super) fn automata(n: usize) -> String {
         };
         format!(
             "  automaton\n    initial state Off{k} let on{k} = false; tel until {before} then On{k};\n    \
-             state On{k} let n = 0 -> pre n + 1; on{k} = n > {k}; tel until n > 5 then Off{k};\n  end"
+             state On{k} let n{k} = 0 -> pre n{k} + 1; on{k} = n{k} > {k}; tel until n{k} > 5 then Off{k};\n  end"
         )
     });
     format!(

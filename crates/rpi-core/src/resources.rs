@@ -107,30 +107,35 @@ impl Core {
     }
 
     /// Lets every scheduled command take what is free of what it needs, unless it comes to it from somebody before.
-    pub(crate) fn take_free(&mut self) {
+    pub(crate) fn take_free(&mut self) -> bool {
+        let mut took = false;
         for place in 0..self.entries.len() {
             let scheduled = self.entries[place]
                 .as_ref()
                 .is_some_and(|e| e.command.state == State::Scheduled && !e.gone);
             if scheduled {
-                (0..self.need_count(place)).for_each(|k| self.take_if_free(place, k));
+                for k in 0..self.need_count(place) {
+                    took |= self.take_if_free(place, k);
+                }
             }
         }
+        took
     }
 
-    fn take_if_free(&mut self, place: usize, k: usize) {
+    fn take_if_free(&mut self, place: usize, k: usize) -> bool {
         let Some(resource) = self.need(place, k) else {
-            return;
+            return false;
         };
         let id = self.id(place);
         let mine = || self.rules.iter().filter(|p| p.rule.start.contains(&id));
         let comes = mine().any(|p| self.comes_from_before(&p.rule, resource));
         let taken = mine().any(|p| self.holders(resource).any(|h| !self.shares(&p.rule, h)));
-        if !comes
-            && !taken
-            && let Some(entry) = self.entries[place].as_mut()
-        {
-            entry.command.hold(resource, true);
+        match self.entries[place].as_mut() {
+            Some(entry) if !comes && !taken && !entry.command.holds(resource) => {
+                entry.command.hold(resource, true);
+                true
+            }
+            _ => false,
         }
     }
 

@@ -132,6 +132,12 @@ impl Core {
     /// Drops the rules that can no longer fire, gives up the commands that nothing can start any more, and lets those
     /// that still wait take what has become free. Called whenever a command's state has changed.
     pub(crate) fn settle(&mut self) {
+        // What one takes may be out of reach for another from then on: each round but the last takes something.
+        while self.settle_once() {}
+    }
+
+    /// True if a scheduled command took something that was free.
+    fn settle_once(&mut self) -> bool {
         self.mark_live();
         let mut at = 0;
         while at < self.rules.len() {
@@ -145,7 +151,7 @@ impl Core {
                 self.orphan(place, false);
             }
         }
-        self.take_free();
+        self.take_free()
     }
 
     /// Finds out which scheduled commands may still run and which rules may still fire: the least set that supports

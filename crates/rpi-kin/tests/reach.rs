@@ -9,7 +9,7 @@ const DT: f64 = 1e-3;
 
 /// Bounds of any magnitude between a thousandth and a thousand, and a start within them.
 fn case(random: &mut Random) -> (State, f64, Bounds) {
-    let mut bound = || 10_f64.powf(random.between(-3.0, 3.0));
+    let mut bound = || libm::exp10(random.between(-3.0, 3.0));
     let bounds = Bounds {
         speed: bound(),
         acceleration: bound(),

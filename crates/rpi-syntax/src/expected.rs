@@ -119,7 +119,7 @@ const GROUPS: &[Group] = &[
 /// Tokens that are rarely what is missing, left out while anything else is expected.
 const RARELY_MEANT: &[Token] = &[
     Hat, Question, LStatic, Label, Percent, Slash, Star, Plus, Minus, Div, Mod, Dot, Comma,
-    LBracket, When, Budget, Con, Initial,
+    LBracket, When, Budget, Con, Initial, At, Import, Lt,
 ];
 
 /// What a name would be for, by the token before it.

@@ -98,7 +98,7 @@ fn places_are_right_behind_tabs_marks_and_wide_characters() {
     let folder = folder(&[("a.rpi", program)]);
     let short = rpic(folder.path(), &["check", "--format", "short", "a.rpi"]);
     assert!(
-        text(&short.stdout).starts_with("a.rpi:3:18: error RPI1001"),
+        text(&short.stdout).starts_with("a.rpi:3:19: error RPI1001"),
         "{}",
         text(&short.stdout)
     );
@@ -107,7 +107,7 @@ fn places_are_right_behind_tabs_marks_and_wide_characters() {
     let start = &json["findings"][0]["labels"][0]["start"];
     assert_eq!(
         (&start["line"], &start["col"]),
-        (&3.into(), &18.into()),
+        (&3.into(), &19.into()),
         "{start}"
     );
     assert_eq!(

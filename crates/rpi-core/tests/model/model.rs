@@ -375,7 +375,8 @@ impl Model {
     }
 
     /// R6
-    fn take_free(&mut self) {
+    fn take_free(&mut self) -> bool {
+        let mut took = false;
         let mut ids: Vec<_> = self.commands.keys().copied().collect();
         ids.sort_by_key(|id| id.place());
         for id in ids {
@@ -395,12 +396,11 @@ impl Model {
                         .all(|h| self.alternative(before, h))
                 });
                 if self.commands[&id].state == State::Scheduled && !waits && free {
-                    self.change(id, |c| {
-                        c.holds.insert(resource);
-                    });
+                    self.change(id, |c| took |= c.holds.insert(resource));
                 }
             }
         }
+        took
     }
 
     // ---------------------------------------------------------------- decision
@@ -505,6 +505,10 @@ impl Model {
 
     /// S7
     fn settle(&mut self) {
+        while self.settle_once() {}
+    }
+
+    fn settle_once(&mut self) -> bool {
         for cmd in self.commands.values_mut() {
             cmd.live = cmd.state != State::Scheduled;
         }
@@ -529,7 +533,7 @@ impl Model {
                 self.give_up(id);
             }
         }
-        self.take_free();
+        self.take_free()
     }
 
     fn may_fire(&self, law: &Law, before: &[CommandId]) -> bool {

@@ -26,7 +26,7 @@ pub(super) fn drawing(shown: &Shown<'_>, id: DefId, body: &Body) -> Drawing {
     let root = builder.drawing.scene(None);
     builder.inputs(root, id);
     builder.body(root, body);
-    builder.from_outside(root);
+    builder.enters_root(root);
     let Builder {
         mut drawing,
         traffic,
@@ -72,7 +72,7 @@ impl Builder<'_> {
     }
 
     /// What is read and comes from devices and from those who watch the command.
-    fn from_outside(&mut self, root: SceneId) {
+    fn enters_root(&mut self, root: SceneId) {
         for key in self.traffic.undefined() {
             if matches!(key, Key::Flow(_)) {
                 continue;

@@ -38,10 +38,12 @@ impl Exprs<'_> {
         if depth == 0 || self.random.one_in(6) {
             return self.leaf(scope, ty);
         }
-        if scope.state && scope.clock.is_none() && self.random.one_in(12) {
-            if let Some(tree) = self.sampled(scope, ty, depth) {
-                return tree;
-            }
+        if scope.state
+            && scope.clock.is_none()
+            && self.random.one_in(12)
+            && let Some(tree) = self.sampled(scope, ty, depth)
+        {
+            return tree;
         }
         let fits: Vec<&Form> = FORMS
             .iter()
@@ -167,7 +169,7 @@ impl Exprs<'_> {
     fn literal(&mut self, kind: Kind) -> String {
         let n = self.random.below(7);
         match kind {
-            Kind::Bool => (if n % 2 == 0 { "true" } else { "false" }).to_owned(),
+            Kind::Bool => (if n.is_multiple_of(2) { "true" } else { "false" }).to_owned(),
             Kind::Int => n.to_string(),
             Kind::Real => format!("{n}.5"),
             Kind::Length => format!("{n}.25[m]"),

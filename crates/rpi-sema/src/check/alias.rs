@@ -51,7 +51,7 @@ impl From<&Port> for Named {
 
 impl Checker<'_> {
     /// The ports of a callable that lacks static arguments; none if it needs them.
-    fn header_without(
+    pub(super) fn header_without(
         &mut self,
         id: DeclId,
         statics: Rc<Statics>,

@@ -84,7 +84,7 @@ impl<'a> Body<'_, 'a> {
                     span,
                 )
             }
-            Err(finding) => self.fault_with(finding, span),
+            Err(finding) => self.fault_with(*finding, span),
         }
     }
 

@@ -12,7 +12,7 @@
 //! | `types.rs`, `device.rs`, `consts.rs` | types and constants |
 //! | `body.rs`, `locals.rs`, `order.rs`, `untold.rs`, `statement.rs`, `contract.rs`, `targets.rs`, `definitions.rs`, `automaton.rs` | bodies, their flows and equations |
 //! | `expr.rs`, `names.rs`, `ops.rs`, `access.rs`, `compose.rs`, `clocked.rs` | expressions |
-//! | `call.rs`, `args.rs`, `prim.rs`, `predef.rs`, `special.rs`, `iterate.rs`, `condact.rs` | calls |
+//! | `call.rs`, `args.rs`, `applied.rs`, `prim.rs`, `predef.rs`, `special.rs`, `iterate.rs`, `condact.rs` | calls |
 //! | `task.rs` | tasks: steps, branches, results |
 //! | `nesting.rs`, `recursion.rs` | how deep declarations may need one another, and calls without end |
 //! | `report.rs`, `quantity.rs`, `frames.rs`, `unknown.rs`, `foreign.rs` | words that several of them use: of types, of units, of frames, of names |
@@ -20,6 +20,7 @@
 
 mod access;
 mod alias;
+mod applied;
 mod args;
 mod assumptions;
 mod automaton;

@@ -79,7 +79,7 @@ impl<'a> Body<'_, 'a> {
             Ok(Some(measure)) => Ty::Real(measure.dim),
             Ok(None) => Ty::Unknown,
             Err(finding) => {
-                self.report(finding);
+                self.report(*finding);
                 Ty::Unknown
             }
         }
@@ -89,12 +89,12 @@ impl<'a> Body<'_, 'a> {
     ///
     /// # Errors
     /// Says what is wrong with the unit.
-    pub(super) fn measure(&self, unit: &Unit) -> Result<Option<Measure>, Finding> {
+    pub(super) fn measure(&self, unit: &Unit) -> Result<Option<Measure>, Box<Finding>> {
         for factor in &unit.factors {
             match self.statics.get(&factor.unit.name) {
                 Some(Static::Ty(Ty::Generic(_) | Ty::Unknown)) => return Ok(None),
                 Some(Static::Ty(ty)) if !matches!(ty, Ty::Real(_)) => {
-                    return Err(no_quantity(&factor.unit, ty));
+                    return Err(Box::new(no_quantity(&factor.unit, ty)));
                 }
                 _ => {}
             }
@@ -103,7 +103,7 @@ impl<'a> Body<'_, 'a> {
             Some(Static::Ty(Ty::Real(dim))) => Some(*dim),
             _ => None,
         };
-        let found = resolve(unit, &parameter).map_err(|fault| unit_fault(&fault));
+        let found = resolve(unit, &parameter).map_err(|fault| Box::new(unit_fault(&fault)));
         found.map(Some)
     }
 

@@ -92,13 +92,8 @@ impl<'a> Checker<'a> {
         self.unit(&header, header.span)
     }
 
-    /// Whether a value that may decide sizes is not given: without it nothing can be said.
-    pub(super) fn open_sizes(
-        &mut self,
-        id: DeclId,
-        open: &[rpi_syntax::Name],
-        statics: &Statics,
-    ) -> bool {
+    /// Whether a value that may decide sizes is not given.
+    fn open_sizes(&mut self, id: DeclId, open: &[rpi_syntax::Name], statics: &Statics) -> bool {
         let params = self.params_of(id);
         params.iter().any(|param| match param {
             super::statics::Param::Value(name, def) if open.contains(&name.name) => {
@@ -106,6 +101,19 @@ impl<'a> Checker<'a> {
             }
             _ => false,
         })
+    }
+
+    /// Whether a value that may decide sizes is not given though something reads it: without it nothing can be said.
+    pub(super) fn lacks_sizes(
+        &mut self,
+        id: DeclId,
+        open: &[rpi_syntax::Name],
+        statics: &Statics,
+        span: Span,
+    ) -> bool {
+        let lacks = self.open_sizes(id, open, statics);
+        let header = lacks.then(|| self.header_without(id, Rc::new(statics.clone()), open, span));
+        header.is_some_and(|header| header.is_none())
     }
 
     /// Checks all units that wait, and those that they call.

@@ -108,7 +108,7 @@ impl Random {
 
     /// Once in so many times.
     pub(crate) fn once_in(&mut self, times: u64) -> bool {
-        self.next() % times == 0
+        self.next().is_multiple_of(times)
     }
 
     pub(crate) fn below(&mut self, count: usize) -> usize {
