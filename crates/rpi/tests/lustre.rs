@@ -1,4 +1,4 @@
-//! Our own Lustre programs with their tables: `tests/lustre/NAME.lus` gives `NAME.out.csv` from `NAME.in.csv`.
+//! Programs with their tables: `tests/lustre/NAME.lus` and `tests/nodes/NAME.rpi` give `NAME.out.csv` from `NAME.in.csv`.
 
 use std::path::Path;
 use std::process::{Command, Output};
@@ -17,8 +17,9 @@ fn text(bytes: &[u8]) -> String {
 
 #[test]
 fn every_program_gives_the_table_beside_it() {
-    let programs = files_below("tests/lustre", &[".lus"]);
-    assert!(!programs.is_empty(), "there are no programs");
+    let mut programs = files_below("tests/lustre", &[".lus"]);
+    programs.extend(files_below("tests/nodes", &[".rpi"]));
+    assert!(programs.len() > 1, "there are no programs");
     let mut wrong = Vec::new();
     for program in programs {
         let (inputs, outputs) = (with(&program, "in.csv"), with(&program, "out.csv"));

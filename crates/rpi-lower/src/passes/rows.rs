@@ -102,7 +102,7 @@ impl Graph {
         let mut edges = Vec::with_capacity(3 * items.len());
         let mut device = NONE;
         for (at, item) in (0..).zip(items) {
-            visit(flat, *item, &mut |slot, written| match written {
+            visit(flat, *item, false, &mut |slot, written| match written {
                 true => writer[slot.index()] = at,
                 false if writer[slot.index()] != NONE && writer[slot.index()] != at => {
                     edges.push((writer[slot.index()], at));
@@ -117,7 +117,9 @@ impl Graph {
             }
         }
         for item in items {
-            visit(flat, *item, &mut |slot, _| writer[slot.index()] = NONE);
+            visit(flat, *item, false, &mut |slot, _| {
+                writer[slot.index()] = NONE
+            });
         }
         let (kinds, kind_count) = kinds(flat, items);
         let (start, readers, waits) = compress(items.len(), &edges);
@@ -245,8 +247,9 @@ fn compress(items: usize, edges: &[(u32, u32)]) -> (Vec<u32>, Vec<u32>, Vec<u32>
     (start, readers, waits)
 }
 
-/// Every slot that an item reads or writes (true), in order.
-fn visit(flat: &Flat, item: Item, with: &mut impl FnMut(Slot, bool)) {
+/// Every slot that an item reads or writes (true), in order. Where something starts afresh, what delays keep there is
+/// written, too: who reads it from outside comes after that.
+fn visit(flat: &Flat, item: Item, afresh: bool, with: &mut impl FnMut(Slot, bool)) {
     match item {
         Item::Op(op) => {
             let op = flat.ops[op as usize];
@@ -257,8 +260,11 @@ fn visit(flat: &Flat, item: Item, with: &mut impl FnMut(Slot, bool)) {
             let scope = &flat.scopes[inner.index()];
             with(scope.guard, false);
             scope.reset.iter().for_each(|r| with(r.0, false));
+            let afresh = afresh || scope.reset.is_some();
+            let kept = scope.latches.iter().filter(|_| afresh);
+            kept.for_each(|latch| with(latch.1, true));
             for item in &scope.items {
-                visit(flat, *item, with);
+                visit(flat, *item, afresh, with);
             }
         }
     }
