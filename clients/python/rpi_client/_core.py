@@ -1,18 +1,22 @@
-"""The connection: JSON-RPC 2.0, a message per line over a Unix socket."""
+"""The connection: JSON-RPC 2.0."""
 
 from __future__ import annotations
 
 import asyncio
 import itertools
 import json
+import ssl
 from types import TracebackType
 from typing import TYPE_CHECKING, Any, Callable
+
+from ._wire import Wire, open_wire
 
 if TYPE_CHECKING:
     from ._goal import Session
 
-#: A line may not be longer (bytes): what the server grants for a message.
-LONGEST = 16 << 20
+
+#: What whoever waits for an answer is told when the connection ends.
+GONE = "the control core is gone"
 
 
 class RpiError(Exception):
@@ -30,9 +34,9 @@ class RpiError(Exception):
 class Core:
     """A control core."""
 
-    def __init__(self, reader: asyncio.StreamReader, writer: asyncio.StreamWriter) -> None:
-        self._reader = reader
-        self._writer = writer
+    def __init__(self, wire: Wire) -> None:
+        self._wire = wire
+        self._gone = False
         self._numbers = itertools.count(1)
         self._waiting: dict[int, asyncio.Future[Any]] = {}
         self._listeners: dict[str, list[Callable[[dict[str, Any]], None]]] = {}
@@ -40,12 +44,13 @@ class Core:
 
     async def call(self, method: str, **params: Any) -> Any:
         """Calls a method of the server and gives its result; raises :class:`RpiError`."""
+        if self._gone:
+            raise ConnectionError(GONE)
         number = next(self._numbers)
         answer: asyncio.Future[Any] = asyncio.get_running_loop().create_future()
         self._waiting[number] = answer
         request = {"jsonrpc": "2.0", "id": number, "method": method, "params": params}
-        self._writer.write(json.dumps(request).encode() + b"\n")
-        await self._writer.drain()
+        await self._wire.send(json.dumps(request))
         return await answer
 
     async def open_session(self, name: str, on_loss: str = "cancel") -> Session:
@@ -62,7 +67,7 @@ class Core:
     async def close(self) -> None:
         """Ends the connection."""
         self._task.cancel()
-        self._writer.close()
+        self._wire.close()
 
     async def __aenter__(self) -> Core:
         return self
@@ -76,11 +81,21 @@ class Core:
         await self.close()
 
     async def _listen(self) -> None:
-        while line := await self._reader.readline():
-            self._hear(json.loads(line))
+        try:
+            while (message := await self._wire.receive()) is not None:
+                self._hear(json.loads(message))
+        finally:
+            self._lose()
+
+    def _lose(self) -> None:
+        """The connection has ended: whoever waits learns so."""
+        self._gone = True
         for answer in self._waiting.values():
             if not answer.done():
-                answer.set_exception(ConnectionError("the control core is gone"))
+                answer.set_exception(ConnectionError(GONE))
+        for listeners in self._listeners.values():
+            for listener in listeners:
+                listener({"gone": True})
 
     def _hear(self, message: dict[str, Any]) -> None:
         if message.get("method") == "update":
@@ -99,6 +114,9 @@ class Core:
             answer.set_result(message["result"])
 
 
-async def connect(path: str) -> Core:
-    """Connects to the control core that listens at this Unix socket."""
-    return Core(*await asyncio.open_unix_connection(path, limit=LONGEST))
+async def connect(address: str, *, token: str | None = None, tls: ssl.SSLContext | None = None) -> Core:
+    """Connects to a control core: at ``ws://host:port`` or ``wss://host:port``, or at the Unix socket of that path.
+
+    ``token`` is shown if the server wants one; ``tls`` says whom to trust, the system's authorities unless given.
+    """
+    return Core(await open_wire(address, token, tls))

@@ -116,6 +116,13 @@ class Goal:
         return await asyncio.shield(self._ending)
 
     def _hear(self, update: dict[str, Any]) -> None:
+        if update.get("gone"):
+            if not self._ending.done():
+                self._ending.set_exception(ConnectionError("the control core is gone"))
+                # Nobody may be waiting for it; that is no fault.
+                self._ending.exception()
+            self._news.put_nowait(None)
+            return
         self._values = {**self._values, **update.get("values", {})}
         self._state = update.get("state", self._state)
         self._news.put_nowait(Feedback(self._state, dict(self._values)))

@@ -1,9 +1,9 @@
 //! The control core as a server: commands are loaded, started, scheduled and watched from outside while others run.
 //!
 //! ```text
-//! clients --- wire (HTTP, websocket, lines) --- dio | rpc | web --- desk ==bounded queues== plant (cycle, devices)
+//! clients --- wire (HTTP, websocket, lines) --- dio | rpc | web --- desk ==rpi_host::control== cycle
 //! ```
-//! - `plant` is the real-time side: the core and the devices on one thread that nobody else ever holds up.
+//! - `cycle` ticks the core and the devices, on one thread that nobody else ever holds up.
 //! - `desk` keeps the books beside it: sessions, commands, rules, devices, who is told what. Loading has a thread of its own.
 //! - `dio` speaks the DirectIO protocol of the reference system, `rpc` JSON-RPC 2.0, `web` the pages of both.
 //! - `wire` moves bytes and decides who may come in.
@@ -11,15 +11,14 @@
 //! This crate must not know what a primitive computes or how a net is compiled; it asks `rpi-driver` and `rpi-core`.
 
 mod condition;
+mod cycle;
 mod desk;
 mod dio;
 mod limits;
-mod plant;
 mod rpc;
 mod server;
 mod web;
 mod wire;
 
 pub use limits::{Limits, OnLoss};
-pub use plant::Pace;
 pub use server::{CannotOpen, Server, Settings};

@@ -6,19 +6,26 @@ use std::net::{IpAddr, SocketAddr, TcpListener};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
+use std::sync::mpsc::channel;
 use std::thread::{self, JoinHandle};
 use std::time::Duration;
 
-use rpi_core::Watch;
+use rpi_core::{Continuity, Watch};
+use rpi_device::NoDevices;
+use rpi_host::control::{Options, open};
+use rpi_host::realtime::{Beat, Grant, OverrunPolicy, Pace, Wanted};
 use rpi_sim::Cell;
 
+use crate::cycle::Cycle;
 use crate::desk::{Office, bank};
 use crate::limits::{Limits, OnLoss};
-use crate::plant::{Clock, Cycle, Pace, links};
 use crate::wire::{Guard, Reception};
 
 /// How often the desk looks what the cycle tells.
 const KEEP: Duration = Duration::from_millis(1);
+
+/// Requests to the cycle that can be under way at once.
+const REQUESTS: usize = 4096;
 
 /// What a server is to be like.
 #[derive(Clone, Debug)]
@@ -33,6 +40,13 @@ pub struct Settings {
     pub tick_ns: u64,
     /// What the ticks follow.
     pub pace: Pace,
+    /// What is asked of the system for the thread that ticks; nothing for a thread as any other.
+    pub real_time: Option<Wanted>,
+    /// What happens if a tick ends when the next one is due already.
+    pub overrun: OverrunPolicy,
+    /// What happens if a command takes over with a jump. Unless said, programs are refused then, and nets of the reference
+    /// system are allowed to: they are written for control cores that do not look.
+    pub continuity: Option<Continuity>,
     /// What becomes of a session's commands when its client is gone, where the client does not say.
     pub on_loss: OnLoss,
     /// How much clients may ask for.
@@ -47,6 +61,9 @@ impl Default for Settings {
             token: None,
             tick_ns: 1_000_000,
             pace: Pace::Real,
+            real_time: None,
+            overrun: OverrunPolicy::default(),
+            continuity: None,
             on_loss: OnLoss::default(),
             limits: Limits::default(),
         }
@@ -87,6 +104,7 @@ impl From<io::Error> for CannotOpen {
 pub struct Server {
     address: SocketAddr,
     socket: Option<PathBuf>,
+    grants: Vec<Grant>,
     closing: Arc<AtomicBool>,
     threads: Vec<JoinHandle<()>>,
 }
@@ -111,6 +129,7 @@ impl Server {
         let mut server = Server {
             address,
             socket: settings.socket.clone(),
+            grants: Vec::new(),
             closing: Arc::default(),
             threads: Vec::new(),
         };
@@ -137,18 +156,26 @@ impl Server {
         settings: &Settings,
         watch: Box<dyn Watch + Send>,
     ) -> io::Result<Office> {
-        let (cycle_ends, desk_ends) = links();
         let (limits, tick_ns) = (settings.limits, settings.tick_ns.max(1));
-        let office = Office::open(cell, desk_ends, limits, settings.on_loss, tick_ns)?;
-        let clock = Clock::start(settings.pace, tick_ns);
+        let options = Options {
+            tick_ns,
+            commands: limits.commands,
+            requests: REQUESTS,
+            ..Options::default()
+        };
         let devices = bank(cell, limits.devices, tick_ns);
-        let mut cycle = Cycle::new(limits.commands, devices, clock, cycle_ends, watch);
-        let closing = Arc::clone(&self.closing);
-        self.spawn("rpi-cycle", move || {
-            while !closing.load(Ordering::Relaxed) {
-                cycle.tick();
-            }
-        })?;
+        // Names are resolved by the loader, against a twin of the devices.
+        let (control, executive) = open(devices, Box::new(NoDevices), options);
+        let office = Office::open(cell, control, settings)?;
+        let cycle = Cycle {
+            executive,
+            beat: Beat::start(settings.pace, tick_ns, settings.overrun),
+            watch,
+            closing: Arc::clone(&self.closing),
+        };
+        let ((tell, granted), wanted) = (channel(), settings.real_time);
+        self.spawn("rpi-cycle", move || cycle.run(wanted, &tell))?;
+        self.grants = granted.recv().unwrap_or_default();
         let (closing, keeper) = (Arc::clone(&self.closing), office.clone());
         self.spawn("rpi-desk", move || {
             while !closing.load(Ordering::Relaxed) {
@@ -176,6 +203,12 @@ impl Server {
         let thread = thread::Builder::new().name(name.into()).spawn(work)?;
         self.threads.push(thread);
         Ok(())
+    }
+
+    /// What the system has said to what was asked of it for the thread that ticks.
+    #[must_use]
+    pub fn grants(&self) -> &[Grant] {
+        &self.grants
     }
 
     /// Where it listens.

@@ -82,6 +82,8 @@ pub(crate) fn split(resource: u32) -> (usize, u32) {
 /// How a device does.
 #[derive(Clone, Debug, PartialEq)]
 pub struct DeviceStatus<'a> {
+    /// Its place in the bank.
+    pub place: usize,
     /// Its name.
     pub name: &'a str,
     /// What is wrong with it.
@@ -147,7 +149,10 @@ impl SimBank {
 
     /// How the devices do, in the order of the cell.
     pub fn status(&self) -> impl Iterator<Item = DeviceStatus<'_>> {
-        self.devices.iter().flatten().map(|part| DeviceStatus {
+        let places = self.devices.iter().enumerate();
+        let there = places.filter_map(|(place, part)| Some((place, part.as_ref()?)));
+        there.map(|(place, part)| DeviceStatus {
+            place,
             name: &part.name,
             code: part.device.code(),
             moving: part.device.moving(0),

@@ -6,7 +6,7 @@ use std::path::PathBuf;
 use clap::{Args, Parser, Subcommand, ValueEnum, value_parser};
 use clap_complete::Shell;
 use rpi_driver::Claims;
-use rpi_host::realtime::{OverrunPolicy, Wanted};
+use rpi_host::realtime::{OverrunPolicy, RealTime, Wanted};
 use rpi_host::run::Setting;
 use rpi_serve::OnLoss;
 
@@ -95,21 +95,11 @@ pub(crate) struct RunArgs {
     /// Run on simulated time, as fast as the machine allows (default).
     #[arg(long, conflicts_with = "real_time")]
     pub(crate) sim_time: bool,
-    /// Run on the machine's clock.
-    #[arg(long)]
-    pub(crate) real_time: bool,
+    #[command(flatten)]
+    pub(crate) clock: ClockArgs,
     /// Assertions and contracts: left out, watched and told with cycle and values, or a fault that ends the run.
     #[arg(long, value_name = "HOW", default_value = "report")]
     pub(crate) contracts: Contracts,
-    /// What happens if a cycle ends when the next one was due already: `catch-up`, `skip`, or `stop:N/M` at the Nth of M cycles.
-    #[arg(long, value_name = "POLICY", default_value_t, requires = "real_time")]
-    pub(crate) on_overrun: OverrunPolicy,
-    /// Priority of the cycle among the threads of SCHED_FIFO, 1 to 99.
-    #[arg(long, value_name = "N", default_value_t = Wanted::default().priority, requires = "real_time", value_parser = value_parser!(u8).range(1..100))]
-    pub(crate) priority: u8,
-    /// Core of the cycle; the last one unless said otherwise.
-    #[arg(long, value_name = "N", requires = "real_time")]
-    pub(crate) core: Option<usize>,
     /// How long it takes to have the next command ready once one has started.
     #[arg(long, value_parser = rpi_driver::parse_period, value_name = "TIME")]
     pub(crate) planning_time: Option<u64>,
@@ -128,6 +118,36 @@ pub(crate) struct RunArgs {
     /// Print what happened as JSON.
     #[arg(long)]
     pub(crate) json: bool,
+}
+
+/// What is asked of the machine's clock.
+#[derive(Args, Debug)]
+pub(crate) struct ClockArgs {
+    /// Run on the machine's clock, with priority, locked memory and a core of its own where the system allows it.
+    #[arg(long)]
+    pub(crate) real_time: bool,
+    /// What happens if a cycle ends when the next one was due already: `catch-up`, `skip`, or `stop:N/M` at the Nth of M cycles.
+    #[arg(long, value_name = "POLICY", default_value_t, requires = "real_time")]
+    pub(crate) on_overrun: OverrunPolicy,
+    /// Priority of the cycle among the threads of SCHED_FIFO, 1 to 99.
+    #[arg(long, value_name = "N", default_value_t = Wanted::default().priority, requires = "real_time", value_parser = value_parser!(u8).range(1..100))]
+    pub(crate) priority: u8,
+    /// Core of the cycle; the last one unless said otherwise.
+    #[arg(long, value_name = "N", requires = "real_time")]
+    pub(crate) core: Option<usize>,
+}
+
+impl ClockArgs {
+    /// What is asked of the system, and what happens to cycles that take too long.
+    pub(crate) fn real_time(&self) -> RealTime {
+        RealTime {
+            wanted: Wanted {
+                priority: self.priority,
+                core: self.core,
+            },
+            overrun: self.on_overrun,
+        }
+    }
 }
 
 /// What happens if the first set-points of a command that takes over do not join those before.
@@ -193,6 +213,12 @@ pub(crate) struct ServeArgs {
     /// What becomes of a client's commands when it is gone and has not said so itself.
     #[arg(long, value_name = "POLICY", value_parser = on_loss, default_value = "cancel")]
     pub(crate) on_loss: OnLoss,
+    #[command(flatten)]
+    pub(crate) clock: ClockArgs,
+    /// What happens if a command takes over with a jump of position, velocity or acceleration. Unless given, programs are
+    /// refused then and nets are allowed to: those of the reference system do not look.
+    #[arg(long, value_name = "POLICY")]
+    pub(crate) on_jump: Option<OnJump>,
 }
 
 fn tolerance(text: &str) -> Result<f64, String> {

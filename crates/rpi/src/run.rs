@@ -10,11 +10,9 @@ use rpi_diag::{Style, render};
 use rpi_driver::Compiled;
 use rpi_host::claims::ClaimSink;
 use rpi_host::plot;
-use rpi_host::realtime::Wanted;
+use rpi_host::realtime::Pace;
 use rpi_host::record::{Digest, Form, Motion, Rows};
-use rpi_host::run::{
-    self, CommandEnd, Job, Limits, Outcome, Pace, RealTime, Several, Sink, Status,
-};
+use rpi_host::run::{self, CommandEnd, Job, Limits, Outcome, Several, Sink, Status};
 
 use rpi_net::Net;
 
@@ -98,18 +96,11 @@ fn execute(
         images: &script.images,
         plans: &script.plans,
         cell: &cell,
-        pace: if args.real_time {
-            Pace::Real
-        } else {
-            Pace::Simulated
+        pace: match args.clock.real_time {
+            true => Pace::Real,
+            false => Pace::Simulated,
         },
-        real_time: RealTime {
-            wanted: Wanted {
-                priority: args.priority,
-                core: args.core,
-            },
-            overrun: args.on_overrun,
-        },
+        real_time: args.clock.real_time(),
         continuity: args.on_jump.into(),
         limits: Limits {
             ticks: target::ticks(&args.target, tick_ns),

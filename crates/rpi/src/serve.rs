@@ -12,15 +12,23 @@ use crate::exit::{self, Exit};
 pub(crate) fn serve(args: &ServeArgs) -> exit::Outcome {
     let cell = cell(args.cell.as_deref())?;
     let token = args.token_file.as_deref().map(token).transpose()?;
+    let real_time = args.clock.real_time();
     let settings = Settings {
         listen: args.listen,
         socket: args.socket.clone(),
         token,
         tick_ns: args.period,
+        real_time: args.clock.real_time.then_some(real_time.wanted),
+        overrun: real_time.overrun,
+        continuity: args.on_jump.map(Into::into),
         on_loss: args.on_loss,
         ..Settings::default()
     };
     let mut server = Server::open(&cell, &settings, ())?;
+    server
+        .grants()
+        .iter()
+        .for_each(|grant| eprintln!("{grant}"));
     eprintln!("serving at {}", server.address());
     server.wait();
     Ok(Exit::Good)

@@ -5,8 +5,9 @@ use std::io::{BufWriter, Write};
 use rpi_core::Continuity;
 use rpi_driver::Claims;
 use rpi_driver::Kind;
+use rpi_host::realtime::{Pace, RealTime};
 use rpi_host::record::{Filter, Traced, copy};
-use rpi_host::run::{self, Job, Limits, Pace, RealTime};
+use rpi_host::run::{self, Job, Limits};
 
 use crate::args::TraceArgs;
 use crate::exit::{Exit, Outcome};

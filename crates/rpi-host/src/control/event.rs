@@ -26,7 +26,7 @@ pub enum Event {
     Freed(CommandId),
     /// The state of a device has changed.
     Device {
-        /// Its number in the cell.
+        /// Its place in the cell.
         device: usize,
         /// What is wrong with it, 0 if it is well.
         code: i64,

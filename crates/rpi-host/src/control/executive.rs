@@ -1,19 +1,24 @@
 //! The cycle's side: takes requests, ticks the core, steps the devices, tells what happened.
 
+use std::sync::Arc;
+
 use rpi_core::{Command, CommandId, Core, Refused, Watch};
 
+use super::board::Board;
 use super::event::Event;
 use super::plant::Plant;
 use super::queue::{CycleEnds, Dead, Options, Request};
 use super::subscription::Subscription;
 
 /// A control core with its devices, to be ticked by one thread.
-pub struct Executive<P> {
+pub struct Executive<P: Plant> {
     core: Core,
     plant: P,
-    ends: CycleEnds,
+    ends: CycleEnds<P::Part>,
     /// By place of the command.
     subscriptions: Box<[Option<Box<Subscription>>]>,
+    /// By place of the command, too.
+    boards: Box<[Option<(CommandId, Arc<Board>)>]>,
     /// What was last told of each device.
     told: Vec<(i64, bool)>,
     per_tick: usize,
@@ -23,15 +28,14 @@ pub struct Executive<P> {
 const DEVICES: usize = 256;
 
 impl<P: Plant> Executive<P> {
-    pub(super) fn new(plant: P, ends: CycleEnds, options: Options) -> Self {
-        let mut devices = 0;
-        plant.conditions(&mut |_, _, _| devices += 1);
+    pub(super) fn new(plant: P, ends: CycleEnds<P::Part>, options: Options) -> Self {
         Executive {
             core: Core::with_capacity(options.commands, options.tick_ns),
             plant,
             ends,
             subscriptions: (0..options.commands).map(|_| None).collect(),
-            told: vec![(0, false); devices.min(DEVICES)],
+            boards: (0..options.commands).map(|_| None).collect(),
+            told: vec![(0, false); DEVICES],
             per_tick: options.requests_per_tick.max(1),
         }
     }
@@ -49,6 +53,7 @@ impl<P: Plant> Executive<P> {
         let mut watch = Watching {
             tick: self.core.now(),
             subscriptions: &mut self.subscriptions,
+            boards: &self.boards,
             samples: &mut self.ends.samples,
             further: watch,
         };
@@ -83,7 +88,7 @@ impl<P: Plant> Executive<P> {
 
     fn take_requests(&mut self) {
         for _ in 0..self.per_tick {
-            if self.ends.events.is_full() {
+            if !self.ends.have_room() {
                 return;
             }
             let Ok((ticket, request)) = self.ends.requests.pop() else {
@@ -102,10 +107,10 @@ impl<P: Plant> Executive<P> {
         }
     }
 
-    fn carry_out(&mut self, request: Request) -> Result<(), Refused> {
+    fn carry_out(&mut self, request: Request<P::Part>) -> Result<(), Refused> {
         let (core, plant) = (&mut self.core, &mut self.plant);
         match request {
-            Request::Insert(id, command) => self.insert(id, command),
+            Request::Insert(id, command, board) => self.insert(id, command, board),
             Request::Start(id) => core.start(id, plant),
             Request::Unschedule(id) => core.unschedule(id),
             Request::Cancel(id) => core.cancel(id),
@@ -120,6 +125,12 @@ impl<P: Plant> Executive<P> {
             Request::Withdraw(id) => core.withdraw(id),
             Request::Set(settings) => self.set(settings),
             Request::Subscribe(subscription) => self.subscribe(subscription),
+            Request::Device(place, part) => {
+                let old = plant.swap(place, part);
+                old.into_iter()
+                    .for_each(|old| self.ends.bury(Dead::Device(old)));
+                Ok(())
+            }
             Request::EmergencyStop => {
                 core.emergency_stop(plant);
                 Ok(())
@@ -127,11 +138,26 @@ impl<P: Plant> Executive<P> {
         }
     }
 
-    fn insert(&mut self, id: CommandId, command: Box<Command>) -> Result<(), Refused> {
-        self.core.insert_as(id, command).map_err(|(command, why)| {
-            self.ends.bury(Dead::Command(id, command));
-            why
-        })
+    fn insert(
+        &mut self,
+        id: CommandId,
+        command: Box<Command>,
+        board: Option<Arc<Board>>,
+    ) -> Result<(), Refused> {
+        let inserted = self.core.insert_as(id, command);
+        let slot = self.boards.get_mut(id.place());
+        match (inserted, slot) {
+            (Ok(()), Some(slot)) => *slot = board.map(|board| (id, board)),
+            (Ok(()), None) => {}
+            (Err((command, why)), _) => {
+                board
+                    .into_iter()
+                    .for_each(|b| self.ends.bury(Dead::Board(b)));
+                self.ends.bury(Dead::Command(id, command));
+                return Err(why);
+            }
+        }
+        Ok(())
     }
 
     fn unload(&mut self, id: CommandId) -> Result<(), Refused> {
@@ -144,6 +170,10 @@ impl<P: Plant> Executive<P> {
         let subscription = self.subscriptions.get_mut(id.place());
         if let Some(old) = subscription.and_then(|s| s.take_if(|s| s.command == id)) {
             self.ends.bury(Dead::Subscription(old));
+        }
+        let board = self.boards.get_mut(id.place());
+        if let Some((_, old)) = board.and_then(|b| b.take_if(|b| b.0 == id)) {
+            self.ends.bury(Dead::Board(old));
         }
         self.ends.bury(Dead::Command(id, command));
     }
@@ -220,6 +250,7 @@ impl<P: Plant> Executive<P> {
 struct Watching<'a> {
     tick: u64,
     subscriptions: &'a mut [Option<Box<Subscription>>],
+    boards: &'a [Option<(CommandId, Arc<Board>)>],
     samples: &'a mut rtrb::Producer<u64>,
     further: &'a mut dyn Watch,
 }
@@ -230,6 +261,10 @@ impl Watch for Watching<'_> {
         let subscription = subscription.and_then(Option::as_mut);
         if let Some(own) = subscription.filter(|s| s.command == id) {
             own.look(command, self.tick, self.samples);
+        }
+        let board = self.boards.get(id.place()).and_then(Option::as_ref);
+        if let Some((_, board)) = board.filter(|b| b.0 == id) {
+            board.write(command);
         }
         self.further.cycle(id, command);
     }

@@ -18,6 +18,8 @@
 //! | give it back | [`Control::unload`] | a [`Ticket`], then [`Event::Freed`] |
 //! | set inputs of any commands between the same two cycles | [`Control::set`] | a [`Ticket`] |
 //! | see exported flows | [`Control::subscribe`], then [`Control::samples`] | samples where a value has changed |
+//! | read what a command exports, now and then | [`Control::adopt_with_board`] | a [`Board`] |
+//! | give or take a device | [`Control::put_device`] | a [`Ticket`] |
 //! | stop everything | [`Control::emergency_stop`] | a [`Ticket`] |
 //! | know what happens | [`Control::poll`] | [`Event`]s in order |
 //! | look at a command | [`Control::get`] | [`Info`]: image, state, ending |
@@ -51,6 +53,7 @@
 //! ```
 //! This module must not know where images come from or who asks: no file, no socket, no session.
 
+mod board;
 mod event;
 mod executive;
 mod plant;
@@ -58,6 +61,7 @@ mod queue;
 mod side;
 mod subscription;
 
+pub use board::Board;
 pub use event::{Event, Rejected, Ticket};
 pub use executive::Executive;
 pub use plant::Plant;
@@ -65,7 +69,7 @@ pub use queue::{Options, Setting};
 pub use rpi_core::{
     Cause, CommandId, Condition, Ending, Fact, Notice, Outcome, Refused, Rule, RuleId, State, Why,
 };
-pub use side::{Control, Info};
+pub use side::{Adopted, Control, Info};
 pub use subscription::Subscription;
 
 use rpi_device::DeviceBank;
@@ -77,7 +81,7 @@ pub fn open<P: Plant>(
     plant: P,
     names: Box<dyn DeviceBank + Send>,
     options: Options,
-) -> (Control, Executive<P>) {
+) -> (Control<P::Part>, Executive<P>) {
     let (cycle, host) = queue::queues(options);
     (
         Control::new(host, names, options),

@@ -1,8 +1,11 @@
 //! The queues between host and cycle: bounded, and nobody ever waits at them.
 
+use std::sync::Arc;
+
 use rpi_core::{Command, CommandId, Continuity, Rule, RuleId, Why};
 use rtrb::{Consumer, Producer, RingBuffer};
 
+use super::board::Board;
 use super::event::{Event, Ticket};
 use super::subscription::Subscription;
 
@@ -52,8 +55,8 @@ pub struct Setting {
 }
 
 /// What the host asks of the cycle.
-pub(super) enum Request {
-    Insert(CommandId, Box<Command>),
+pub(super) enum Request<T> {
+    Insert(CommandId, Box<Command>, Option<Arc<Board>>),
     Start(CommandId),
     Unschedule(CommandId),
     Cancel(CommandId),
@@ -63,44 +66,50 @@ pub(super) enum Request {
     Withdraw(RuleId),
     Set(Box<[Setting]>),
     Subscribe(Box<Subscription>),
+    Device(usize, Option<T>),
     EmergencyStop,
 }
 
 /// What is over and must be freed by the host.
-pub(super) enum Dead {
+pub(super) enum Dead<T> {
     Command(CommandId, Box<Command>),
     Rule(Box<Rule>),
     Settings(Box<[Setting]>),
     Subscription(Box<Subscription>),
+    Board(Arc<Board>),
+    Device(T),
 }
 
 /// The cycle's ends.
-pub(super) struct CycleEnds {
-    pub(super) requests: Consumer<(Ticket, Request)>,
+pub(super) struct CycleEnds<T> {
+    pub(super) requests: Consumer<(Ticket, Request<T>)>,
     pub(super) events: Producer<Event>,
     pub(super) samples: Producer<u64>,
-    dead: Producer<Dead>,
+    dead: Producer<Dead<T>>,
     /// What goes there once all that happened before has been told.
-    staged: Vec<Dead>,
+    staged: Vec<Dead<T>>,
 }
 
 /// The host's ends.
-pub(super) struct HostEnds {
-    pub(super) requests: Producer<(Ticket, Request)>,
+pub(super) struct HostEnds<T> {
+    pub(super) requests: Producer<(Ticket, Request<T>)>,
     pub(super) events: Consumer<Event>,
     pub(super) samples: Consumer<u64>,
-    pub(super) dead: Consumer<Dead>,
+    pub(super) dead: Consumer<Dead<T>>,
 }
 
+/// What a request can leave over at once: a command with what was to look at it.
+const LEFT_OVER: usize = 3;
 /// Words of samples between two visits of the host.
 const SAMPLES: usize = 1 << 18;
 
-pub(super) fn queues(options: Options) -> (CycleEnds, HostEnds) {
+pub(super) fn queues<T>(options: Options) -> (CycleEnds<T>, HostEnds<T>) {
     let (request_in, requests) = RingBuffer::new(options.requests);
     let (events, event_out) = RingBuffer::new(options.commands * 16 + options.requests);
     let (samples, sample_out) = RingBuffer::new(SAMPLES);
-    // Room for all that can be with the cycle at once: see `Control`, which counts.
-    let most = options.commands * 2 + options.rules() + options.requests;
+    // Room for commands, subscriptions, boards and rules, all ended by one tick, and for what one request leaves over: no
+    // request is taken while anything still waits to be sent.
+    let most = options.commands * 3 + options.rules() + LEFT_OVER;
     let (dead, dead_out) = RingBuffer::new(most);
     let cycle = CycleEnds {
         requests,
@@ -118,9 +127,14 @@ pub(super) fn queues(options: Options) -> (CycleEnds, HostEnds) {
     (cycle, host)
 }
 
-impl CycleEnds {
+impl<T> CycleEnds<T> {
+    /// Whether there is room for the answer to a request and what it leaves over.
+    pub(super) fn have_room(&self) -> bool {
+        self.staged.is_empty() && !self.events.is_full()
+    }
+
     /// Gives something away, to be freed by the host.
-    pub(super) fn bury(&mut self, dead: Dead) {
+    pub(super) fn bury(&mut self, dead: Dead<T>) {
         // There is room for all that can be with the cycle.
         self.staged.push(dead);
     }

@@ -10,6 +10,7 @@ use rpi_device::DeviceBank;
 use rpi_image::image::End;
 use rpi_image::{Image, Scalar, Type};
 
+use super::board::Board;
 use super::event::{Event, Rejected, Ticket};
 use super::queue::{Dead, HostEnds, Options, Request, Setting};
 use super::subscription::{self, Subscription};
@@ -25,13 +26,22 @@ pub struct Info {
     pub ending: Option<Ending>,
     /// Tick of its first cycle, if it was started.
     pub first_tick: Option<u64>,
-    /// It was asked to be unloaded.
-    unloading: bool,
+}
+
+/// A command that was taken in with a board.
+#[derive(Debug)]
+pub struct Adopted {
+    /// Its name.
+    pub id: CommandId,
+    /// Answered once it is ready.
+    pub ticket: Ticket,
+    /// What it exports.
+    pub board: Arc<Board>,
 }
 
 /// The host's side of a control core. One thread owns it; nothing that it does makes the cycle wait.
-pub struct Control {
-    ends: HostEnds,
+pub struct Control<T = rpi_sim::Part> {
+    ends: HostEnds<T>,
     names: Box<dyn DeviceBank + Send>,
     places: Places,
     commands: BTreeMap<CommandId, Info>,
@@ -46,12 +56,12 @@ pub struct Control {
     samples_lost: u64,
 }
 
-impl Control {
+impl<T> Control<T> {
     pub(super) fn new(
-        ends: HostEnds,
+        ends: HostEnds<T>,
         names: Box<dyn DeviceBank + Send>,
         options: Options,
-    ) -> Control {
+    ) -> Control<T> {
         Control {
             ends,
             names,
@@ -82,6 +92,24 @@ impl Control {
     /// # Errors
     /// If there is no room.
     pub fn adopt(&mut self, command: Box<Command>) -> Result<CommandId, Rejected> {
+        self.take_in(command, None).map(|(id, _)| id)
+    }
+
+    /// As [`Control::adopt`], with a board on which the command puts what it exports in every cycle.
+    ///
+    /// # Errors
+    /// If there is no room.
+    pub fn adopt_with_board(&mut self, command: Box<Command>) -> Result<Adopted, Rejected> {
+        let board = Arc::new(Board::new(&command.machine().image().exports));
+        let (id, ticket) = self.take_in(command, Some(Arc::clone(&board)))?;
+        Ok(Adopted { id, ticket, board })
+    }
+
+    fn take_in(
+        &mut self,
+        command: Box<Command>,
+        board: Option<Arc<Board>>,
+    ) -> Result<(CommandId, Ticket), Rejected> {
         self.has_room()?;
         let id = self.places.take().ok_or(Rejected::Full)?;
         let info = Info {
@@ -89,11 +117,10 @@ impl Control {
             state: State::Ready,
             ending: None,
             first_tick: None,
-            unloading: false,
         };
         self.commands.insert(id, info);
-        self.ask(Request::Insert(id, command))?;
-        Ok(id)
+        let ticket = self.ask(Request::Insert(id, command, board))?;
+        Ok((id, ticket))
     }
 
     /// Starts a command: its first cycle is in the tick that takes the request.
@@ -192,6 +219,14 @@ impl Control {
         ))))
     }
 
+    /// Puts a device into a place, or none. Commands whose ports were resolved against what was there must be gone.
+    ///
+    /// # Errors
+    /// If too many requests are under way.
+    pub fn put_device(&mut self, place: usize, part: Option<T>) -> Result<Ticket, Rejected> {
+        self.ask(Request::Device(place, part))
+    }
+
     /// Ends all commands, drops all rules, brakes all devices.
     ///
     /// # Errors
@@ -268,15 +303,14 @@ impl Control {
         export.or_else(|| Some(Fact::Result(u32::try_from(result?).ok()?)))
     }
 
-    fn ask_about(&mut self, id: CommandId, request: Request) -> Result<Ticket, Rejected> {
-        let unloads = matches!(request, Request::Unload(_));
-        match self.commands.get(&id) {
-            Some(info) if !info.unloading || !unloads => self.ask(request),
-            _ => Err(Rejected::Unknown),
+    fn ask_about(&mut self, id: CommandId, request: Request<T>) -> Result<Ticket, Rejected> {
+        match self.commands.contains_key(&id) {
+            true => self.ask(request),
+            false => Err(Rejected::Unknown),
         }
     }
 
-    fn ask(&mut self, request: Request) -> Result<Ticket, Rejected> {
+    fn ask(&mut self, request: Request<T>) -> Result<Ticket, Rejected> {
         self.has_room()?;
         self.tickets += 1;
         let ticket = Ticket(self.tickets);
@@ -305,6 +339,8 @@ impl Control {
                 }
                 Dead::Subscription(old) => self.samples_lost += old.lost,
                 Dead::Settings(settings) => drop(settings),
+                Dead::Board(board) => drop(board),
+                Dead::Device(part) => drop(part),
             }
         }
     }

@@ -1,10 +1,24 @@
-//! What a cycle on real time asks of the system, and what becomes of cycles that take too long.
+//! The clock that a cycle follows, what it asks of the system, and what becomes of cycles that take too long.
 //!
 //! This module must not know what the cycle does.
 
+mod beat;
+mod clock;
+mod figures;
 mod grant;
 mod overrun;
 
+pub use beat::Beat;
+pub use clock::Pace;
+pub use figures::{Figures, Spread};
 pub use grant::{Grant, Wanted, ask};
-pub(crate) use overrun::Verdict;
 pub use overrun::{OverrunPolicy, Overruns};
+
+/// What is asked of the system on real time, and what happens to cycles that take too long there.
+#[derive(Clone, Copy, PartialEq, Eq, Debug, Default)]
+pub struct RealTime {
+    /// For the thread that ticks.
+    pub wanted: Wanted,
+    /// After a cycle that ended when the next one was due already.
+    pub overrun: OverrunPolicy,
+}

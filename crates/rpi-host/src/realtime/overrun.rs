@@ -81,7 +81,7 @@ pub struct Overruns {
 
 /// What is to be done after a cycle.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
-pub(crate) enum Verdict {
+pub(super) enum Verdict {
     /// Nothing.
     GoOn,
     /// Put all later cycles off by so many periods.
@@ -92,7 +92,7 @@ pub(crate) enum Verdict {
 
 impl Overruns {
     /// Takes in a cycle that ended `over` nanoseconds after the next one was due, 0 if it was in time.
-    pub(crate) fn judge(
+    pub(super) fn judge(
         &mut self,
         tick: u64,
         over: u64,

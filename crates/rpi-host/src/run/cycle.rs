@@ -2,7 +2,6 @@
 
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
-use std::time::Instant;
 
 use rpi_core::{Command, CommandId, Watch, Why};
 use rpi_device::{DeviceBank, PortId};
@@ -10,11 +9,9 @@ use rpi_image::Image;
 use rpi_image::image::Signal;
 use rpi_sim::SimBank;
 
-use super::clock::Clock;
-use super::figures::Meter;
 use super::samples::Tap;
 use crate::control::Executive;
-use crate::realtime::{OverrunPolicy, Verdict};
+use crate::realtime::Beat;
 
 /// After the last command the devices get this long to come to rest, seconds.
 const SETTLE: f64 = 10.0;
@@ -26,15 +23,12 @@ pub(super) struct Bounds {
     pub(super) last: u64,
     /// Length of a tick, nanoseconds.
     pub(super) tick_ns: u64,
-    /// What happens if one takes longer.
-    pub(super) overrun: OverrunPolicy,
 }
 
 /// The cycle and everything that it owns.
 pub(super) struct Cycle {
     executive: Executive<SimBank>,
-    clock: Clock,
-    pub(super) meter: Meter,
+    pub(super) beat: Beat,
     pub(super) watcher: Watcher,
     devices: Box<[DeviceTap]>,
     /// The next tick, for the host.
@@ -57,7 +51,7 @@ pub(super) struct DeviceTap {
 impl Cycle {
     pub(super) fn new(
         executive: Executive<SimBank>,
-        (clock, meter): (Clock, Meter),
+        beat: Beat,
         watcher: Watcher,
         devices: Box<[DeviceTap]>,
         now: Arc<AtomicU64>,
@@ -65,8 +59,7 @@ impl Cycle {
     ) -> Cycle {
         Cycle {
             executive,
-            clock,
-            meter,
+            beat,
             watcher,
             devices,
             now,
@@ -79,33 +72,14 @@ impl Cycle {
     /// One tick.
     pub(super) fn tick(&mut self) {
         let now = self.executive.now();
-        let late = self.clock.wait(now);
-        let begin = Instant::now();
+        let wall_ns = self.beat.wait(now);
         self.watcher.tick = now;
-        let wall_ns = self.clock.wall_ns(now);
         self.executive.tick(wall_ns, &mut self.watcher);
-        let took = u64::try_from(begin.elapsed().as_nanos()).unwrap_or(u64::MAX);
-        if self.settling.is_none() {
-            self.meter.record(took, late);
-            self.judge(now, self.clock.overrun(late, took));
+        if self.settling.is_none() && self.beat.over(now) {
+            self.executive.halt(Why::Overrun);
         }
         self.sample(now);
         self.now.store(self.executive.now(), Ordering::Release);
-    }
-
-    /// Tick 0 is due now.
-    pub(super) fn restart_clock(&mut self) {
-        self.clock.restart();
-    }
-
-    /// Does what is to be done after a tick that ended so much too late.
-    fn judge(&mut self, tick: u64, over: u64) {
-        let (ns, policy) = (self.bounds.tick_ns, self.bounds.overrun);
-        match self.meter.overruns.judge(tick, over, ns, policy) {
-            Verdict::GoOn => {}
-            Verdict::PutOff(periods) => self.clock.put_off(periods),
-            Verdict::Stop => self.executive.halt(Why::Overrun),
-        }
     }
 
     /// Whether another tick is wanted: commands run, or devices still come to rest after them. `over` says that no command will

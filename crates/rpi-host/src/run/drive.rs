@@ -94,7 +94,7 @@ pub(super) fn side_by_side(
 
 fn tick_until(mut cycle: Cycle, over: &AtomicBool, wanted: Wanted) -> (Cycle, Vec<Grant>) {
     let grants = realtime::ask(wanted);
-    cycle.restart_clock();
+    cycle.beat.restart();
     while cycle.goes_on(over.load(Ordering::Relaxed)) {
         cycle.tick();
     }
@@ -125,7 +125,7 @@ fn outcome(
         unlisted: host.books.unlisted,
         late: host.desk.late,
         devices: devices::ends(cycle.bank()),
-        figures: cycle.meter.figures(),
+        figures: cycle.beat.figures(),
         tick_ns: listener.tick_ns,
         cut_off: cycle.cut_off,
         digest: None,

@@ -8,14 +8,13 @@ use rpi_core::{Continuity, LoadFault};
 use rpi_image::Image;
 use rpi_sim::Cell;
 
-use super::clock::Pace;
 use super::drive::{Listener, side_by_side, taking_turns};
 use super::inputs::{BadSetting, Setting};
 use super::outcome::{CommandEnd, Outcome};
 use super::plan::Plan;
 use super::samples::Sink;
 use super::sides::sides;
-use crate::realtime::{OverrunPolicy, Wanted};
+use crate::realtime::{Pace, RealTime};
 
 /// Is told now and then which command runs and how long it has.
 pub type Progress<'a> = dyn FnMut(&CommandEnd, Duration) + 'a;
@@ -51,15 +50,6 @@ pub struct Limits {
     pub ticks: Option<u64>,
     /// Nanoseconds that it takes after a command's start until its successor is scheduled: as if planning took so long.
     pub planning_ns: u64,
-}
-
-/// What is asked of the system on real time, and what happens to cycles that take too long there.
-#[derive(Clone, Copy, PartialEq, Eq, Debug, Default)]
-pub struct RealTime {
-    /// For the thread that ticks.
-    pub wanted: Wanted,
-    /// After a cycle that ended when the next one was due already.
-    pub overrun: OverrunPolicy,
 }
 
 /// The most faults that are printed for a command: a device of a wrong kind lacks every port that is used.
@@ -139,7 +129,7 @@ pub fn run(job: Job<'_>) -> Result<Outcome, Failure> {
     let listener = Listener::new(job.sink, job.progress, tick_ns);
     match job.pace {
         Pace::Simulated => taking_turns(cycle, host, listener),
-        Pace::Real => side_by_side(cycle, host, listener, job.real_time.wanted),
+        Pace::Real | Pace::Faster(_) => side_by_side(cycle, host, listener, job.real_time.wanted),
     }
 }
 

@@ -7,12 +7,10 @@
 //! A task is a client of the control core as any other: it loads what may follow and makes rules. On simulated time they take turns on one thread, so that the same
 //! run gives the same bits; on real time the cycle has a thread of its own.
 
-mod clock;
 mod cycle;
 mod devices;
 mod drive;
 mod end;
-mod figures;
 mod host;
 mod inputs;
 mod job;
@@ -25,10 +23,8 @@ mod task;
 
 pub(crate) use end::fault_text;
 
-pub use clock::Pace;
-pub use figures::{Figures, Spread};
 pub use inputs::{BadSetting, Setting};
-pub use job::{Failure, Job, Limits, Progress, RealTime, run};
+pub use job::{Failure, Job, Limits, Progress, run};
 pub use outcome::{CommandEnd, DeviceEnd, Outcome, RunEnd, Status, Trouble};
 pub use plan::{Node, Plan, Target};
 pub use samples::{Channel, Several, Sink, Source};

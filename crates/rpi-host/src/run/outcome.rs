@@ -2,7 +2,7 @@
 
 use serde::Serialize;
 
-use super::figures::Figures;
+use crate::realtime::Figures;
 
 /// What has become of a run.
 #[derive(Clone, PartialEq, Debug, Serialize)]

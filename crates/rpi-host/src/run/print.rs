@@ -2,8 +2,8 @@
 
 use std::fmt;
 
-use super::figures::Spread;
 use super::outcome::{CommandEnd, DeviceEnd, Outcome, RunEnd, Trouble};
+use crate::realtime::Spread;
 
 impl fmt::Display for Outcome {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {

@@ -9,16 +9,15 @@ use rpi_image::{Image, Type};
 use rpi_net::claim::is_for_claim;
 use rpi_sim::SimBank;
 
-use super::clock::{Clock, Pace};
 use super::cycle::{Bounds, Cycle, Flows, Watcher};
 use super::devices;
-use super::figures::Meter;
 use super::host::{Books, Desk, Host};
 use super::inputs;
 use super::job::{Failure, Job};
 use super::samples::{Channel, Source, ring};
 use super::task::Task;
 use crate::control::{Options, open};
+use crate::realtime::Beat;
 
 /// The cycle's and the host's side of a job.
 pub(super) fn sides<'a>(job: &Job<'a>, tick_ns: u64) -> Result<(Cycle, Host<'a>), Failure> {
@@ -40,13 +39,11 @@ pub(super) fn sides<'a>(job: &Job<'a>, tick_ns: u64) -> Result<(Cycle, Host<'a>)
     let bounds = Bounds {
         last: job.limits.ticks.unwrap_or(u64::MAX),
         tick_ns,
-        overrun: job.real_time.overrun,
     };
     let now = Arc::new(AtomicU64::new(0));
-    let real = job.pace == Pace::Real;
     let cycle = Cycle::new(
         executive,
-        (Clock::start(job.pace, tick_ns), Meter::new(real)),
+        Beat::start(job.pace, tick_ns, job.real_time.overrun),
         Watcher {
             tap,
             tick: 0,

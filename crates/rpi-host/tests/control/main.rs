@@ -2,7 +2,14 @@
 
 mod support;
 
-use rpi_host::control::{Cause, Event, Fact, Notice, Refused, Rejected, Rule, Setting, State, Why};
+use std::sync::Arc;
+
+use rpi_core::Command;
+use rpi_device::NoDevices;
+use rpi_host::control::{
+    Board, Cause, Event, Fact, Notice, Refused, Rejected, Rule, Setting, State, Why,
+};
+use rpi_sim::{Cell, Part, SimBank};
 use support::{Rig, counter};
 
 rpi_testkit::trap_allocations!();
@@ -157,6 +164,53 @@ fn inputs_and_exports_go_through() {
     assert_eq!(rig.control.fact(a, "done"), Some(Fact::Result(0)));
     assert_eq!(rig.control.fact(a, "late"), Some(Fact::Export(1)));
     assert_eq!(rig.control.fact(a, "count"), None, "it is no Boolean");
+}
+
+#[test]
+fn a_board_has_what_a_command_exports_in_its_latest_cycle() {
+    let mut rig = Rig::new(2);
+    let image = counter("A", 1_000_000);
+    let command = Command::load(Arc::clone(&image), &mut NoDevices).unwrap();
+    let adopted = rig.control.adopt_with_board(Box::new(command)).unwrap();
+    assert_eq!((adopted.board.cycles(), adopted.board.read()), (0, None));
+    rig.control.start(adopted.id).unwrap();
+    rig.ticks(7);
+    let cells = adopted.board.read().unwrap();
+    let told = Board::values(&image.exports, &cells);
+    let told: Vec<_> = told
+        .map(|(export, value)| (export.key.as_str(), value.map(|v| v[0])))
+        .collect();
+    assert_eq!(told, [("count", Some(7f64.to_bits())), ("late", Some(0))]);
+    assert_eq!(adopted.board.cycles(), 7);
+    // Its place is another's later; the board then stays as it was.
+    rig.control.abort(adopted.id, Why::Request).unwrap();
+    rig.control.unload(adopted.id).unwrap();
+    rig.ticks(1);
+    rig.log();
+    let other = rig.load(counter("B", 1_000_000));
+    rig.control.start(other).unwrap();
+    rig.ticks(3);
+    assert_eq!(adopted.board.read(), Some(cells));
+}
+
+#[test]
+fn devices_come_and_go_and_are_freed_by_the_host() {
+    let mut rig = Rig::new(1);
+    let cell = "[devices.io]\nkind = \"digital-io\"\ninputs = 1\noutputs = 1\n";
+    let cell = Cell::parse("cell.toml", cell).unwrap_or_else(|e| panic!("{e}"));
+    *rig.executive.plant() = SimBank::empty(2, 1e-3);
+    for device in [true, false] {
+        let part = device.then(|| Part::new(&cell.devices[0], 1e-3, 0, 1));
+        let ticket = rig.control.put_device(1, part).unwrap();
+        rig.ticks(1);
+        let answered = rig
+            .log()
+            .into_iter()
+            .any(|e| matches!(e, Event::Answer { ticket: t, refused: None, .. } if t == ticket));
+        assert!(answered);
+        let places: Vec<_> = rig.executive.plant().status().map(|s| s.place).collect();
+        assert_eq!(places, if device { vec![1] } else { vec![] });
+    }
 }
 
 #[test]

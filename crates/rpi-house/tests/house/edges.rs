@@ -60,8 +60,10 @@ const EDGES: &[(&str, &[&str])] = &[
         "rpi-serve",
         &[
             "rpi-core",
+            "rpi-device",
             "rpi-diag",
             "rpi-driver",
+            "rpi-host",
             "rpi-image",
             "rpi-kin",
             "rpi-net",

@@ -25,7 +25,7 @@ const OWNERS: &[(&str, &[&str])] = &[
     ("nalgebra", &["rpi-kin", "rpi-prims", "rpi-sim"]),
     ("petgraph", &["rpi-net", "rpi-sema"]),
     ("pulldown-cmark", &["rpi-doc"]),
-    ("rtrb", &["rpi-host", "rpi-serve"]),
+    ("rtrb", &["rpi-host"]),
     ("rustc-hash", &["rpi-lower", "rpi-net"]),
     ("rustix", &["rpi-bench", "rpi-fuzz", "rpi-host"]),
     ("serde", &["rpi-diag", "rpi-driver", "rpi-host"]),

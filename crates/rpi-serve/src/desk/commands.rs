@@ -2,7 +2,9 @@
 
 use std::sync::Arc;
 
-use rpi_core::{CommandId, State, Why};
+use rpi_host::control::{
+    Adopted, Board, CommandId, Control, Rejected, Setting, State, Ticket, Why,
+};
 use rpi_image::Image;
 use rpi_image::image::{End, InputPort};
 use rpi_net::literal;
@@ -11,7 +13,6 @@ use super::eval::Eval;
 use super::loader::{Job, Language, Loaded};
 use super::watch::Subscription;
 use super::{Desk, Failure, Phase, Reply, Status, Then, answer, number_of};
-use crate::plant::{Board, Order, Setting};
 
 /// What the desk knows about a command.
 pub(crate) struct Record {
@@ -128,7 +129,7 @@ impl Desk {
         }
         match self.oldest_ended(session) {
             Some(number) => {
-                self.order_for(number, Order::Unload);
+                self.ask_for(number, Control::unload);
                 if let Some(record) = self.commands.get_mut(&number) {
                     // Its room counts as free from now on: its place does once it has come back.
                     (record.session, record.bytes) = (0, 0);
@@ -159,21 +160,28 @@ impl Desk {
     }
 
     fn insert(&mut self, number: u64, loaded: Loaded) {
-        let Some(id) = self.places.take() else {
-            return self.reject(number, Failure::Limit("commands"));
-        };
-        let Some(record) = self.commands.get_mut(&number) else {
-            return self.places.give_back(id);
-        };
-        let board = Arc::new(Board::new(&loaded.image.exports));
-        record.id = Some(id);
-        record.bytes += loaded.command.machine().footprint();
-        record.image = Some(loaded.image);
-        record.board = Some(Arc::clone(&board));
-        let reply = record.loading.take();
+        if !self.commands.contains_key(&number) {
+            return;
+        }
+        let bytes = loaded.command.machine().footprint();
+        match self.control.adopt_with_board(loaded.command) {
+            Ok(adopted) => self.adopted(number, adopted, loaded.image, bytes),
+            Err(why) => self.reject(number, why.into()),
+        }
+    }
+
+    fn adopted(&mut self, number: u64, adopted: Adopted, image: Arc<Image>, bytes: usize) {
+        let Adopted { id, ticket, board } = adopted;
         self.by_id.insert(id, number);
-        let order = Order::Insert(id, loaded.command, board);
-        self.order(order, Then::Inserted(number), reply);
+        let mut reply = None;
+        if let Some(record) = self.commands.get_mut(&number) {
+            record.id = Some(id);
+            record.bytes += bytes;
+            record.image = Some(image);
+            record.board = Some(board);
+            reply = record.loading.take();
+        }
+        self.asked(Ok(ticket), Then::Inserted(number), reply);
     }
 
     /// Loading has failed: the command is no more.
@@ -198,58 +206,53 @@ impl Desk {
         commands.map(|(number, record)| (format!("n{number}"), record))
     }
 
-    fn id_of(&self, name: &str) -> Result<(u64, CommandId), Failure> {
-        let (number, record) = self.find(name)?;
-        let id = record
-            .id
-            .ok_or_else(|| Failure::Bad(format!("{name} is still being loaded")))?;
-        Ok((number, id))
-    }
-
     /// The name that a command has in the core.
     pub(super) fn core_id(&self, name: &str) -> Result<CommandId, Failure> {
-        self.id_of(name).map(|(_, id)| id)
+        let (_, record) = self.find(name)?;
+        let loading = || Failure::Bad(format!("{name} is still being loaded"));
+        record.id.ok_or_else(loading)
+    }
+
+    /// Asks something of a command by its name.
+    fn ask(
+        &mut self,
+        name: &str,
+        what: impl FnOnce(&mut Control, CommandId) -> Result<Ticket, Rejected>,
+        reply: Reply,
+    ) {
+        match self.core_id(name) {
+            Ok(id) => {
+                let ticket = what(&mut self.control, id);
+                self.asked(ticket, Then::Nothing, Some(reply));
+            }
+            Err(why) => reply(Err(why)),
+        }
     }
 
     /// Starts a command.
     pub(crate) fn start(&mut self, name: &str, reply: Reply) {
-        match self.core_id(name) {
-            Ok(id) => self.order(Order::Start(id), Then::Nothing, Some(reply)),
-            Err(why) => reply(Err(why)),
-        }
+        self.ask(name, Control::start, reply);
     }
 
     /// Asks a command to end.
     pub(crate) fn cancel(&mut self, name: &str, reply: Reply) {
-        match self.core_id(name) {
-            Ok(id) => self.order(Order::Cancel(id), Then::Nothing, Some(reply)),
-            Err(why) => reply(Err(why)),
-        }
+        self.ask(name, Control::cancel, reply);
     }
 
     /// Ends a command by force.
     pub(crate) fn abort(&mut self, name: &str, reply: Reply) {
-        match self.core_id(name) {
-            Ok(id) => {
-                let order = Order::Abort(id, Why::Request);
-                self.order(order, Then::Nothing, Some(reply));
-            }
-            Err(why) => reply(Err(why)),
-        }
+        self.ask(name, |c, id| c.abort(id, Why::Request), reply);
     }
 
     /// Unloads a command; one that runs is unloaded as soon as it has ended.
     pub(crate) fn unload(&mut self, name: &str, reply: Reply) {
-        let found = self.id_of(name).and_then(|(number, id)| {
-            let (_, record) = self.find(name)?;
-            Ok((number, id, record.status.phase))
-        });
+        let found = self.find(name).map(|(n, record)| (n, record.status.phase));
         match found {
-            Ok((number, _, Phase::Is(State::Running | State::Cancelling))) => {
+            Ok((number, Phase::Is(State::Running | State::Cancelling))) => {
                 self.unload_at_end(number);
                 reply(Ok(String::new()));
             }
-            Ok((_, id, _)) => self.order(Order::Unload(id), Then::Nothing, Some(reply)),
+            Ok(_) => self.ask(name, Control::unload, reply),
             Err(why) => reply(Err(why)),
         }
     }
@@ -259,8 +262,8 @@ impl Desk {
         let settings = values.iter().map(|value| self.setting(value));
         match settings.collect::<Result<Vec<_>, _>>() {
             Ok(settings) => {
-                let order = Order::Set(settings.into());
-                self.order(order, Then::Nothing, Some(reply));
+                let ticket = self.control.set(settings);
+                self.asked(ticket, Then::Nothing, Some(reply));
             }
             Err(why) => reply(Err(why)),
         }

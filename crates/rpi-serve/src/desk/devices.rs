@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 use std::sync::PoisonError;
 
-use rpi_core::Why;
+use rpi_host::control::{Control, Why};
 use rpi_image::Scalar;
 use rpi_kin::AxisLimits;
 use rpi_net::literal;
@@ -11,7 +11,6 @@ use rpi_sim::cell::{ArmSpec, DeviceSpec, Enforced, Kind};
 use rpi_sim::{Cell, Part};
 
 use super::{Desk, DeviceInfo, Failure, Reply, Sink, Then, Update};
-use crate::plant::Order;
 
 /// The devices by place, and who is told about them.
 pub(super) struct Devices {
@@ -98,12 +97,14 @@ impl Desk {
         self.change_twin(place, Some(twins));
         let info = info(spec, kind);
         self.devices.places[place] = Some(info.clone());
-        let order = Order::Device(place, Some(own));
-        self.order(order, Then::Device(info), Some(reply));
+        let ticket = self.control.put_device(place, Some(own));
+        if !self.asked(ticket, Then::Device(info), Some(reply)) {
+            self.unchanged(place);
+        }
     }
 
     /// The cycle has not heard of a change: it is taken back.
-    pub(super) fn unchanged(&mut self, place: usize) {
+    fn unchanged(&mut self, place: usize) {
         self.change_twin(place, None);
         self.devices.places[place] = None;
     }
@@ -124,22 +125,37 @@ impl Desk {
         let users = self.commands.iter().filter(|(_, r)| r.uses(name));
         let users: Vec<u64> = users.map(|(number, _)| *number).collect();
         for number in users {
-            self.order_for(number, |id| Order::Abort(id, Why::Request));
-            self.order_for(number, Order::Unload);
+            self.ask_for(number, |c, id| c.abort(id, Why::Request));
+            self.ask_for(number, Control::unload);
         }
         let then = Then::NoDevice(name.to_owned());
-        self.order(Order::Device(place, None), then, Some(reply));
+        let ticket = self.control.put_device(place, None);
+        self.asked(ticket, then, Some(reply));
     }
 
     pub(super) fn device_there(&mut self, info: DeviceInfo) -> String {
-        let update = Update::DeviceAdded(&info);
-        self.devices.watchers.retain_mut(|sink| sink.tell(&update));
+        self.tell_of_devices(&Update::DeviceAdded(&info));
         info.name
     }
 
+    /// Something is wrong with the device in a place, or is so no longer.
+    pub(super) fn device_changed(&mut self, place: usize, code: i64) {
+        let places = &mut self.devices.places;
+        let Some(Some(info)) = places.get_mut(place) else {
+            return;
+        };
+        if std::mem::replace(&mut info.code, code) != code {
+            let name = info.name.clone();
+            self.tell_of_devices(&Update::DeviceCondition(&name, code));
+        }
+    }
+
+    fn tell_of_devices(&mut self, update: &Update<'_>) {
+        self.devices.watchers.retain_mut(|sink| sink.tell(update));
+    }
+
     pub(super) fn device_gone(&mut self, name: &str) {
-        let update = Update::DeviceRemoved(name);
-        self.devices.watchers.retain_mut(|sink| sink.tell(&update));
+        self.tell_of_devices(&Update::DeviceRemoved(name));
     }
 }
 
@@ -185,6 +201,7 @@ fn info(spec: &DeviceSpec, kind: &str) -> DeviceInfo {
     DeviceInfo {
         name: spec.name.clone(),
         kind: kind.to_owned(),
+        code: 0,
         interfaces,
     }
 }

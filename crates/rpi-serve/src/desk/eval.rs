@@ -1,11 +1,9 @@
 //! A net that runs for one cycle, and what it exports then: how clients read sensors and ask for kinematics.
 
-use rpi_core::State;
-use rpi_core::Why;
+use rpi_host::control::{Control, State, Why};
 
 use super::watch::texts;
 use super::{Desk, Failure, Language, Load, Phase, Reply};
-use crate::plant::Order;
 
 /// Takes the exports after one cycle: key and value.
 pub(crate) type Take = Box<dyn FnOnce(Vec<(String, String)>) + Send>;
@@ -71,7 +69,7 @@ impl Desk {
                 None => (eval.reply)(Err(Failure::Bad("it has not run".to_owned()))),
             }
         }
-        self.order_for(number, |id| Order::Abort(id, Why::Request));
-        self.order_for(number, Order::Unload);
+        self.ask_for(number, |c, id| c.abort(id, Why::Request));
+        self.ask_for(number, Control::unload);
     }
 }

@@ -49,39 +49,46 @@ pub(crate) struct Twin {
 /// Takes what was loaded, or every reason why not.
 pub(crate) type Done = Box<dyn Fn(Job, Result<Loaded, Vec<String>>) + Send>;
 
-/// Starts a thread that loads one job after the other; it ends when the desk does.
+/// Starts a thread that loads one job after the other; it ends when the desk does. `continuity` is what happens to
+/// commands that take over with a jump, where it is not as usual for their language.
 pub(crate) fn start(
     most: usize,
+    continuity: Option<Continuity>,
     twin: Arc<Mutex<Twin>>,
     done: Done,
 ) -> std::io::Result<SyncSender<Job>> {
     let (jobs, todo) = sync_channel(most);
-    let work = move || work(&todo, &twin, &done);
+    let work = move || work(&todo, continuity, &twin, &done);
     std::thread::Builder::new()
         .name("rpi-load".into())
         .spawn(work)?;
     Ok(jobs)
 }
 
-fn work(todo: &Receiver<Job>, twin: &Mutex<Twin>, done: &Done) {
+fn work(todo: &Receiver<Job>, continuity: Option<Continuity>, twin: &Mutex<Twin>, done: &Done) {
     while let Ok(job) = todo.recv() {
-        let loaded = catch_unwind(AssertUnwindSafe(|| load(&job, twin)));
+        let loaded = catch_unwind(AssertUnwindSafe(|| load(&job, continuity, twin)));
         let loaded =
             loaded.unwrap_or_else(|_| Err(vec!["the compiler broke down at this text".to_owned()]));
         done(job, loaded);
     }
 }
 
-fn load(job: &Job, twin: &Mutex<Twin>) -> Result<Loaded, Vec<String>> {
+fn load(
+    job: &Job,
+    continuity: Option<Continuity>,
+    twin: &Mutex<Twin>,
+) -> Result<Loaded, Vec<String>> {
     let image = Arc::new(image(job)?);
     let mut twin = twin.lock().unwrap_or_else(PoisonError::into_inner);
     let generation = twin.generation;
     let mut command = Command::load(Arc::clone(&image), &mut twin.bank)
         .map_err(|faults| faults.iter().map(ToString::to_string).collect::<Vec<_>>())?;
-    if job.language == Language::Rpinet {
+    command.guard(continuity.unwrap_or(match job.language {
         // Nets of the authors' systems are written for control cores without this guard.
-        command.guard(Continuity::Allow);
-    }
+        Language::Rpinet => Continuity::Allow,
+        Language::Rpi => Continuity::default(),
+    }));
     Ok(Loaded {
         command: Box::new(command),
         image,

@@ -17,11 +17,11 @@ use std::collections::BTreeMap;
 use std::sync::mpsc::SyncSender;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
-use rpi_core::{CommandId, Places, RuleId};
+use rpi_host::control::{CommandId, Control, Rejected, RuleId, Ticket};
 use rpi_sim::{Cell, SimBank};
 
 use crate::limits::{Limits, OnLoss};
-use crate::plant::{DeskEnds, Order};
+use crate::server::Settings;
 
 pub(crate) use commands::{Load, Record, results};
 pub(crate) use devices::NewDevice;
@@ -41,9 +41,8 @@ pub(crate) struct Desk {
     pub(crate) tick_ns: u64,
     /// What becomes of a session's commands when its client is gone, where the client does not say.
     on_loss: OnLoss,
-    ends: DeskEnds,
-    places: Places,
-    tickets: BTreeMap<u64, Ticket>,
+    control: Control,
+    errands: BTreeMap<Ticket, Errand>,
     sessions: BTreeMap<u64, Session>,
     commands: BTreeMap<u64, Record>,
     by_id: BTreeMap<CommandId, u64>,
@@ -57,13 +56,13 @@ pub(crate) struct Desk {
     last: u64,
 }
 
-/// What is to be done when the cycle answers an order.
-struct Ticket {
+/// What is to be done when the cycle answers a request.
+struct Errand {
     then: Then,
     reply: Option<Reply>,
 }
 
-/// What follows from an order that was obeyed.
+/// What follows from a request that was carried out.
 enum Then {
     Nothing,
     Inserted(u64),
@@ -83,11 +82,10 @@ impl Office {
     /// If the system gives no thread.
     pub(crate) fn open(
         cell: &Cell,
-        ends: DeskEnds,
-        limits: Limits,
-        on_loss: OnLoss,
-        tick_ns: u64,
+        control: Control,
+        settings: &Settings,
     ) -> std::io::Result<Office> {
+        let (limits, tick_ns) = (settings.limits, settings.tick_ns.max(1));
         let twin = Arc::new(Mutex::new(Twin {
             bank: bank(cell, limits.devices, tick_ns),
             generation: 0,
@@ -95,10 +93,9 @@ impl Office {
         let office = Office(Arc::new(Mutex::new(Desk {
             limits,
             tick_ns,
-            on_loss,
-            ends,
-            places: Places::new(limits.commands),
-            tickets: BTreeMap::new(),
+            on_loss: settings.on_loss,
+            control,
+            errands: BTreeMap::new(),
             sessions: BTreeMap::new(),
             commands: BTreeMap::new(),
             by_id: BTreeMap::new(),
@@ -115,7 +112,7 @@ impl Office {
                 Office(desk).desk().loaded(job, loaded);
             }
         });
-        let jobs = loader::start(limits.loads, twin, done)?;
+        let jobs = loader::start(limits.loads, settings.continuity, twin, done)?;
         office.desk().jobs = Some(jobs);
         Ok(office)
     }
@@ -144,27 +141,23 @@ impl Desk {
         self.last
     }
 
-    /// Sends an order to the cycle; if there is no room, whoever asked is told that there is too much to do.
-    fn order(&mut self, order: Order, then: Then, reply: Option<Reply>) {
-        let number = self.number();
-        match self.ends.orders.push((number, order)) {
-            Ok(()) => {
-                self.tickets.insert(number, Ticket { then, reply });
+    /// Remembers what follows once the cycle has answered a request. If it did not even leave, whoever asked hears why, and
+    /// it is false.
+    fn asked(
+        &mut self,
+        ticket: Result<Ticket, Rejected>,
+        then: Then,
+        reply: Option<Reply>,
+    ) -> bool {
+        match ticket {
+            Ok(ticket) => {
+                self.errands.insert(ticket, Errand { then, reply });
+                true
             }
-            Err(rtrb::PushError::Full((_, order))) => {
-                self.undone(order);
-                answer(reply, Err(Failure::Busy));
+            Err(why) => {
+                answer(reply, Err(why.into()));
+                false
             }
-        }
-    }
-
-    /// An order that there was no room for: what it would have made is forgotten.
-    fn undone(&mut self, order: Order) {
-        match order {
-            Order::Insert(id, ..) => self.forget(id),
-            Order::Rule(id, _) => self.forget_rule(id),
-            Order::Device(place, Some(_)) => self.unchanged(place),
-            _ => {}
         }
     }
 }

@@ -1,23 +1,23 @@
 //! What the cycle tells, and what follows from it.
 
-use rpi_core::{CommandId, Ending, Notice, Outcome, State};
+use rpi_host::control::{
+    Cause, CommandId, Control, Ending, Event, Notice, Outcome, Refused, State, Ticket,
+};
 
 use super::commands::results;
-use super::{Desk, Failure, Phase, Record, RuleState, Then, Ticket, answer};
-use crate::plant::{Order, Report};
+use super::{Desk, Errand, Failure, Phase, Record, RuleState, Then, answer};
 
 impl Desk {
     /// Does all that there is to do now; called again and again beside the cycle.
     pub(crate) fn keep(&mut self) {
-        while let Ok(report) = self.ends.reports.pop() {
-            match report {
-                Report::Answer(number, result) => self.answered(number, result),
-                Report::Notice(notice) => self.note(notice),
-                Report::Gone(id, spent) => {
-                    drop(spent);
-                    self.forget(id);
-                }
-                Report::Spent(spent) => drop(spent),
+        while let Some(event) = self.control.poll() {
+            match event {
+                Event::Answer {
+                    ticket, refused, ..
+                } => self.answered(ticket, refused),
+                Event::Notice(notice) => self.note(notice),
+                Event::Freed(id) => self.forget(id),
+                Event::Device { device, code, .. } => self.device_changed(device, code),
             }
         }
         for rule in std::mem::take(&mut self.told) {
@@ -27,16 +27,16 @@ impl Desk {
         self.publish();
     }
 
-    fn answered(&mut self, number: u64, result: Result<(), rpi_core::Refused>) {
-        let Some(Ticket { then, reply }) = self.tickets.remove(&number) else {
+    fn answered(&mut self, ticket: Ticket, refused: Option<Refused>) {
+        let Some(Errand { then, reply }) = self.errands.remove(&ticket) else {
             return;
         };
-        match result {
-            Ok(()) => {
+        match refused {
+            None => {
                 let name = self.done(then);
                 answer(reply, Ok(name));
             }
-            Err(why) => {
+            Some(why) => {
                 if let Then::Made(rule) = then {
                     self.forget_rule(rule);
                 }
@@ -45,7 +45,7 @@ impl Desk {
         }
     }
 
-    /// An order was obeyed: gives the name of what it made.
+    /// A request was carried out: gives the name of what it made.
     fn done(&mut self, then: Then) -> String {
         match then {
             Then::Nothing => String::new(),
@@ -63,7 +63,7 @@ impl Desk {
         if let Some(record) = self.commands.get_mut(&number) {
             record.set_phase(Phase::Is(State::Ready));
             if record.eval.is_some() {
-                self.order_for(number, Order::Start);
+                self.ask_for(number, Control::start);
             }
         }
         format!("n{number}")
@@ -110,7 +110,7 @@ impl Desk {
         let Some(record) = self.record_of(id) else {
             return;
         };
-        if let (rpi_core::Cause::Result(k), Some(image)) = (ending.cause, &record.image) {
+        if let (Cause::Result(k), Some(image)) = (ending.cause, &record.image) {
             record.status.result = results(image).get(k).map(|name| (*name).to_owned());
         }
         record.status.ending = Some(ending);
@@ -121,13 +121,13 @@ impl Desk {
     fn unload_if_abandoned(&mut self, id: CommandId) {
         let record = self.record_of(id);
         if record.is_some_and(|r| r.unload_at_end && r.eval.is_none()) {
-            self.order(Order::Unload(id), Then::Nothing, None);
+            let ticket = self.control.unload(id);
+            self.asked(ticket, Then::Nothing, None);
         }
     }
 
     /// A command is no more.
     pub(super) fn forget(&mut self, id: CommandId) {
-        self.places.give_back(id);
         let Some(mut record) = self
             .by_id
             .remove(&id)

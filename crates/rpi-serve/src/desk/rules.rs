@@ -1,11 +1,10 @@
 //! Rules: when this holds, stop these, cancel those, start others.
 
-use rpi_core::{CommandId, Condition, Fact, Rule, RuleId};
+use rpi_host::control::{CommandId, Condition, Fact, Rule, RuleId};
 
 use super::commands::results;
 use super::{Desk, Failure, Reply, RuleState, Sink, Then, Update, number_of};
 use crate::condition::{Expr, Saying};
-use crate::plant::Order;
 
 /// A rule as the desk knows it.
 pub(super) struct RuleRecord {
@@ -33,11 +32,14 @@ impl Desk {
         if active.count() >= self.limits.rules {
             return reply(Err(Failure::Limit("rules")));
         }
-        match self.rule(make) {
-            Ok((rule, record)) => {
-                let id = self.places.rule();
-                self.rules.insert(id, record);
-                self.order(Order::Rule(id, Box::new(rule)), Then::Made(id), Some(reply));
+        let made = self.rule(make).and_then(|(rule, record)| {
+            let (id, ticket) = self.control.schedule(rule)?;
+            self.rules.insert(id, record);
+            Ok((id, ticket))
+        });
+        match made {
+            Ok((id, ticket)) => {
+                self.asked(Ok(ticket), Then::Made(id), Some(reply));
             }
             Err(why) => reply(Err(why)),
         }
@@ -101,7 +103,8 @@ impl Desk {
     pub(crate) fn withdraw(&mut self, name: &str, reply: Reply) {
         match number_of(name, 'r').map(RuleId) {
             Some(id) if self.rules.contains_key(&id) => {
-                self.order(Order::Withdraw(id), Then::Nothing, Some(reply));
+                let ticket = self.control.withdraw(id);
+                self.asked(ticket, Then::Nothing, Some(reply));
             }
             _ => reply(Err(Failure::Unknown(format!("rule {name}")))),
         }

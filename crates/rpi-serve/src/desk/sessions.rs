@@ -1,10 +1,9 @@
 //! Sessions: who owns which commands, and what becomes of them when the owner is gone.
 
-use rpi_core::{State, Why};
+use rpi_host::control::{CommandId, Control, Rejected, State, Ticket, Why};
 
 use super::{Desk, Failure, Phase, Sink, Then, Update, number_of};
 use crate::limits::OnLoss;
-use crate::plant::Order;
 
 /// A session.
 pub(super) struct Session {
@@ -98,7 +97,7 @@ impl Desk {
                 OnLoss::RunOn => self.unload_at_end(number),
                 OnLoss::Cancel => self.retire(number),
                 OnLoss::Abort => {
-                    self.order_for(number, |id| Order::Abort(id, Why::ClientLost));
+                    self.ask_for(number, |c, id| c.abort(id, Why::ClientLost));
                     self.retire(number);
                 }
             }
@@ -110,8 +109,8 @@ impl Desk {
         let phase = self.commands.get(&number).map(|r| r.status.phase);
         self.unload_at_end(number);
         match phase {
-            Some(Phase::Is(State::Running)) => self.order_for(number, Order::Cancel),
-            Some(Phase::Is(_)) => self.order_for(number, Order::Unload),
+            Some(Phase::Is(State::Running)) => self.ask_for(number, Control::cancel),
+            Some(Phase::Is(_)) => self.ask_for(number, Control::unload),
             _ => {}
         }
     }
@@ -125,18 +124,19 @@ impl Desk {
             .get(&number)
             .is_some_and(|r| r.status.phase == Phase::Is(State::Terminated));
         if ended {
-            self.order_for(number, Order::Unload);
+            self.ask_for(number, Control::unload);
         }
     }
 
-    /// Sends an order for a command that is in the table, without anybody waiting for the answer.
-    pub(super) fn order_for(
+    /// Asks something of a command that is in the table, without anybody waiting for the answer.
+    pub(super) fn ask_for(
         &mut self,
         number: u64,
-        order: impl FnOnce(rpi_core::CommandId) -> Order,
+        what: impl FnOnce(&mut Control, CommandId) -> Result<Ticket, Rejected>,
     ) {
         if let Some(id) = self.commands.get(&number).and_then(|r| r.id) {
-            self.order(order(id), Then::Nothing, None);
+            let ticket = what(&mut self.control, id);
+            self.asked(ticket, Then::Nothing, None);
         }
     }
 

@@ -2,7 +2,7 @@
 
 use std::fmt;
 
-use rpi_core::{Cause, Ending, Refused, State};
+use rpi_host::control::{Cause, Ending, Refused, Rejected, State};
 
 /// Where a command is in its life, as clients see it.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
@@ -41,6 +41,8 @@ pub(crate) struct DeviceInfo {
     pub(crate) name: String,
     /// Its type, as whoever made it calls it.
     pub(crate) kind: String,
+    /// Its error code; 0 while it is well.
+    pub(crate) code: i64,
     /// What it offers: interfaces by name, with their parameters.
     pub(crate) interfaces: Vec<(&'static str, Vec<(String, String)>)>,
 }
@@ -58,6 +60,8 @@ pub(crate) enum Update<'a> {
     Session(bool),
     /// A device is there.
     DeviceAdded(&'a DeviceInfo),
+    /// Whether a device is well; its error code if not.
+    DeviceCondition(&'a str, i64),
     /// A device is no more.
     DeviceRemoved(&'a str),
 }
@@ -87,6 +91,20 @@ pub(crate) enum Failure {
 
 /// Is told what became of a request; the text is the name of what was made, if something was.
 pub(crate) type Reply = Box<dyn FnOnce(Result<String, Failure>) + Send>;
+
+impl From<Rejected> for Failure {
+    fn from(why: Rejected) -> Failure {
+        match why {
+            Rejected::Unknown => Failure::Unknown("command".to_owned()),
+            Rejected::Full => Failure::Limit("commands"),
+            Rejected::Busy => Failure::Busy,
+            Rejected::Loading(faults) => {
+                Failure::Rejected(faults.iter().map(ToString::to_string).collect())
+            }
+            Rejected::Value { .. } => Failure::Bad(why.to_string()),
+        }
+    }
+}
 
 impl fmt::Display for Failure {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {

@@ -2,12 +2,11 @@
 
 use std::time::{Duration, Instant};
 
-use rpi_core::State;
+use rpi_host::control::{Board, State};
 use rpi_image::image::Export;
 use rpi_net::literal;
 
 use super::{Desk, Failure, Phase, Record, Sink, Status, Update};
-use crate::plant::values;
 
 /// What somebody wants to be told about a command.
 pub(crate) struct Watching {
@@ -156,8 +155,8 @@ impl Record {
 
 /// The present values that differ from what was told last.
 fn changed(exports: &[Export], last: &[u64], now: &[u64]) -> Vec<(String, String)> {
-    let mut before = values(exports, last);
-    let now = values(exports, now);
+    let mut before = Board::values(exports, last);
+    let now = Board::values(exports, now);
     let news = now.filter_map(|(export, value)| {
         let known = before.next().and_then(|(_, value)| value);
         let value = value.filter(|v| known != Some(v))?;

@@ -27,21 +27,34 @@ impl Sink for DioSink {
                 self.push("st", Arg::text(state))
             }
             Update::DeviceAdded(info) => {
-                let status = Arg::Map(vec![(info.name.clone(), Arg::text("op"))]);
-                self.push("da", device(info)) && self.push("ds", status)
+                self.push("da", device(info)) && self.push_status(&info.name, condition(info.code))
             }
+            Update::DeviceCondition(name, code) => self.push_status(name, condition(*code)),
             Update::DeviceRemoved(name) => {
-                let status = Arg::Map(vec![((*name).to_owned(), Arg::text("off"))]);
-                self.push("ds", status) && self.push("dr", Arg::List(vec![Arg::text(*name)]))
+                let gone = Arg::List(vec![Arg::text(*name)]);
+                self.push_status(name, "off") && self.push("dr", gone)
             }
         }
     }
 }
 
 impl DioSink {
+    fn push_status(&self, device: &str, status: &str) -> bool {
+        let status = Arg::text(status);
+        self.push("ds", Arg::Map(vec![(device.to_owned(), status)]))
+    }
+
     fn push(&self, name: &str, arg: Arg) -> bool {
         self.out
             .put(Message::new(&self.tag, name, vec![arg]).to_string())
+    }
+}
+
+/// The protocol's words for a device that works, and for one that tells its state but does not move.
+fn condition(code: i64) -> &'static str {
+    match code {
+        0 => "op",
+        _ => "safeop",
     }
 }
 

@@ -21,6 +21,7 @@ impl Sink for RpcSink {
             Update::Rule(state) => json!({"state": rule(*state)}),
             Update::Session(open) => json!({"open": open}),
             Update::DeviceAdded(info) => json!({"device": info.name, "added": device(info)}),
+            Update::DeviceCondition(name, code) => json!({"device": name, "error": code}),
             Update::DeviceRemoved(name) => json!({"device": name, "removed": true}),
         };
         if let Some((kind, name)) = &self.about {

@@ -3,7 +3,7 @@
 use hdrhistogram::Histogram;
 use serde::Serialize;
 
-use crate::realtime::Overruns;
+use super::overrun::Overruns;
 
 /// Longest time that is told apart, nanoseconds.
 const LONGEST: u64 = 60_000_000_000;
@@ -33,15 +33,15 @@ pub struct Spread {
 }
 
 /// Figures while they are taken; recording neither allocates nor fails.
-pub(super) struct Meter {
+pub(crate) struct Meter {
     tick: Histogram<u64>,
     lateness: Option<Histogram<u64>>,
-    pub(super) overruns: Overruns,
+    pub(crate) overruns: Overruns,
 }
 
 impl Meter {
     /// A meter that also takes lateness if asked to.
-    pub(super) fn new(lateness: bool) -> Meter {
+    pub(crate) fn new(lateness: bool) -> Meter {
         // Two figures are exact to 1 %; these bounds are valid.
         let histogram = || Histogram::new_with_bounds(1, LONGEST, 2).expect("valid bounds");
         Meter {
@@ -51,14 +51,14 @@ impl Meter {
         }
     }
 
-    pub(super) fn record(&mut self, tick_ns: u64, late_ns: u64) {
+    pub(crate) fn record(&mut self, tick_ns: u64, late_ns: u64) {
         self.tick.saturating_record(tick_ns.max(1));
         if let Some(lateness) = &mut self.lateness {
             lateness.saturating_record(late_ns.max(1));
         }
     }
 
-    pub(super) fn figures(&self) -> Figures {
+    pub(crate) fn figures(&self) -> Figures {
         Figures {
             ticks: self.tick.len(),
             tick: spread(&self.tick),

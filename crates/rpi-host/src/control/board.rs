@@ -11,9 +11,10 @@ use rpi_image::image::Export;
 /// How often a reader tries before it gives up: a write takes less than a microsecond, and there is one per cycle.
 const TRIES: usize = 1000;
 
-/// The exports of one command.
+/// The exports of one command, as its latest cycle left them. A reader never holds the cycle up; one that is slow sees fewer
+/// cycles, not older ones.
 #[derive(Debug)]
-pub(crate) struct Board {
+pub struct Board {
     /// Odd while it is being written.
     version: AtomicU64,
     /// For each export its presence, then its value.
@@ -22,7 +23,7 @@ pub(crate) struct Board {
 
 impl Board {
     /// A board for these exports; nothing is present.
-    pub(crate) fn new(exports: &[Export]) -> Board {
+    pub(super) fn new(exports: &[Export]) -> Board {
         let cells: usize = exports.iter().map(size).sum();
         Board {
             version: AtomicU64::new(0),
@@ -31,7 +32,7 @@ impl Board {
     }
 
     /// Copies what a command exports after a cycle. Only the cycle's thread writes; allocates nothing.
-    pub(crate) fn write(&self, command: &Command) {
+    pub(super) fn write(&self, command: &Command) {
         let machine = command.machine();
         let version = self.version.load(Ordering::Relaxed);
         self.version.store(version + 1, Ordering::Relaxed);
@@ -52,12 +53,14 @@ impl Board {
     }
 
     /// How many cycles have been written.
-    pub(crate) fn cycles(&self) -> u64 {
+    #[must_use]
+    pub fn cycles(&self) -> u64 {
         self.version.load(Ordering::Acquire) / 2
     }
 
     /// All cells of one cycle; none before the first.
-    pub(crate) fn read(&self) -> Option<Vec<u64>> {
+    #[must_use]
+    pub fn read(&self) -> Option<Vec<u64>> {
         for _ in 0..TRIES {
             let before = self.version.load(Ordering::Acquire);
             if before == 0 {
@@ -73,19 +76,19 @@ impl Board {
         }
         None
     }
-}
 
-/// The exports one by one with what a board holds of them; `None` for an absent value.
-pub(crate) fn values<'a>(
-    exports: &'a [Export],
-    mut cells: &'a [u64],
-) -> impl Iterator<Item = (&'a Export, Option<&'a [u64]>)> {
-    exports.iter().map_while(move |export| {
-        let (own, rest) = cells.split_at_checked(size(export))?;
-        cells = rest;
-        let (present, value) = own.split_first()?;
-        Some((export, Some(value).filter(|_| *present != 0)))
-    })
+    /// The exports one by one with what was read of them; `None` for an absent value.
+    pub fn values<'a>(
+        exports: &'a [Export],
+        mut cells: &'a [u64],
+    ) -> impl Iterator<Item = (&'a Export, Option<&'a [u64]>)> {
+        exports.iter().map_while(move |export| {
+            let (own, rest) = cells.split_at_checked(size(export))?;
+            cells = rest;
+            let (present, value) = own.split_first()?;
+            Some((export, Some(value).filter(|_| *present != 0)))
+        })
+    }
 }
 
 fn size(export: &Export) -> usize {

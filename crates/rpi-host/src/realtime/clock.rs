@@ -7,6 +7,8 @@ use std::time::{Duration, Instant, SystemTime, UNIX_EPOCH};
 pub enum Pace {
     /// Nothing: tick after tick, with a logical clock that starts at 0.
     Simulated,
+    /// So many times as fast as real time, with a logical clock that starts at 0.
+    Faster(u32),
     /// Absolute deadlines on the monotonic clock.
     Real,
 }
@@ -14,40 +16,53 @@ pub enum Pace {
 /// Nanoseconds before a deadline from which on the clock is asked again and again instead of sleeping: longer than a
 /// usual timer is late.
 const SPIN_NS: u64 = 60_000;
+/// Further behind than this the deadlines are moved instead of caught up with: after a suspended machine, say.
+const BEHIND_NS: u64 = 1_000_000_000;
 
 /// A clock under way.
-pub(super) struct Clock {
+pub(crate) struct Clock {
     pace: Pace,
     tick_ns: u64,
     start: Instant,
-    /// Ticks by which all are put off.
-    put_off: u64,
-    /// Nanoseconds since the Unix epoch at the start; 0 on simulated time.
+    /// Nanoseconds by which all deadlines are put off.
+    put_off_ns: u64,
+    /// Nanoseconds since the Unix epoch at the start; 0 unless time is real.
     epoch_ns: i64,
 }
 
 impl Clock {
-    pub(super) fn start(pace: Pace, tick_ns: u64) -> Clock {
+    pub(crate) fn start(pace: Pace, tick_ns: u64) -> Clock {
         Clock {
             pace,
-            tick_ns,
+            tick_ns: tick_ns.max(1),
             start: Instant::now(),
-            put_off: 0,
+            put_off_ns: 0,
             epoch_ns: match pace {
-                Pace::Simulated => 0,
+                Pace::Simulated | Pace::Faster(_) => 0,
                 Pace::Real => now_ns(),
             },
         }
     }
 
+    pub(crate) fn tick_ns(&self) -> u64 {
+        self.tick_ns
+    }
+
     /// Waits until a tick is due; how late it is then, in nanoseconds. Never late on simulated time.
-    pub(super) fn wait(&self, tick: u64) -> u64 {
-        if self.pace == Pace::Simulated {
-            return 0;
-        }
-        let due = self
-            .tick_ns
-            .saturating_mul(tick.saturating_add(self.put_off));
+    pub(crate) fn wait(&mut self, tick: u64) -> u64 {
+        let times = match self.pace {
+            Pace::Simulated => return 0,
+            Pace::Real => 1,
+            Pace::Faster(times) => u64::from(times.max(1)),
+        };
+        let due = self.tick_ns.saturating_mul(tick) / times;
+        let late = self.until(due.saturating_add(self.put_off_ns));
+        self.put_off_ns += late.saturating_sub(BEHIND_NS);
+        late
+    }
+
+    /// Waits until so many nanoseconds have passed since the start; how many more have.
+    fn until(&self, due: u64) -> u64 {
         loop {
             let now = self.elapsed();
             match due.checked_sub(now) {
@@ -61,27 +76,29 @@ impl Clock {
     }
 
     /// Puts all later ticks off by so many periods.
-    pub(super) fn put_off(&mut self, periods: u64) {
-        self.put_off = self.put_off.saturating_add(periods);
+    pub(crate) fn put_off(&mut self, periods: u64) {
+        let more = periods.saturating_mul(self.tick_ns);
+        self.put_off_ns = self.put_off_ns.saturating_add(more);
     }
 
     /// Begins anew: tick 0 is due now.
-    pub(super) fn restart(&mut self) {
+    pub(crate) fn restart(&mut self) {
         *self = Clock::start(self.pace, self.tick_ns);
     }
 
-    /// How much later than the next tick is due it is after one that began so late and took so long, nanoseconds. Never on simulated time.
-    pub(super) fn overrun(&self, late: u64, took: u64) -> u64 {
+    /// How much later than the next tick is due it is after one that began so late and took so long, nanoseconds. Only on
+    /// real time.
+    pub(crate) fn overrun(&self, late: u64, took: u64) -> u64 {
         match self.pace {
-            Pace::Simulated => 0,
+            Pace::Simulated | Pace::Faster(_) => 0,
             Pace::Real => late.saturating_add(took).saturating_sub(self.tick_ns),
         }
     }
 
     /// The wall clock that the commands of a tick see, nanoseconds since the Unix epoch.
-    pub(super) fn wall_ns(&self, tick: u64) -> i64 {
+    pub(crate) fn wall_ns(&self, tick: u64) -> i64 {
         let since = match self.pace {
-            Pace::Simulated => self.tick_ns.saturating_mul(tick),
+            Pace::Simulated | Pace::Faster(_) => self.tick_ns.saturating_mul(tick),
             Pace::Real => self.elapsed(),
         };
         self.epoch_ns.saturating_add_unsigned(since)
@@ -103,15 +120,25 @@ mod tests {
 
     #[test]
     fn simulated_time_is_exact_and_never_late() {
-        let clock = Clock::start(Pace::Simulated, 1_000_000);
+        let mut clock = Clock::start(Pace::Simulated, 1_000_000);
         assert_eq!(clock.wait(1_000_000), 0);
         assert_eq!(clock.wall_ns(5), 5_000_000);
     }
 
     #[test]
     fn real_time_does_not_run_ahead_of_its_deadlines() {
-        let clock = Clock::start(Pace::Real, 2_000_000);
-        clock.wait(5);
+        for (pace, tick_ns) in [(Pace::Real, 2_000_000), (Pace::Faster(2), 4_000_000)] {
+            let mut clock = Clock::start(pace, tick_ns);
+            clock.wait(5);
+            assert!(clock.start.elapsed() >= Duration::from_millis(10));
+        }
+    }
+
+    #[test]
+    fn what_is_put_off_is_due_later() {
+        let mut clock = Clock::start(Pace::Real, 2_000_000);
+        clock.put_off(5);
+        clock.wait(0);
         assert!(clock.start.elapsed() >= Duration::from_millis(10));
     }
 }

@@ -1,0 +1,66 @@
+//! The beat of a cycle: waits for each tick, measures it, says what becomes of the next ones.
+
+use std::time::Instant;
+
+use super::clock::{Clock, Pace};
+use super::figures::{Figures, Meter};
+use super::overrun::{OverrunPolicy, Verdict};
+
+/// A beat under way: [`Beat::wait`], the tick's work, [`Beat::over`], and again. Neither allocates.
+pub struct Beat {
+    clock: Clock,
+    meter: Meter,
+    policy: OverrunPolicy,
+    /// How late the present tick began, nanoseconds, and when.
+    late: u64,
+    begin: Instant,
+}
+
+impl Beat {
+    /// Tick 0, of a length in nanoseconds, is due now.
+    #[must_use]
+    pub fn start(pace: Pace, tick_ns: u64, policy: OverrunPolicy) -> Beat {
+        Beat {
+            clock: Clock::start(pace, tick_ns),
+            meter: Meter::new(pace == Pace::Real),
+            policy,
+            late: 0,
+            begin: Instant::now(),
+        }
+    }
+
+    /// Begins anew: tick 0 is due now.
+    pub fn restart(&mut self) {
+        self.clock.restart();
+    }
+
+    /// Waits until a tick is due; the wall clock that its commands see, nanoseconds since the Unix epoch.
+    pub fn wait(&mut self, tick: u64) -> i64 {
+        self.late = self.clock.wait(tick);
+        self.begin = Instant::now();
+        self.clock.wall_ns(tick)
+    }
+
+    /// The tick's work is done. True if it took too long, once too often: then every command is to be ended.
+    #[must_use]
+    pub fn over(&mut self, tick: u64) -> bool {
+        let took = u64::try_from(self.begin.elapsed().as_nanos()).unwrap_or(u64::MAX);
+        self.meter.record(took, self.late);
+        let over = self.clock.overrun(self.late, took);
+        let overruns = &mut self.meter.overruns;
+        match overruns.judge(tick, over, self.clock.tick_ns(), self.policy) {
+            Verdict::GoOn => false,
+            Verdict::PutOff(periods) => {
+                self.clock.put_off(periods);
+                false
+            }
+            Verdict::Stop => true,
+        }
+    }
+
+    /// What was measured so far.
+    #[must_use]
+    pub fn figures(&self) -> Figures {
+        self.meter.figures()
+    }
+}
