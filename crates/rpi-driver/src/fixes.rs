@@ -5,7 +5,8 @@ use crate::modules::{library_modules, library_path};
 use rpi_diag::{Edit, Finding, Fix, SourceMap, Span};
 use rpi_sema::Checked;
 use rpi_sema::ty::Ty;
-use rpi_sema::typed::Kind;
+use rpi_sema::typed::{Expr, Kind};
+use std::cell::OnceCell;
 
 /// How passes begin the text of a first value, by machine type.
 const PLAIN: &[&str] = &["0.0 -> ", "0 -> ", "false -> "];
@@ -13,8 +14,40 @@ const PLAIN: &[&str] = &["0.0 -> ", "0 -> ", "false -> "];
 /// Gives the first values in the fixes of findings the type of what they stand before; a first value of a type without
 /// literals is left to the writer.
 pub(crate) fn typed(findings: &mut [Finding], checked: &Checked) {
+    let places = Places::of(checked);
     let fixes = findings.iter_mut().flat_map(|finding| &mut finding.fixes);
-    fixes.for_each(|fix| type_fix(fix, checked));
+    fixes.for_each(|fix| type_fix(fix, &places));
+}
+
+/// The expressions of a program by their places, put in order when one is looked for.
+struct Places<'c> {
+    checked: &'c Checked,
+    sorted: OnceCell<Vec<&'c Expr>>,
+}
+
+impl<'c> Places<'c> {
+    fn of(checked: &'c Checked) -> Places<'c> {
+        let sorted = OnceCell::new();
+        Places { checked, sorted }
+    }
+
+    fn sorted(&self) -> &[&'c Expr] {
+        self.sorted.get_or_init(|| {
+            let units = self.checked.units.iter();
+            let mut exprs: Vec<&Expr> = units.flat_map(|unit| &unit.exprs).collect();
+            exprs.sort_by_key(|expr| expr.span);
+            exprs
+        })
+    }
+
+    /// Those that begin at a place, the shortest first.
+    fn starting(&self, place: Span) -> impl Iterator<Item = &'c Expr> {
+        let start = |span: Span| (span.file, span.start);
+        let sorted = self.sorted();
+        let first = sorted.partition_point(|expr| start(expr.span) < start(place));
+        let here = sorted[first..].iter().copied();
+        here.take_while(move |expr| start(expr.span) == start(place))
+    }
 }
 
 /// Takes out the fixes that would change the standard library, which is part of the compiler.
@@ -28,31 +61,30 @@ pub(crate) fn of_the_program(findings: &mut [Finding], sources: &SourceMap) {
     }
 }
 
-fn type_fix(fix: &mut Fix, checked: &Checked) {
+fn type_fix(fix: &mut Fix, places: &Places<'_>) {
     for pair in fix.edits.chunks_mut(2) {
         if let [before, after] = pair {
-            bare_name(before, after, checked);
+            bare_name(before, after, places);
         }
     }
     let insertions = fix.edits.iter_mut().filter(|edit| edit.span.is_empty());
-    insertions.for_each(|edit| type_edit(edit, checked));
+    insertions.for_each(|edit| type_edit(edit, places));
 }
 
 /// `pre x` for `pre (x)`, where what is delayed is nothing but a name.
-fn bare_name(before: &mut Edit, after: &mut Edit, checked: &Checked) {
+fn bare_name(before: &mut Edit, after: &mut Edit, places: &Places<'_>) {
     let (Some(head), Some(tail)) = (before.text.strip_suffix('('), after.text.strip_prefix(')'))
     else {
         return;
     };
     let whole = before.span.merge(after.span);
-    let exprs = checked.units.iter().flat_map(|unit| &unit.exprs);
-    let mut here = exprs.filter(|expr| expr.span == whole);
+    let mut here = places.starting(whole).filter(|expr| expr.span == whole);
     if here.any(|expr| matches!(expr.kind, Kind::Flow(_))) {
         (before.text, after.text) = (head.to_owned(), tail.to_owned());
     }
 }
 
-fn type_edit(edit: &mut Edit, checked: &Checked) {
+fn type_edit(edit: &mut Edit, places: &Places<'_>) {
     let (open, rest) = match edit.text.strip_prefix('(') {
         Some(rest) => ("(", rest),
         None => ("", edit.text.as_str()),
@@ -60,19 +92,18 @@ fn type_edit(edit: &mut Edit, checked: &Checked) {
     let Some(behind) = PLAIN.iter().find_map(|plain| rest.strip_prefix(plain)) else {
         return;
     };
-    let Some(ty) = type_at(edit.span, checked) else {
+    let Some(ty) = type_at(edit.span, places) else {
         return;
     };
     let first = neutral(ty).map_or_else(String::new, |value| format!("{value} -> "));
     edit.text = format!("{open}{first}{behind}");
 }
 
-/// The type of the outermost expression that begins at a place.
-fn type_at(place: Span, checked: &Checked) -> Option<&Ty> {
-    let exprs = checked.units.iter().flat_map(|unit| &unit.exprs);
-    let here = exprs.filter(|expr| expr.span.file == place.file && expr.span.start == place.start);
-    let delay = here.filter(|expr| !expr.ty.has_unknown());
-    delay.min_by_key(|expr| expr.span.end).map(|expr| &expr.ty)
+/// The type of the shortest expression that begins at a place, as far as its type is known.
+fn type_at<'c>(place: Span, places: &Places<'c>) -> Option<&'c Ty> {
+    let mut here = places.starting(place);
+    let known = here.find(|expr| !expr.ty.has_unknown());
+    known.map(|expr| &expr.ty)
 }
 
 /// A value of a type as it is written, nothing in the sense of addition where there is one.

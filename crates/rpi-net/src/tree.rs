@@ -81,7 +81,8 @@ impl Tree {
         let children = self.children(fragment).iter();
         let children = children.map(|f| (self.first[f.index()], Item::Fragment(*f)));
         let mut items: Vec<(u32, Item)> = nodes.chain(children).collect();
-        items.sort_unstable();
+        // Two rows in order: the stable sort merges them in one go.
+        items.sort();
         items.into_iter().map(|(_, item)| item).collect()
     }
 

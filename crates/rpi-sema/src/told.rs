@@ -48,10 +48,11 @@ fn dimensions(units: &[&Unit]) -> String {
             reals += 1;
             if !dim.is_plain() {
                 with_unit += 1;
-                known.insert(dim.to_string());
+                known.insert(*dim);
             }
         }
     }
+    let known: BTreeSet<String> = known.iter().map(ToString::to_string).collect();
     let known: Vec<String> = known.into_iter().collect();
     match known.is_empty() {
         true => format!("{reals} real expressions, none with a unit"),

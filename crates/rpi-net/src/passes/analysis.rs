@@ -182,6 +182,15 @@ pub const PASSES: &[Pass] = &[
     },
 ];
 
+/// Whether something in a net depends on itself within a cycle.
+#[must_use]
+pub fn has_ring(net: &Net) -> bool {
+    let dependencies = Dependencies::new(net, &Tree::new(net));
+    // A delay that is added to an imported net may break what looks like one.
+    Schedule::new(&dependencies).is_none()
+        && analyse(net.clone(), |_| false).is_ok_and(|analysis| analysis.schedule.is_none())
+}
+
 /// Runs all passes over a net. `forced` names ports that count as optional whatever their rule says: those on which a
 /// replay may force an absent value.
 ///

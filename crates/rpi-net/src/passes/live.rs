@@ -59,39 +59,37 @@ fn conditions(net: &Net, id: FragmentId) -> impl Iterator<Item = NodeId> {
 /// A warning for each named flow of a program that nothing reads, in any of its instances, and that no fragment gives
 /// out. Names that begin with `_` are meant so.
 pub(crate) fn check(net: &Net, live: &[bool]) -> Vec<Finding> {
-    if net.nodes.iter().all(|n| n.origin.flow.is_none()) {
+    let used = used(net, live);
+    // What is set from outside is not computed here, whoever reads it.
+    let dead = net.nodes.iter().zip(&used);
+    let dead = dead.filter(|(node, used)| !**used && node.desc().role != Role::Input);
+    let dead = dead.filter_map(|(n, _)| Some((n.origin.span, n.origin.flow.as_deref()?)));
+    let mut dead: Vec<(Span, &str)> = dead
+        .filter(|(span, name)| !span.is_none() && !name.starts_with('_'))
+        .collect();
+    if dead.is_empty() {
         return Vec::new();
     }
-    let used = used(net, live);
+    let elsewhere = net.nodes.iter().zip(&used).filter(|(_, used)| **used);
+    let mut elsewhere: Vec<Span> = elsewhere.map(|(node, _)| node.origin.span).collect();
+    elsewhere.sort_unstable();
+    dead.retain(|(span, _)| elsewhere.binary_search(span).is_err());
     let mut reported: BTreeSet<Span> = BTreeSet::new();
-    // What is set from outside is not computed here, whoever reads it.
-    let computed = net.nodes.iter().filter(|n| n.desc().role != Role::Input);
-    let flows = computed.filter_map(|n| Some((n.origin.span, n.origin.flow.as_deref()?)));
-    let dead = flows
-        .filter(|(span, name)| !span.is_none() && !name.starts_with('_') && !used.contains(span));
-    dead.filter(|(span, _)| reported.insert(*span))
-        .map(finding)
-        .collect()
+    dead.retain(|(span, _)| reported.insert(*span));
+    dead.into_iter().map(finding).collect()
 }
 
-/// Places of flows that are live, read by another flow or given out in some instance.
-fn used(net: &Net, live: &[bool]) -> BTreeSet<Span> {
-    let is_live = net.node_ids().filter(|id| live[id.index()]);
-    let read = net
-        .nodes
-        .iter()
-        .flat_map(|n| &n.inputs)
-        .filter_map(|i| Some(i.port()?.node));
-    let given = net
-        .fragments
-        .iter()
-        .flat_map(|f| f.inputs.iter().chain(&f.outputs));
-    let given = given.filter_map(|p| Some(p.source.port()?.node));
-    is_live
-        .chain(read)
-        .chain(given)
-        .map(|id| net.node(id).origin.span)
-        .collect()
+/// For each node whether it is live, read by another or given out by a fragment.
+fn used(net: &Net, live: &[bool]) -> Vec<bool> {
+    let mut used = live.to_vec();
+    let read = net.nodes.iter().flat_map(|node| &node.inputs);
+    let given = net.fragments.iter();
+    let given = given.flat_map(|f| f.inputs.iter().chain(&f.outputs));
+    let given = given.map(|port| &port.source);
+    for port in read.chain(given).filter_map(Input::port) {
+        used[port.node.index()] = true;
+    }
+    used
 }
 
 fn finding((span, name): (Span, &str)) -> Finding {

@@ -18,7 +18,7 @@ pub mod work;
 pub mod writers;
 
 pub use crate::tree::Item;
-pub use analysis::{Analysis, PASSES, Pass, analyse};
+pub use analysis::{Analysis, PASSES, Pass, analyse, has_ring};
 pub use dependencies::{Dependence, Dependencies, Reader};
 pub use presence::{Presences, Sureness, View};
 pub use schedule::Schedule;

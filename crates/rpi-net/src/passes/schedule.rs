@@ -86,15 +86,23 @@ pub fn verify(
     dependencies: &Dependencies,
     schedule: &Schedule,
 ) -> Result<(), Violation> {
+    let mut places = Places::new(net);
     for fragment in net.fragment_ids() {
         let graph = dependencies.graph(fragment);
-        let place = places(net, fragment, graph, schedule)?;
+        let items = schedule.items(fragment);
+        places.fill(items);
+        let all = graph.node_weights().all(|item| places.holds(items, *item));
+        if !all || graph.node_count() != items.len() {
+            let name = net.path(fragment, "");
+            return Err(Violation::new(format!(
+                "schedule: items missing or doubled in `{name}`"
+            )));
+        }
         for edge in graph.edge_references() {
-            if place[edge.source().index()] >= place[edge.target().index()] {
+            let (source, target) = (graph[edge.source()], graph[edge.target()]);
+            if places.of(source) >= places.of(target) {
                 return Err(Violation::new(format!(
-                    "schedule: {:?} comes before {:?} which it reads",
-                    graph[edge.target()],
-                    graph[edge.source()]
+                    "schedule: {target:?} comes before {source:?} which it reads"
                 )));
             }
         }
@@ -102,23 +110,38 @@ pub fn verify(
     Ok(())
 }
 
-/// For each vertex its place in the order.
-fn places(
-    net: &Net,
-    fragment: FragmentId,
-    graph: &Graph,
-    schedule: &Schedule,
-) -> Result<Vec<usize>, Violation> {
-    let items = schedule.items(fragment);
-    let mut sorted: Vec<(Item, usize)> = items.iter().copied().zip(0..).collect();
-    sorted.sort_unstable();
-    let place = |item: Item| {
-        let at = sorted.binary_search_by_key(&item, |(i, _)| *i).ok()?;
-        Some(sorted[at].1)
-    };
-    let places: Option<Vec<usize>> = graph.node_weights().map(|i| place(*i)).collect();
-    places.filter(|p| p.len() == items.len()).ok_or_else(|| {
-        let name = net.path(fragment, "");
-        Violation::new(format!("schedule: items missing or doubled in `{name}`"))
-    })
+/// For each item of a net its place in the order of its fragment.
+struct Places {
+    nodes: Vec<usize>,
+    fragments: Vec<usize>,
+}
+
+impl Places {
+    fn new(net: &Net) -> Self {
+        Places {
+            nodes: vec![usize::MAX; net.nodes.len()],
+            fragments: vec![usize::MAX; net.fragments.len()],
+        }
+    }
+
+    fn fill(&mut self, items: &[Item]) {
+        for (at, item) in items.iter().enumerate() {
+            match item {
+                Item::Node(n) => self.nodes[n.index()] = at,
+                Item::Fragment(f) => self.fragments[f.index()] = at,
+            }
+        }
+    }
+
+    fn of(&self, item: Item) -> usize {
+        match item {
+            Item::Node(n) => self.nodes[n.index()],
+            Item::Fragment(f) => self.fragments[f.index()],
+        }
+    }
+
+    /// Whether the item stands among these, where it is said to.
+    fn holds(&self, items: &[Item], item: Item) -> bool {
+        items.get(self.of(item)) == Some(&item)
+    }
 }

@@ -123,12 +123,12 @@ impl<'u, 'a> Job<'u, 'a> {
     /// flows themselves do not have, it is taken apart as far as needed.
     fn net(&self) -> Elaborated {
         let (together, has_clocks) = self.run(Mode::Net, Sampled::Together);
-        if !has_clocks || !has_ring(&together.net) {
+        if !has_clocks || !rpi_net::passes::has_ring(&together.net) {
             return together;
         }
         let others = [Sampled::Apart, Sampled::DelaysBeside];
         let mut others = others.iter().map(|how| self.run(Mode::Net, *how).0);
-        let apart = others.find(|made| !has_ring(&made.net));
+        let apart = others.find(|made| !rpi_net::passes::has_ring(&made.net));
         apart.unwrap_or(together)
     }
 
@@ -171,11 +171,6 @@ impl<'u, 'a> Job<'u, 'a> {
         };
         (elaborated, !elab.clocks.is_empty())
     }
-}
-
-fn has_ring(net: &Net) -> bool {
-    let analysis = rpi_net::passes::analyse(net.clone(), |_| false);
-    analysis.is_ok_and(|analysis| analysis.schedule.is_none())
 }
 
 impl<'u> Elab<'u> {

@@ -9,11 +9,13 @@
 //!
 //! | file | idea |
 //! |---|---|
+//! | `glance.rs` | a first look, which most nets pass |
 //! | `known.rs` | what is known of a flow in one phase |
 //! | `phases.rs` | the first cycles of a fragment, and those of the one around it |
 //! | `rules.rs` | what each kind of primitive makes of it |
 //! | `order.rs`, `solve.rs` | the least solution |
 
+mod glance;
 mod known;
 mod order;
 mod phases;
@@ -35,7 +37,7 @@ use solve::Solution;
 #[must_use]
 pub fn check(net: &Net) -> Vec<Finding> {
     let rules = rules::rules(net);
-    if !rules.contains(&Rule::Delay) {
+    if !rules.contains(&Rule::Delay) || !glance::doubts(net, &rules, sinks(net)) {
         return Vec::new();
     }
     let given: Vec<PortRef> = asserted(net).chain(given(net)).collect();
@@ -122,16 +124,6 @@ fn read_early(solution: &Solution<'_>) -> Vec<NodeId> {
             roots.extend(root(&solution.seen(port, from, phase).known));
         }
     }
-    for id in net.node_ids() {
-        let node = net.node(id);
-        if !matches!(node.desc().role, Role::Actuator(_) | Role::Export) {
-            continue;
-        }
-        for (input, phase) in (0..node.inputs.len()).flat_map(|k| (0..PHASES).map(move |p| (k, p)))
-        {
-            roots.extend(root(&solution.input(id, input, phase).known));
-        }
-    }
     roots.sort_unstable();
     roots.dedup();
     roots
@@ -144,7 +136,7 @@ fn root(known: &Known) -> Option<NodeId> {
     }
 }
 
-/// What leaves the net, or decides what is active in it, and the fragment that looks at it.
+/// What leaves the net, or decides what is active in it, each with the fragment that looks at it.
 fn sinks(net: &Net) -> impl Iterator<Item = (PortRef, FragmentId)> + '_ {
     let own = |port: PortRef| (port, net.node(port.node).fragment);
     // What a claim reads is only looked at.
@@ -164,7 +156,13 @@ fn sinks(net: &Net) -> impl Iterator<Item = (PortRef, FragmentId)> + '_ {
             Activation::When { condition, .. } => Some((condition, fragment.parent?)),
             Activation::Always => None,
         });
-    exports.chain(results).chain(activations)
+    let leaving = net.nodes.iter();
+    let leaving = leaving.filter(|n| matches!(n.desc().role, Role::Actuator(_) | Role::Export));
+    let leaving = leaving.flat_map(|node| {
+        let ports = node.inputs.iter().filter_map(Input::port);
+        ports.map(move |port| (port, node.fragment))
+    });
+    exports.chain(results).chain(activations).chain(leaving)
 }
 
 /// The delays without a first value in the equation of one flow.

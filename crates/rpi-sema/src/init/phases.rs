@@ -25,6 +25,15 @@ impl PhaseSet {
         PhaseSet(self.0 | other.0)
     }
 
+    pub(super) fn and(self, other: PhaseSet) -> PhaseSet {
+        PhaseSet(self.0 & other.0)
+    }
+
+    /// The phases that are not in it.
+    pub(super) fn others(self) -> PhaseSet {
+        PhaseSet(!self.0 & ((1 << PHASES) - 1))
+    }
+
     pub(super) fn meets(self, other: PhaseSet) -> bool {
         self.0 & other.0 != 0
     }

@@ -5,7 +5,7 @@ use super::phases::Active;
 use super::solve::{Seen, Solution, before};
 use crate::hash::Map;
 use rpi_image::{Presence, PrimDesc, Role, Value};
-use rpi_net::{Net, Node, NodeId, PortRef};
+use rpi_net::{Input, Net, Node, NodeId, PortRef};
 use rpi_prims::{PrimId, fold};
 use std::rc::Rc;
 
@@ -56,6 +56,15 @@ pub(super) fn rules(net: &Net) -> Vec<Rule> {
             .or_insert_with(|| of_prim(node.desc()))
     };
     nodes.map(rule).collect()
+}
+
+/// Whether a choice is one by `first` of its own fragment.
+pub(super) fn is_by_first(net: &Net, rules: &[Rule], choice: NodeId) -> bool {
+    let node = net.node(choice);
+    let condition = node.inputs.first().and_then(Input::port);
+    condition.is_some_and(|port| {
+        rules[port.node.index()] == Rule::First && net.node(port.node).fragment == node.fragment
+    })
 }
 
 /// The rule of a node's primitive.

@@ -2,7 +2,7 @@
 
 use super::known::{Condition, Known};
 use super::phases::{Active, PHASES, PerPhase, PhaseSet, REST, parents};
-use super::rules::Rule;
+use super::rules::{Rule, is_by_first};
 use rpi_image::Value;
 use rpi_net::{Activation, FragmentId, Input, Net, NodeId, PortRef, Restart};
 
@@ -219,10 +219,12 @@ impl<'n> Solution<'n> {
                 self.claimed.push((port.node, phase, value));
                 let inputs = match (self.rules[port.node.index()], value) {
                     (Rule::And, true) | (Rule::Or, false) => &node.inputs[..],
-                    (Rule::Choice, _) if self.is_first(port.node) => match phase {
-                        0 => &node.inputs[1..2],
-                        _ => &node.inputs[2..3],
-                    },
+                    (Rule::Choice, _) if is_by_first(self.net, &self.rules, port.node) => {
+                        match phase {
+                            0 => &node.inputs[1..2],
+                            _ => &node.inputs[2..3],
+                        }
+                    }
                     _ => &[],
                 };
                 let inner = inputs.iter().filter_map(Input::port);
@@ -235,16 +237,6 @@ impl<'n> Solution<'n> {
         }
         self.claimed.sort_unstable();
         self.claimed.dedup();
-    }
-
-    /// Whether a choice is one by `first` of its own fragment.
-    fn is_first(&self, choice: NodeId) -> bool {
-        let node = self.net.node(choice);
-        let condition = node.inputs[0].port();
-        condition.is_some_and(|port| {
-            self.rules[port.node.index()] == Rule::First
-                && self.net.node(port.node).fragment == node.fragment
-        })
     }
 
     fn forced(&self, id: NodeId, phase: usize, known: Known) -> Known {

@@ -34,7 +34,8 @@ impl Ratio {
     /// A whole number, if it fits.
     #[must_use]
     pub fn whole(value: i32) -> Option<Ratio> {
-        Ratio::new(value, 1)
+        let num = i8::try_from(value).ok()?;
+        Some(Ratio { num, den: 1 })
     }
 
     /// The ratio that a real is, if it is one with a small denominator.
@@ -50,6 +51,10 @@ impl Ratio {
     /// Sum, if it fits.
     #[must_use]
     pub fn plus(self, other: Ratio) -> Option<Ratio> {
+        if self.den == 1 && other.den == 1 {
+            let num = self.num.checked_add(other.num)?;
+            return Some(Ratio { num, den: 1 });
+        }
         let (a, b) = (self.wide(), other.wide());
         Ratio::new(a.0 * b.1 + b.0 * a.1, a.1 * b.1)
     }
@@ -57,6 +62,10 @@ impl Ratio {
     /// Product, if it fits.
     #[must_use]
     pub fn times(self, other: Ratio) -> Option<Ratio> {
+        if self.den == 1 && other.den == 1 {
+            let num = self.num.checked_mul(other.num)?;
+            return Some(Ratio { num, den: 1 });
+        }
         let (a, b) = (self.wide(), other.wide());
         Ratio::new(a.0 * b.0, a.1 * b.1)
     }
