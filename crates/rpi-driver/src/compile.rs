@@ -16,7 +16,7 @@ use crate::files::Disk;
 use crate::input::{Input, InputError, Kind};
 use crate::modules::Modules;
 use crate::source::{self, Told};
-use crate::task::{self, Task};
+use crate::task::Task;
 use crate::tests::Test;
 use crate::violation;
 
@@ -71,7 +71,7 @@ fn program(input: &Input, text: &str, claims: Claims) -> Compiled {
     let (name, path) = (input.stem(), display(&input.path));
     let modules = program_text(input, &name, &path, text).modules(&mut sources);
     let mode = Mode::of_path(&path);
-    let (mut built, _) = source::build_modules(&modules, claims);
+    let (mut built, _) = source::build_modules(&modules, &sources, claims);
     let links = doctext::broken_links(&sources, mode, &|| modules.index());
     built.findings.extend(links);
     let mut findings = built.findings;
@@ -82,7 +82,7 @@ fn program(input: &Input, text: &str, claims: Claims) -> Compiled {
         program: Program::Nets(built.nets),
         tests: built.tests,
         told: built.told,
-        tasks: modules.own().map(task::tasks).unwrap_or_default(),
+        tasks: built.tasks,
     }
 }
 
@@ -98,14 +98,14 @@ pub fn compile_example(input: &Input, lines: &[Range<usize>]) -> Result<Compiled
     let around = program_text(input, &name, &path, text);
     let mut sources = SourceMap::new();
     let modules = Modules::load_example(&example, &around, &Disk, &mut sources);
-    let (built, _) = source::build_modules(&modules, Claims::Report);
+    let (built, _) = source::build_modules(&modules, &sources, Claims::Report);
     Ok(Compiled {
         sources,
         findings: built.findings,
         program: Program::Nets(built.nets),
         tests: built.tests,
         told: built.told,
-        tasks: Vec::new(),
+        tasks: built.tasks,
     })
 }
 

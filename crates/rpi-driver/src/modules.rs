@@ -93,20 +93,10 @@ impl Modules {
         loader.finish(mode)
     }
 
-    /// The program's own text.
-    pub(crate) fn own(&self) -> Option<&File> {
-        self.modules.first()?.files.first()
-    }
-
     /// All declarations of all files.
     pub(crate) fn items(&self) -> impl Iterator<Item = &Item> {
         let files = self.modules.iter().flat_map(|module| &module.files);
         files.flat_map(|file| &file.items)
-    }
-
-    /// The first file of the first module.
-    pub(crate) fn own_file(&self) -> Option<&File> {
-        self.modules.first()?.files.first()
     }
 
     /// The declarations of the first module.

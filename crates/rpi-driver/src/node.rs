@@ -62,7 +62,7 @@ pub fn compile_node(
     let (stem, path, text) = (input.stem(), display(&input.path), input.text()?);
     let mut sources = SourceMap::new();
     let modules = program_text(input, &stem, &path, text).modules(&mut sources);
-    let (made, findings, _) = source::with_front(&modules, |front, findings| {
+    let (made, findings, _) = source::with_front(&modules, &sources, |front, findings| {
         let unit = chosen(front, name, &marked(text, &path), &stem)?;
         let elaborated = elaborate_alone(
             &front.checked.units,

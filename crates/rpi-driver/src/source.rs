@@ -15,7 +15,7 @@ use rpi_sema::{Checked, check};
 
 use crate::files::Disk;
 use crate::modules::Modules;
-use crate::task::{self, Instance};
+use crate::task::{self, Instance, Task};
 use crate::tests::{Test, branches, fragments};
 use crate::unwanted;
 use crate::violation;
@@ -30,6 +30,8 @@ pub(crate) struct Built {
     pub(crate) findings: Vec<Finding>,
     /// What was established.
     pub(crate) told: Vec<Told>,
+    /// Its tasks, in the order of the text.
+    pub(crate) tasks: Vec<Task>,
 }
 
 /// A program as a file gives it.
@@ -55,6 +57,7 @@ impl Text<'_> {
 pub(crate) struct Front<'p> {
     pub(crate) program: &'p Program<'p>,
     pub(crate) checked: &'p Checked,
+    pub(crate) sources: &'p SourceMap,
     pub(crate) facts: &'p [Facts],
     pub(crate) machine: Machine,
     /// What was found out about each unit so far.
@@ -71,16 +74,19 @@ pub struct Told {
 }
 
 /// Takes parsed modules through all other stages; in what can be run claims are as asked for. What the checker made of them is kept for who wants to look at it.
-pub(crate) fn build_modules(modules: &Modules, claims: Claims) -> (Built, Checked) {
-    let instances = modules.own_file().map(task::instances).unwrap_or_default();
-    let back =
-        |front: &Front<'_>, findings: &mut Vec<Finding>| roots(front, &instances, claims, findings);
-    let (roots, findings, checked) = with_front(modules, back);
+pub(crate) fn build_modules(
+    modules: &Modules,
+    sources: &SourceMap,
+    claims: Claims,
+) -> (Built, Checked) {
+    let back = |front: &Front<'_>, findings: &mut Vec<Finding>| roots(front, claims, findings);
+    let (roots, findings, checked) = with_front(modules, sources, back);
     let roots = roots.unwrap_or_default();
     let built = Built {
         nets: roots.nets,
         tests: roots.tests,
         told: roots.told,
+        tasks: roots.tasks,
         findings,
     };
     (built, checked)
@@ -89,6 +95,7 @@ pub(crate) fn build_modules(modules: &Modules, claims: Claims) -> (Built, Checke
 /// Checks parsed modules and, if nothing is wrong with them, hands them to what makes nets of them.
 pub(crate) fn with_front<T>(
     modules: &Modules,
+    sources: &SourceMap,
     back: impl FnOnce(&Front<'_>, &mut Vec<Finding>) -> T,
 ) -> (Option<T>, Vec<Finding>, Checked) {
     let texts = modules.sources();
@@ -107,6 +114,7 @@ pub(crate) fn with_front<T>(
     let front = Front {
         program: &program,
         checked: &checked,
+        sources,
         facts: &facts,
         machine: modules.machine,
         told: RefCell::default(),
@@ -128,19 +136,19 @@ struct Roots {
     nets: Vec<Net>,
     tests: Vec<Test>,
     told: Vec<Told>,
+    tasks: Vec<Task>,
 }
 
-fn roots(
-    front: &Front<'_>,
-    instances: &[Instance],
-    claims: Claims,
-    findings: &mut Vec<Finding>,
-) -> Roots {
+fn roots(front: &Front<'_>, claims: Claims, findings: &mut Vec<Finding>) -> Roots {
     let checked = front.checked;
     let called = called(checked);
     let mut roots = Roots::default();
     for (_, unit) in &checked.runnable {
         let kind = checked.unit(*unit).kind;
+        if kind == UnitKind::Task {
+            front.tell_task(*unit);
+            continue;
+        }
         if !kind.is_root() && called.contains(unit) {
             continue;
         }
@@ -156,11 +164,13 @@ fn roots(
             (UnitKind::Test, Some(made)) => roots.tests.push(test(checked.unit(*unit), made)),
             _ => {}
         }
-        let name = &checked.unit(*unit).name;
-        let of_unit = instances.iter().filter(|i| i.command == name.as_str());
-        let nets = of_unit.filter_map(|i| instance(front, *unit, i, claims, findings));
-        roots.nets.extend(nets);
     }
+    let (tasks, instances) = task::tasks(front);
+    let nets = instances
+        .into_iter()
+        .filter_map(|i| instance(front, i, claims, findings));
+    roots.nets.extend(nets);
+    roots.tasks = tasks;
     roots.told = front.told.take();
     roots
 }
@@ -168,23 +178,15 @@ fn roots(
 /// The net of a command for the arguments that a task gives it.
 fn instance(
     front: &Front<'_>,
-    unit: UnitId,
-    instance: &Instance,
+    instance: Instance,
     claims: Claims,
     findings: &mut Vec<Finding>,
 ) -> Option<Net> {
-    let of = front.checked.unit(unit);
-    let params = rpi_sema::elab::parameters(of).into_iter();
-    let args = params.zip(&instance.args).map(|(id, name)| {
-        let flow = of.flow(id);
-        front.checked.argument_called(front.program, flow, name)
-    });
-    let args: Vec<Argument> = args.collect();
+    let Instance { name, unit, args } = instance;
     let made = one(front, unit, &args, findings)?;
-    if args.contains(&Argument::Unknown) {
-        return None;
+    if let Some(told) = front.told.borrow_mut().last_mut() {
+        told.name.clone_from(&name);
     }
-    let name = instance.name();
     let made = with_claims(front, unit, &args, made, claims);
     Some(Net { name, ..made.net })
 }
@@ -267,6 +269,13 @@ pub(crate) fn analysed(
 }
 
 impl Front<'_> {
+    /// Keeps what was found out about a task.
+    fn tell_task(&self, unit: UnitId) {
+        let lines = rpi_sema::told(&self.checked.units, unit);
+        let name = self.checked.unit(unit).name.to_string();
+        self.told.borrow_mut().push(Told { name, lines });
+    }
+
     /// Keeps what was found out about a unit.
     fn tell(&self, unit: UnitId, analysis: &Analysis, made: &Elaborated) {
         let mut lines = rpi_sema::told(&self.checked.units, unit);

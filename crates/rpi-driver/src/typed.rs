@@ -36,7 +36,7 @@ pub fn typed(input: &Input) -> Result<Result<Typed, Vec<Finding>>, InputError> {
     let (stem, path, text) = (input.stem(), display(&input.path), input.text()?);
     let mut sources = SourceMap::new();
     let modules = program_text(input, &stem, &path, text).modules(&mut sources);
-    let (known, findings, checked) = source::with_front(&modules, |front, _| {
+    let (known, findings, checked) = source::with_front(&modules, &sources, |front, _| {
         let name = |decl| front.program.decl(decl).name.to_string();
         let runnable = front.checked.runnable.iter();
         let runnable = runnable.map(|(decl, unit)| (name(*decl), *unit)).collect();

@@ -1,7 +1,8 @@
 //! What the checker established about a unit, in words: for whoever asks what was looked at and found to be right.
 
 use crate::ty::Ty;
-use crate::typed::{Expr, ExprId, Kind, Unit, UnitId};
+use crate::typed::{BlockId, Expr, ExprId, Kind, Unit, UnitId, UnitKind};
+use rpi_syntax::ast::EndKind;
 use std::collections::BTreeSet;
 
 /// Primitives that divide integers.
@@ -10,6 +11,9 @@ const DIVISIONS: [&str; 2] = ["Core::IntDivide", "Rpi::IntModulo"];
 /// The checker's analyses of a unit and all that it calls, each with a line.
 #[must_use]
 pub fn told(units: &[Unit], id: UnitId) -> Vec<(&'static str, String)> {
+    if units[id.0 as usize].kind == UnitKind::Task {
+        return task(units, &units[id.0 as usize]);
+    }
     let all = reached(units, id);
     let all: Vec<&Unit> = all.iter().map(|id| &units[id.0 as usize]).collect();
     vec![
@@ -17,6 +21,35 @@ pub fn told(units: &[Unit], id: UnitId) -> Vec<(&'static str, String)> {
         ("clocks", clocks(&all)),
         ("bounds", bounds(&all)),
         ("division", divisions(&all)),
+    ]
+}
+
+/// What was established of a task.
+fn task(units: &[Unit], task: &Unit) -> Vec<(&'static str, String)> {
+    let run = task.steps.iter().map(|step| &units[step.unit.0 as usize]);
+    let commands: Vec<&Unit> = run.filter(|unit| unit.kind == UnitKind::Command).collect();
+    let ends = commands
+        .iter()
+        .flat_map(|unit| &unit.block(BlockId::ROOT).ends);
+    let count = |kind: EndKind| ends.clone().filter(|end| end.kind == kind).count();
+    let [finish, give, fail] = [EndKind::Finish, EndKind::Yield, EndKind::Fail].map(count);
+    let (steps, run) = (task.steps.len(), commands.len());
+    vec![
+        (
+            "arguments",
+            format!("{steps} steps are given what they take"),
+        ),
+        (
+            "branches",
+            format!(
+                "{run} steps run commands, which end in {} ways: each leads somewhere",
+                finish + give + fail
+            ),
+        ),
+        (
+            "takeover",
+            format!("{give} times a command may leave a device moving: who follows drives it"),
+        ),
     ]
 }
 

@@ -259,3 +259,30 @@ fn real_time_tells_what_it_got() {
     assert_eq!(wrong.status.code(), Some(2));
     assert!(err(&wrong).contains("stop:N/M"), "{}", err(&wrong));
 }
+
+/// Commands of another module, arguments that are worked out, tasks with parameters.
+#[test]
+fn a_task_runs_commands_of_another_module() {
+    let dir = tempfile::tempdir().unwrap();
+    let library = "--| Waits so many milliseconds.\ncommand Wait (n: int; more: int = 1)\nlet finish over when time >= (real (n + more)) * 1[ms]; tel\n";
+    let cell = "use waits;\nconst five: int = 5;\n\
+        task Inner (n: int)\nlet repeat n times let Wait(n * 10); tel tel\n\
+        task Main ()\nlet Inner(2); Inner(n: 1); Wait(five, more: five); tel\n";
+    std::fs::write(dir.path().join("waits.rpi"), library).unwrap();
+    std::fs::write(dir.path().join("cell.rpi"), cell).unwrap();
+    let output = rpi(&["run", &path(&dir, "cell.rpi"), "--command", "Main"]);
+    let told = out(&output);
+    let told: Vec<Vec<&str>> = told
+        .lines()
+        .filter(|line| line.contains("finished"))
+        .map(|line| line.split("finished with over; ").collect())
+        .map(|parts: Vec<&str>| vec![parts[0].trim(), parts[1].split(" from").next().unwrap()])
+        .collect();
+    let expected = [
+        ["waits.Wait(n * 10)", "22 cycles"],
+        ["waits.Wait(n * 10)", "22 cycles"],
+        ["waits.Wait(n * 10) #2", "12 cycles"],
+        ["waits.Wait(five, five)", "11 cycles"],
+    ];
+    assert_eq!(told, expected, "{}", err(&output));
+}

@@ -173,11 +173,7 @@ impl<'a> Body<'_, 'a> {
             self.report(finding);
             return false;
         }
-        if !arg.is_static
-            && port.role == FlowRole::Param
-            && header.kind != UnitKind::Command
-            && !self.is_fixed(arg.value)
-        {
+        if !arg.is_static && port.role == FlowRole::Param && !self.is_fixed(arg.value) {
             let finding = Finding::new(
                 Code::RPI2008,
                 format!("`{}` is a parameter of `{}`", port.name, header.name),
@@ -315,7 +311,7 @@ impl<'a> Body<'_, 'a> {
 /// The ports that arguments by place are for.
 fn by_place(header: &Header) -> Vec<usize> {
     let wanted = |port: &Port| match (header.kind, port.role) {
-        (UnitKind::Command, role) => role == FlowRole::Param,
+        (kind, role) if kind.is_root() => role == FlowRole::Param,
         (_, FlowRole::Param) => !port.is_static,
         (_, role) => role == FlowRole::Input,
     };

@@ -161,6 +161,8 @@ impl Unit {
             has_state: false,
             is_lustre: false,
             free_frames: Vec::new(),
+            steps: Vec::new(),
+            counts: Vec::new(),
         }
     }
 }

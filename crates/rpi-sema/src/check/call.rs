@@ -66,6 +66,15 @@ impl Callable {
     }
 }
 
+/// Arguments that fit what they are given to.
+pub(super) struct Fitted {
+    pub(super) header: Rc<Header>,
+    /// For each port what it is given, if something is.
+    pub(super) args: Vec<Option<ExprId>>,
+    /// What free names of the signature stand for.
+    subst: Subst,
+}
+
 /// What a name between a call's brackets and its statics stands for.
 enum Callee<'a> {
     Known(Callable),
@@ -365,48 +374,59 @@ impl<'a> Body<'_, 'a> {
     fn apply_unit(
         &mut self,
         id: DeclId,
-        mut statics: Statics,
+        statics: Statics,
         given: Vec<Given<'a>>,
         activation: Activation,
         span: Span,
     ) -> ExprId {
+        match self.fitted(id, statics, given, span) {
+            Ok(fitted) => self.call_unit(fitted, activation, span),
+            // What is done with the outputs is looked at all the same.
+            Err(ty) => self.add(Kind::Fault, ty, span),
+        }
+    }
+
+    /// Matches arguments with the ports of a declaration; after a fault the type of what it would have given, as far as
+    /// that is known.
+    pub(super) fn fitted(
+        &mut self,
+        id: DeclId,
+        mut statics: Statics,
+        given: Vec<Given<'a>>,
+        span: Span,
+    ) -> Result<Fitted, Ty> {
         let given = self.spread_tuples(given);
         let open = self.c.complete(id, &mut statics);
         if self.c.lacks_sizes(id, &open, &statics, span) {
             self.report_missing(id, &open, span);
-            return self.fault(span);
+            return Err(Ty::Unknown);
         }
-        let Some(header) = self.c.header(id, Rc::new(statics.clone())) else {
-            return self.fault(span);
-        };
+        let header = self.c.header(id, Rc::new(statics.clone()));
+        let header = header.ok_or(Ty::Unknown)?;
         let Some(args) = self.match_ports(&header, &given, span) else {
-            return match open.is_empty() {
-                true => self.add(Kind::Fault, result_type(&header), span),
-                false => self.fault(span),
-            };
+            return Err(match open.is_empty() {
+                true => result_type(&header),
+                false => Ty::Unknown,
+            });
         };
         let free = header.free_frames.iter();
         let mut subst = Subst {
             frames: free.map(|frame| (frame.clone(), None)).collect(),
             ..Subst::default()
         };
-        let sound = self.fit_args(&header, &args, &mut subst);
+        let mut sound = self.fit_args(&header, &args, &mut subst);
         let of_units = header.inputs.iter().any(|port| port.ty.has_unknown());
-        let instance = self.instance(&header, statics, &open, &subst, span);
+        let header = self.instance(&header, statics, &open, &subst, span);
+        let header = header.ok_or(Ty::Unknown)?;
         // Types in whose units parameters stand are known only now.
-        let sound = sound
-            && match &instance {
-                Some(header) if of_units => self.fit_args(header, &args, &mut subst),
-                _ => true,
-            };
-        match instance {
-            Some(header) if sound => self.call_unit(&header, args, activation, &subst, span),
-            // What is done with the outputs is looked at all the same.
-            Some(header) => {
-                let ty = result_type(&header).substituted(&subst);
-                self.add(Kind::Fault, ty, span)
-            }
-            None => self.fault(span),
+        sound = sound && (!of_units || self.fit_args(&header, &args, &mut subst));
+        match sound {
+            true => Ok(Fitted {
+                header,
+                args,
+                subst,
+            }),
+            false => Err(result_type(&header).substituted(&subst)),
         }
     }
 
@@ -446,14 +466,12 @@ impl<'a> Body<'_, 'a> {
         self.report(finding);
     }
 
-    fn call_unit(
-        &mut self,
-        header: &Rc<Header>,
-        args: Vec<Option<ExprId>>,
-        activation: Activation,
-        subst: &Subst,
-        span: Span,
-    ) -> ExprId {
+    fn call_unit(&mut self, fitted: Fitted, activation: Activation, span: Span) -> ExprId {
+        let Fitted {
+            ref header,
+            args,
+            ref subst,
+        } = fitted;
         if header.kind != UnitKind::Function {
             self.has_state(span);
         }

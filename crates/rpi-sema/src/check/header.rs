@@ -107,6 +107,7 @@ pub(super) fn kind_of(kind: DeclKind<'_>) -> Option<UnitKind> {
         DeclKind::Fragment(_) => UnitKind::Fragment,
         DeclKind::Command(_) => UnitKind::Command,
         DeclKind::Test(_) => UnitKind::Test,
+        DeclKind::Task(_) => UnitKind::Task,
         _ => return None,
     })
 }
@@ -133,6 +134,7 @@ impl<'a> Body<'_, 'a> {
             DeclKind::Fragment(fragment) => self.fragment_ports(fragment),
             DeclKind::Primitive(primitive) => self.primitive_ports(primitive),
             DeclKind::Command(command) => self.command_ports(command),
+            DeclKind::Task(task) => self.inputs(&task.params, FlowRole::Param),
             _ => {}
         }
         self.in_signature = false;

@@ -66,7 +66,6 @@ use crate::ty::{Subst, Ty, fit};
 use crate::typed::{Flow, Leaf, Unit, UnitId};
 use header::Header;
 use rpi_diag::{Code, Finding, Severity};
-use rpi_syntax::Name;
 use std::cell::Cell;
 use std::collections::{BTreeMap, BTreeSet, VecDeque};
 use std::rc::Rc;
@@ -92,30 +91,23 @@ pub struct Checked {
 }
 
 impl Checked {
-    /// What a parameter of a command is when the command is run by itself: a device of the same name, or the constant of
-    /// the same name that the first module declares.
+    /// What a parameter of a command or task is when that is run by itself: a device of the same name, the constant of
+    /// the same name that the first module declares, or its default.
     #[must_use]
     pub fn argument(&self, program: &Program<'_>, param: &Flow) -> Argument {
-        self.argument_called(program, param, &param.name)
-    }
-
-    /// What a parameter is if it is given the device or constant of this name.
-    #[must_use]
-    pub fn argument_called(&self, program: &Program<'_>, param: &Flow, name: &Name) -> Argument {
         if let Ty::Device(_) = param.ty {
-            return Argument::Value(vec![Leaf::Str(name.to_string())]);
+            return Argument::Value(vec![Leaf::Str(param.name.to_string())]);
         }
         let fits =
             |constant: &&Constant| fit(&param.ty, &constant.ty, &mut Subst::default()).is_ok();
-        let found = program
-            .root()
-            .decls
-            .iter()
-            .find(|id| program.decl(**id).name == *name);
+        let mut named = program.root().decls.iter();
+        let found = named.find(|id| program.decl(**id).name == param.name);
         let constant = found.and_then(|id| self.constants.get(id)).filter(fits);
-        constant.map_or(Argument::Unknown, |constant| {
-            Argument::Value(constant.leaves.to_vec())
-        })
+        match (constant, param.default) {
+            (Some(constant), _) => Argument::Value(constant.leaves.to_vec()),
+            (None, Some(_)) => Argument::Default,
+            (None, None) => Argument::Unknown,
+        }
     }
 
     /// The unit of this index.
@@ -257,8 +249,8 @@ impl<'a> Checker<'a> {
             | DeclKind::Fragment(_)
             | DeclKind::Primitive(_)
             | DeclKind::Command(_)
+            | DeclKind::Task(_)
             | DeclKind::Test(_) => return self.unit_alone(id),
-            DeclKind::Task(task) => self.task(id, task),
             DeclKind::EnumValue { .. } | DeclKind::Frame(_) | DeclKind::Broken(_) => {}
         }
         None

@@ -2,10 +2,10 @@
 //!
 //! A recursion over static parameters makes units of its own, one for each choice, and so no ring of units.
 
-use crate::typed::{Kind, Unit, UnitId};
+use crate::typed::{Kind, Unit, UnitId, UnitKind};
 use rpi_diag::{Code, Finding, Span};
 
-/// A call of one unit in another.
+/// A call of one unit in another, or a step of a task.
 #[derive(Clone, Copy)]
 struct Step {
     to: UnitId,
@@ -40,7 +40,11 @@ fn steps(unit: &Unit) -> Vec<Step> {
         }),
         _ => None,
     });
-    calls.collect()
+    let run = unit.steps.iter().map(|step| Step {
+        to: step.unit,
+        span: step.span,
+    });
+    calls.chain(run).collect()
 }
 
 /// The units that are left when those are taken away, again and again, that call none of the others: all rings, and
@@ -94,6 +98,10 @@ fn ring_through(calls: &[Vec<Step>], start: usize) -> Vec<Step> {
     ring
 }
 
+const CALLS: &str = "each call is written out where it stands; what goes on from cycle to cycle is a `pre`, what goes on over sizes a recursion over static parameters that ends by `with`";
+
+const TASKS: &str = "each task is written out where a step runs it; `repeat let ... tel` repeats steps without end, `on r then step` goes back to a step";
+
 /// Calls that are shown at most.
 const SHOWN: usize = 20;
 
@@ -111,8 +119,10 @@ fn finding(units: &[Unit], start: usize, ring: &[Step]) -> Finding {
             format!("`{first}` calls itself: `{first}` -> {}", way.join(" -> "))
         }
     };
-    let mut finding = Finding::new(Code::RPI1011, message)
-        .help("each call is written out where it stands; what goes on from cycle to cycle is a `pre`, what goes on over sizes a recursion over static parameters that ends by `with`");
+    let mut finding = Finding::new(Code::RPI1011, message).help(match units[start].kind {
+        UnitKind::Task => TASKS,
+        _ => CALLS,
+    });
     for (k, step) in ring.iter().take(SHOWN).enumerate() {
         let text = format!("`{}` is called here", name(step));
         finding = match k {

@@ -191,6 +191,7 @@ impl<'a> Body<'_, 'a> {
             DeclKind::Primitive(primitive) => self.check_primitive(primitive),
             DeclKind::Command(command) => self.check_command(command),
             DeclKind::Test(test) => self.check_body(&test.body),
+            DeclKind::Task(task) => self.check_task(task),
             _ => {}
         }
     }

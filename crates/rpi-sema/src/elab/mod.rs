@@ -47,7 +47,7 @@ use crate::typed::{ExprId, Leaf, Unit, UnitId};
 use rpi_diag::{Finding, Span};
 use rpi_image::Scalar;
 use rpi_net::{FragmentId, Net, PortRef};
-use scope::Scope;
+use scope::{Scope, State};
 use signal::{Signal, Wire};
 use std::rc::Rc;
 
@@ -64,8 +64,34 @@ pub(crate) enum NotConstant {
 
 /// The leaves of a constant expression of a unit.
 pub(crate) fn constant(units: &[Unit], unit: &Unit, id: ExprId) -> Result<Rc<[Leaf]>, NotConstant> {
+    constant_with(units, unit, id, &[])
+}
+
+/// The value of an expression of a unit that depends on its parameters alone, of which `args` are the first.
+#[must_use]
+pub fn argument(units: &[Unit], unit: &Unit, id: ExprId, args: &[Argument]) -> Argument {
+    match constant_with(units, unit, id, args) {
+        Ok(leaves) => Argument::Value(leaves.to_vec()),
+        Err(_) => Argument::Unknown,
+    }
+}
+
+fn constant_with(
+    units: &[Unit],
+    unit: &Unit,
+    id: ExprId,
+    args: &[Argument],
+) -> Result<Rc<[Leaf]>, NotConstant> {
     let mut elab = Elab::new(units, &[], Mode::Constant);
     let mut scope = Scope::new(unit, None);
+    for (flow, arg) in parameters(unit).into_iter().zip(args) {
+        let known: Wire = match (arg, unit.flow(flow).default) {
+            (Argument::Value(leaves), _) => leaves.iter().cloned().map(Signal::Const).collect(),
+            (Argument::Default, Some(default)) => elab.expr(&mut scope, default, At::ROOT),
+            _ => continue,
+        };
+        *scope.state(flow) = State::Known(known);
+    }
     let wire = elab.expr(&mut scope, id, At::ROOT);
     if let Some(failure) = elab.failure.take() {
         return Err(failure);

@@ -16,6 +16,8 @@ use rpi_syntax::ast::EndKind;
 pub enum Argument {
     /// Its leaves; the name of the device if it is one.
     Value(Vec<Leaf>),
+    /// What its declaration says.
+    Default,
     /// Not known yet: the net is only to be checked.
     Unknown,
 }

@@ -5,9 +5,11 @@
 //! that passes keep what they find out in tables of their own beside it. This form must not know syntax or memory.
 
 mod print;
+mod task;
 mod verify;
 
 pub use print::print;
+pub use task::TaskStep;
 pub use verify::verify;
 
 use crate::ty::{DeviceTy, Ty};
@@ -52,6 +54,8 @@ pub enum UnitKind {
     Command,
     /// The root of a net whose claims are watched from outside.
     Test,
+    /// Which command follows which.
+    Task,
     /// An expression at the top of a module, or in a type.
     Constant,
 }
@@ -60,7 +64,7 @@ impl UnitKind {
     /// Whether it is run and never called.
     #[must_use]
     pub fn is_root(self) -> bool {
-        matches!(self, UnitKind::Command | UnitKind::Test)
+        matches!(self, UnitKind::Command | UnitKind::Test | UnitKind::Task)
     }
 }
 
@@ -91,6 +95,10 @@ pub struct Unit {
     pub is_lustre: bool,
     /// Frames that the signature names and no declaration does: each stands for the frame of the argument.
     pub free_frames: Vec<Name>,
+    /// What the steps of a task run.
+    pub steps: Vec<TaskStep>,
+    /// How often a task repeats something, with the place of the number.
+    pub counts: Vec<(Span, ExprId)>,
 }
 
 /// What a flow is for.

@@ -1,0 +1,162 @@
+//! Commands for the arguments that a task gives them.
+
+use rpi_diag::Span;
+use rpi_sema::elab::{self, Argument};
+use rpi_sema::program::ModuleId;
+use rpi_sema::typed::{TaskStep, Unit, UnitId};
+use rpi_syntax::Name;
+use rpi_syntax::ast::{Expr, Run};
+
+use crate::source::Front;
+
+/// A command with arguments of its own.
+#[derive(Clone, PartialEq, Debug)]
+pub(crate) struct Instance {
+    /// The name of its net: `MoveTo(arm, home)`.
+    pub(crate) name: String,
+    /// The command.
+    pub(crate) unit: UnitId,
+    /// What each of its parameters is.
+    pub(crate) args: Vec<Argument>,
+}
+
+/// What a parameter is, and how it is called in names of nets.
+#[derive(Clone, PartialEq, Debug)]
+pub(super) struct Given {
+    pub(super) param: Name,
+    pub(super) value: Argument,
+    pub(super) name: String,
+}
+
+/// What the parameters of a unit are by itself.
+pub(super) fn by_itself(front: &Front<'_>, unit: &Unit) -> Vec<Given> {
+    let params = elab::parameters(unit).into_iter().map(|id| unit.flow(id));
+    let given = params.map(|flow| Given {
+        param: flow.name.clone(),
+        value: front.checked.argument(front.program, flow),
+        name: flow.name.to_string(),
+    });
+    given.collect()
+}
+
+/// What a step of the task `unit`, whose own parameters are `known`, gives for each parameter of what it runs.
+///
+/// # Errors
+/// What has no value before the task runs.
+pub(super) fn given(
+    front: &Front<'_>,
+    unit: &Unit,
+    known: &[Given],
+    (step, run): (&TaskStep, &Run),
+) -> Result<Vec<Given>, String> {
+    let callee = front.checked.unit(step.unit);
+    let values: Vec<Argument> = known.iter().map(|given| given.value.clone()).collect();
+    let mut all = Vec::new();
+    for (flow, arg) in callee.inputs.iter().zip(&step.args) {
+        let param = &callee.flow(*flow).name;
+        let Some(id) = *arg else {
+            // What is taken over from the predecessor is no parameter.
+            if elab::parameters(callee).contains(flow) {
+                all.push(Given {
+                    param: param.clone(),
+                    value: Argument::Default,
+                    name: param.to_string(),
+                });
+            }
+            continue;
+        };
+        let value = elab::argument(&front.checked.units, unit, id, &values);
+        let passed = named(run, unit.expr(id).span).map(|name| called(known, name));
+        let name = match (&value, passed) {
+            (Argument::Unknown, Some(name)) => {
+                return Err(format!(
+                    "`{name}`, which has no value here: declare `const {name} = ...`"
+                ));
+            }
+            (Argument::Unknown, None) => {
+                return Err(format!(
+                    "`{param}` of `{}`, which has no value before the task runs",
+                    callee.name
+                ));
+            }
+            (_, Some(name)) => name,
+            (_, None) => text(front, unit.expr(id).span),
+        };
+        let param = param.clone();
+        all.push(Given { param, value, name });
+    }
+    Ok(all)
+}
+
+/// The name that stands at a place among the arguments of a step, if it is nothing but a name.
+fn named(run: &Run, at: Span) -> Option<&Name> {
+    let values = run.args.iter().map(|arg| arg.value.unparen());
+    let at_place = |value: &&Expr| value.span == at;
+    values.filter(at_place).find_map(Expr::as_name)
+}
+
+/// What a task's parameter stands for; other names stand for themselves.
+fn called(known: &[Given], name: &Name) -> String {
+    let param = known.iter().find(|given| given.param == *name);
+    param.map_or(name.to_string(), |given| given.name.clone())
+}
+
+/// How an argument is written, on one line.
+fn text(front: &Front<'_>, span: Span) -> String {
+    let words: Vec<&str> = front.sources.slice(span).split_whitespace().collect();
+    words.join(" ")
+}
+
+/// The instances that tasks have asked for so far.
+#[derive(Default)]
+pub(super) struct Instances {
+    pub(super) all: Vec<Instance>,
+}
+
+impl Instances {
+    /// The name of a command's net for what it is given; what it has by itself makes no instance where it can be run by
+    /// itself.
+    pub(super) fn name(&mut self, front: &Front<'_>, step: &TaskStep, given: Vec<Given>) -> String {
+        let unit = front.checked.unit(step.unit);
+        let module = front.program.decl(step.decl).module;
+        let alone = by_itself(front, unit);
+        let names: Vec<&str> = given.iter().map(|given| given.name.as_str()).collect();
+        let as_declared = alone
+            .iter()
+            .map(|given| given.name.as_str())
+            .eq(names.iter().copied());
+        let is_own = module == ModuleId(0);
+        let mut name = match is_own {
+            true => unit.name.to_string(),
+            false => format!("{}.{}", front.program.module(module).name, unit.name),
+        };
+        if is_own && given == alone {
+            return name;
+        }
+        if !as_declared {
+            let is_given = |given: &&Given| given.value != Argument::Default;
+            let names = given.iter().filter(is_given).map(|given| &*given.name);
+            name = format!("{name}({})", names.collect::<Vec<_>>().join(", "));
+        }
+        let args = given.into_iter().map(|given| given.value).collect();
+        self.named(name, step.unit, args)
+    }
+
+    /// The same text may mean different values where tasks with parameters run one another: those are numbered.
+    fn named(&mut self, text: String, unit: UnitId, args: Vec<Argument>) -> String {
+        let mut name = text.clone();
+        for number in 2.. {
+            match self.all.iter().find(|known| known.name == name) {
+                Some(known) if (known.unit, &known.args) == (unit, &args) => return name,
+                Some(_) => name = format!("{text} #{number}"),
+                None => break,
+            }
+        }
+        self.all.push(Instance {
+            name: name.clone(),
+            unit,
+            args,
+        });
+        name
+    }
+}

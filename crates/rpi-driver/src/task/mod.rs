@@ -1,0 +1,197 @@
+//! Tasks as the host runs them: which command follows which result.
+//!
+//! A task becomes a plan of nodes that lead to one another. Tasks that it calls are put in its place. A command with other
+//! arguments than those that it has by itself is an [`Instance`], with a net of its own.
+//!
+//! | file | idea |
+//! |---|---|
+//! | `plan.rs` | steps become nodes |
+//! | `instance.rs` | what commands are given |
+
+mod instance;
+mod plan;
+
+pub(crate) use instance::Instance;
+use instance::Instances;
+
+use rpi_sema::typed::{UnitId, UnitKind};
+
+use crate::source::Front;
+
+/// A task.
+#[derive(Clone, PartialEq, Debug)]
+pub struct Task {
+    /// Its name.
+    pub name: String,
+    /// What it does, or why it cannot be run.
+    pub plan: Result<TaskPlan, String>,
+}
+
+/// Where a plan goes on; none: the task is done.
+pub type Target = Option<usize>;
+
+/// What a task does.
+#[derive(Clone, PartialEq, Eq, Debug, Default)]
+pub struct TaskPlan {
+    /// Its nodes; targets are indices.
+    pub nodes: Vec<TaskNode>,
+    /// The first one.
+    pub start: Target,
+}
+
+/// A node of a plan.
+#[derive(Clone, PartialEq, Eq, Debug)]
+pub enum TaskNode {
+    /// Goes on there.
+    Pass(Target),
+    /// A repetition begins: this node counts from 0 again, and it goes on there.
+    Enter(usize),
+    /// So many times the body, without a number for ever; then it goes on.
+    Repeat {
+        /// How many times.
+        times: Option<u64>,
+        /// What is repeated.
+        body: Target,
+        /// What comes then.
+        then: Target,
+    },
+    /// A command.
+    Run {
+        /// Its name, with the arguments where these are not called as its parameters: `MoveTo(arm, home)`.
+        command: String,
+        /// What follows these results.
+        on: Vec<(String, Target)>,
+        /// What follows any other `fail`; none: the task ends with its error.
+        on_fail: Option<Target>,
+        /// What follows any other result; none if the branches must name them all.
+        otherwise: Option<Target>,
+    },
+}
+
+/// The tasks of a program, in the order of the text, and the instances of commands that they need.
+pub(crate) fn tasks(front: &Front<'_>) -> (Vec<Task>, Vec<Instance>) {
+    let is_task = |unit: UnitId| front.checked.unit(unit).kind == UnitKind::Task;
+    let mut instances = Instances::default();
+    let mut tasks = Vec::new();
+    for (decl, unit) in front.checked.runnable.iter().copied() {
+        if is_task(unit) {
+            tasks.push(Task {
+                name: front.checked.unit(unit).name.to_string(),
+                plan: plan::plan(front, decl, unit, &mut instances),
+            });
+        }
+    }
+    (tasks, instances.all)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::{Compiled, Input, Kind, compile};
+
+    const COMMANDS: &str = "use motion;\nconst two: int = 2;\ncommand A (arm: Arm) let finish done when true; tel\ncommand B (arm: Arm) let finish done when true; tel\ncommand Wait (n: int) let finish done when time > real(n) * 1[ms]; tel\n";
+
+    fn compiled(text: &str) -> Compiled {
+        let input = Input {
+            path: "t.rpi".into(),
+            kind: Kind::Rpi,
+            bytes: text.into(),
+        };
+        compile(&input).expect("it is text")
+    }
+
+    fn planned(task: &str) -> Result<TaskPlan, String> {
+        let mut compiled = compiled(&format!("{COMMANDS}{task}"));
+        assert!(!compiled.has_errors(), "{:?}", compiled.findings);
+        compiled.tasks.pop().expect("there is a task").plan
+    }
+
+    /// A command that is run, where its named results lead, and `fail` and all others.
+    type Step<'p> = (
+        &'p str,
+        &'p [(String, Target)],
+        Option<Target>,
+        Option<Target>,
+    );
+
+    fn run(plan: &TaskPlan, at: Target) -> Step<'_> {
+        match &plan.nodes[at.expect("it goes on")] {
+            TaskNode::Run {
+                command,
+                on,
+                on_fail,
+                otherwise,
+            } => (command, on, *on_fail, *otherwise),
+            TaskNode::Pass(then) => run(plan, *then),
+            other => panic!("{other:?} is no command"),
+        }
+    }
+
+    /// M11.1.
+    #[test]
+    fn branches_lead_to_named_steps() {
+        let plan = planned(
+            "task T (arm: Arm) let start b; a: A(arm) on any then end; b: B(arm) on done then a | on fail then end; tel",
+        );
+        let plan = plan.unwrap();
+        let (command, on, fail, otherwise) = run(&plan, plan.start);
+        assert_eq!((command, fail, otherwise), ("B", Some(None), None));
+        let (command, _, fail, otherwise) = run(&plan, on[0].1);
+        assert_eq!((command, fail, otherwise), ("A", Some(None), Some(None)));
+    }
+
+    #[test]
+    fn tasks_within_tasks_are_put_in_place() {
+        let inner = "task Inner (arm: Arm) let A(arm); tel\n";
+        let outer =
+            "task T (arm: Arm) let Inner(arm) on fail then b | on any then end; b: B(arm); tel";
+        let plan = planned(&format!("{inner}{outer}")).unwrap();
+        let (command, _, fail, otherwise) = run(&plan, plan.start);
+        assert_eq!((command, otherwise), ("A", Some(None)));
+        assert_eq!(run(&plan, fail.unwrap()).0, "B");
+    }
+
+    #[test]
+    fn arguments_make_instances() {
+        let inner =
+            "task Inner (one: Arm; n: int) let A(one); repeat n times let Wait(n + 1); tel tel\n";
+        let text = format!(
+            "{COMMANDS}{inner}task T (left: Arm; arm: Arm) let Inner(left, 2 * 3); A(arm); Wait(two); tel"
+        );
+        let compiled = compiled(&text);
+        let names: Vec<&str> = compiled.nets().iter().map(|net| &*net.name).collect();
+        assert_eq!(
+            names,
+            ["A", "B", "A(one)", "A(left)", "Wait(n + 1)", "Wait(two)"]
+        );
+        let plan = compiled.tasks[1].plan.as_ref().unwrap();
+        let (command, _, _, then) = run(plan, plan.start);
+        assert_eq!(command, "A(left)");
+        let Some(TaskNode::Enter(at)) = then.and_then(Target::from).map(|at| &plan.nodes[at])
+        else {
+            panic!("a repetition follows");
+        };
+        let TaskNode::Repeat { times, body, then } = &plan.nodes[*at] else {
+            panic!("a repetition follows");
+        };
+        assert_eq!(
+            (*times, run(plan, *body).0, run(plan, *then).0),
+            (Some(6), "Wait(n + 1)", "A")
+        );
+    }
+
+    #[test]
+    fn what_has_no_value_is_told() {
+        for (task, word) in [
+            ("task T (n: int) let Wait(n); tel", "const n"),
+            (
+                "task T (n: int) let repeat n times let Wait(1); tel tel",
+                "repetitions",
+            ),
+            ("task T (n: int) let Wait(n + 1); tel", "no value"),
+        ] {
+            let why = planned(task).unwrap_err();
+            assert!(why.contains(word), "{why}");
+        }
+    }
+}

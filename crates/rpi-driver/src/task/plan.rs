@@ -1,0 +1,205 @@
+//! Steps become the nodes of a plan.
+
+use rpi_diag::Span;
+use rpi_sema::elab::{self, Argument};
+use rpi_sema::program::{DeclId, DeclKind};
+use rpi_sema::typed::{TaskStep, Unit, UnitId, UnitKind};
+use rpi_syntax::ast::{Branch, Next, OnResult, Run, Step, StepKind};
+
+use super::instance::{self, Given, Instances};
+use super::{Target, TaskNode, TaskPlan};
+use crate::source::Front;
+
+/// The plan of a task that is run by itself.
+///
+/// # Errors
+/// What keeps it from being run.
+pub(super) fn plan(
+    front: &Front<'_>,
+    decl: DeclId,
+    unit: UnitId,
+    instances: &mut Instances,
+) -> Result<TaskPlan, String> {
+    let mut builder = Builder {
+        front,
+        nodes: Vec::new(),
+        instances,
+        unit: front.checked.unit(unit),
+        known: instance::by_itself(front, front.checked.unit(unit)),
+    };
+    let start = builder.task(decl, None, None)?;
+    let nodes = builder.nodes;
+    Ok(TaskPlan { nodes, start })
+}
+
+struct Builder<'f> {
+    front: &'f Front<'f>,
+    nodes: Vec<TaskNode>,
+    instances: &'f mut Instances,
+    /// The task that is being put in place.
+    unit: &'f Unit,
+    /// What its parameters are.
+    known: Vec<Given>,
+}
+
+/// Where the steps of a task lead when nothing else is said.
+#[derive(Clone)]
+struct Scope {
+    /// Behind the task.
+    exit: Target,
+    /// After a `fail` that no branch names.
+    fail: Option<Target>,
+    /// The named steps.
+    labels: Vec<(String, usize)>,
+}
+
+impl<'f> Builder<'f> {
+    /// Puts a task in place; gives its first node. Tasks do not run themselves: the checker has seen to that.
+    fn task(&mut self, decl: DeclId, exit: Target, fail: Option<Target>) -> Result<Target, String> {
+        let DeclKind::Task(task) = self.front.program.decl(decl).kind else {
+            return Ok(exit);
+        };
+        let scope = Scope {
+            exit,
+            fail,
+            labels: Vec::new(),
+        };
+        self.steps(&task.steps, exit, scope)
+    }
+
+    /// Puts steps in place, which lead to `behind`; gives the first.
+    fn steps(
+        &mut self,
+        steps: &[Step],
+        behind: Target,
+        mut scope: Scope,
+    ) -> Result<Target, String> {
+        let first = self.nodes.len();
+        self.nodes.resize(first + steps.len(), TaskNode::Pass(None));
+        for (at, step) in (first..).zip(steps) {
+            if let StepKind::Run(run) = &step.kind
+                && let Some(label) = &run.label
+            {
+                scope.labels.push((label.name.to_string(), at));
+            }
+        }
+        for (at, step) in (first..).zip(steps) {
+            let last = at + 1 == first + steps.len();
+            let next = if last { behind } else { Some(at + 1) };
+            self.nodes[at] = self.step(step, next, &scope)?;
+        }
+        let mut start = if steps.is_empty() {
+            behind
+        } else {
+            Some(first)
+        };
+        for step in steps {
+            if let StepKind::Start(label) = &step.kind {
+                start = Some(labelled(&scope, &label.name.to_string())?);
+            }
+        }
+        Ok(start)
+    }
+
+    fn step(&mut self, step: &Step, next: Target, scope: &Scope) -> Result<TaskNode, String> {
+        match &step.kind {
+            StepKind::Run(run) => self.run(run, next, scope),
+            StepKind::Repeat { count, steps } => {
+                let times = count
+                    .as_ref()
+                    .map(|count| self.times(count.span))
+                    .transpose()?;
+                self.repeat(times, steps, next, scope)
+            }
+            StepKind::Start(_) => Ok(TaskNode::Pass(next)),
+            StepKind::Broken(_) => Err("a step that cannot be read".to_owned()),
+        }
+    }
+
+    fn repeat(
+        &mut self,
+        times: Option<u64>,
+        steps: &[Step],
+        then: Target,
+        scope: &Scope,
+    ) -> Result<TaskNode, String> {
+        let at = self.nodes.len();
+        self.nodes.push(TaskNode::Pass(None));
+        let body = self.steps(steps, Some(at), scope.clone())?;
+        self.nodes[at] = TaskNode::Repeat { times, body, then };
+        Ok(TaskNode::Enter(at))
+    }
+
+    fn run(&mut self, run: &Run, next: Target, scope: &Scope) -> Result<TaskNode, String> {
+        let branches = branches(&run.branches, scope)?;
+        let otherwise = branches.any.or(run.branches.is_empty().then_some(next));
+        let on_fail = branches.fail.or(branches.any).or(scope.fail);
+        let is_meant = |step: &&TaskStep| step.span == run.callee.span;
+        let step = self.unit.steps.iter().find(is_meant);
+        let step = step.ok_or("a step that cannot be read")?;
+        let given = instance::given(self.front, self.unit, &self.known, (step, run))?;
+        let callee = self.front.checked.unit(step.unit);
+        if callee.kind == UnitKind::Task {
+            let unit = std::mem::replace(&mut self.unit, callee);
+            let known = std::mem::replace(&mut self.known, given);
+            let start = self.task(step.decl, otherwise.unwrap_or(next), on_fail)?;
+            (self.unit, self.known) = (unit, known);
+            return Ok(TaskNode::Pass(start));
+        }
+        Ok(TaskNode::Run {
+            command: self.instances.name(self.front, step, given),
+            on: branches.named,
+            on_fail,
+            otherwise,
+        })
+    }
+
+    /// How often something is repeated.
+    fn times(&self, count: Span) -> Result<u64, String> {
+        let mut counts = self.unit.counts.iter();
+        let (_, id) = counts
+            .find(|(span, _)| *span == count)
+            .ok_or("a number of repetitions that cannot be read")?;
+        let known: Vec<Argument> = self.known.iter().map(|given| given.value.clone()).collect();
+        match elab::argument(&self.front.checked.units, self.unit, *id, &known) {
+            Argument::Value(leaves) => {
+                let times = leaves.first().and_then(|leaf| leaf.as_int()).unwrap_or(0);
+                u64::try_from(times).map_err(|_| format!("{times} repetitions"))
+            }
+            _ => Err("a number of repetitions that has no value before the task runs".to_owned()),
+        }
+    }
+}
+
+#[derive(Default)]
+struct Branches {
+    named: Vec<(String, Target)>,
+    fail: Option<Target>,
+    any: Option<Target>,
+}
+
+/// What the branches say; of two for one result the first counts.
+fn branches(all: &[Branch], scope: &Scope) -> Result<Branches, String> {
+    let mut found = Branches::default();
+    for branch in all {
+        let then = match &branch.then {
+            Next::End(_) => scope.exit,
+            Next::Step(label) => Some(labelled(scope, &label.name.to_string())?),
+        };
+        for on in &branch.on {
+            match on {
+                OnResult::Named(result) => found.named.push((result.name.to_string(), then)),
+                OnResult::Fail(_) => found.fail = found.fail.or(Some(then)),
+                OnResult::Any(_) => found.any = found.any.or(Some(then)),
+            }
+        }
+    }
+    Ok(found)
+}
+
+fn labelled(scope: &Scope, label: &str) -> Result<usize, String> {
+    let found = scope.labels.iter().rev().find(|(name, _)| name == label);
+    found
+        .map(|(_, at)| *at)
+        .ok_or_else(|| format!("the step {label}, which is not there"))
+}

@@ -1,0 +1,167 @@
+//! Tasks (M11): every step that is named is there, every result of a command leads somewhere, and a successor takes over
+//! what its predecessor may leave moving.
+//!
+//! | file | idea |
+//! |---|---|
+//! | `results.rs` | branches and the results of a command |
+//! | `takeover.rs` | what follows a `yield` |
+
+mod results;
+mod takeover;
+
+use super::body::Body;
+use super::call::Fitted;
+use super::report::{Wanted, not_a, unknown};
+use crate::program::{DeclId, DeclKind, Lookup, twice};
+use crate::ty::Ty;
+use crate::typed::{ExprId, TaskStep};
+use rpi_diag::{Code, Finding};
+use rpi_syntax::ast::{Expr, Ident, Next, Run, Step, StepKind, TaskDecl};
+
+/// Steps that can be reached by name, the innermost list last.
+type Labels<'a> = Vec<(&'a Ident, &'a Run)>;
+
+impl<'a> Body<'_, 'a> {
+    /// Checks a task.
+    pub(super) fn check_task(&mut self, task: &'a TaskDecl) {
+        self.steps(&task.steps, None, &mut Labels::new());
+    }
+
+    /// Checks a list of steps, which is followed by another run of itself if it is repeated.
+    fn steps(&mut self, steps: &'a [Step], again: Option<&'a Run>, labels: &mut Labels<'a>) {
+        let outer = labels.len();
+        for run in steps.iter().filter_map(run_of) {
+            let Some(label) = &run.label else { continue };
+            let same = labels[outer..]
+                .iter()
+                .find(|(known, _)| known.name == label.name);
+            if let Some((first, _)) = same {
+                let finding = twice(&label.name, label.span, first.span);
+                self.report(finding);
+            }
+            labels.push((label, run));
+        }
+        for (k, step) in steps.iter().enumerate() {
+            let next = steps.get(k + 1).map_or(again, run_of);
+            match &step.kind {
+                StepKind::Run(run) => self.run(run, next, labels),
+                StepKind::Repeat { count, steps } => {
+                    self.times(count.as_ref());
+                    let first = steps.first().and_then(run_of);
+                    self.steps(steps, first, labels);
+                }
+                StepKind::Start(label) => {
+                    self.label(label, labels);
+                }
+                StepKind::Broken(_) => {}
+            }
+        }
+        labels.truncate(outer);
+    }
+
+    /// The step of a name; reports that there is none.
+    fn label(&mut self, label: &Ident, labels: &Labels<'a>) -> Option<&'a Run> {
+        let found = labels
+            .iter()
+            .rev()
+            .find(|(known, _)| known.name == label.name);
+        if found.is_none() {
+            let names = labels.iter().map(|(known, _)| known.name.as_str());
+            let near = self.c.suggest(&label.name, names);
+            self.report(unknown("step", &label.name, label.span, near));
+        }
+        found.map(|(_, run)| *run)
+    }
+
+    /// How often something is repeated: a whole number that is known when the task is loaded.
+    fn times(&mut self, count: Option<&'a Expr>) {
+        let Some(count) = count else { return };
+        let value = self.expr(count);
+        if self.expect(value, &Ty::Int, &Wanted::Here) && self.is_known(value) {
+            self.unit.counts.push((count.span, value));
+        }
+    }
+
+    /// Whether a value is known when the task is loaded; reports that it is not.
+    fn is_known(&mut self, value: ExprId) -> bool {
+        let known = self.is_fixed(value);
+        if !known {
+            let finding = Finding::new(Code::RPI2008, "a constant is needed here")
+                .at(self.span_of(value), "this changes while commands run");
+            self.report(finding);
+        }
+        known
+    }
+
+    fn run(&mut self, run: &'a Run, next: Option<&'a Run>, labels: &Labels<'a>) {
+        if let Some(id) = self.run_by(run) {
+            self.arguments(id, run);
+            match self.c.program.decl(id).kind {
+                DeclKind::Command(command) => {
+                    self.branches(command, run);
+                    self.successors(command, run, next, labels);
+                }
+                _ => self.no_results(run),
+            }
+        }
+        for branch in &run.branches {
+            if let Next::Step(label) = &branch.then {
+                self.label(label, labels);
+            }
+        }
+    }
+
+    /// The command or task that a step runs; reports anything else.
+    fn run_by(&mut self, run: &'a Run) -> Option<DeclId> {
+        let name = &run.callee.name;
+        let Lookup::Found(id) = self.c.program.lookup(self.module, &name.name) else {
+            let runs = |id: DeclId| is_run(self.c.program.decl(id).kind);
+            let visible = self.c.program.visible(self.module, runs);
+            let near = self.c.suggest(&name.name, visible);
+            self.report(unknown("command or task", &name.name, name.span, near));
+            return None;
+        };
+        let decl = self.c.program.decl(id);
+        let (kind, span) = (decl.kind, decl.span);
+        if is_run(kind) {
+            return Some(id);
+        }
+        if !matches!(kind, DeclKind::Broken(_)) {
+            let what = "a command or task";
+            self.report(not_a(what, &name.name, kind.what(), name.span, span));
+        }
+        None
+    }
+
+    /// Checks what a step gives, and keeps it for those who run the task.
+    fn arguments(&mut self, id: DeclId, run: &'a Run) {
+        let bound = self.bind(id, &run.callee.statics);
+        let (mut given, all_named) = self.given_to(id, &run.args);
+        given.extend(bound.ports);
+        if bound.faulty || !all_named {
+            return;
+        }
+        let span = run.callee.span;
+        if let Ok(Fitted { header, args, .. }) = self.fitted(id, bound.statics, given, span)
+            && let Some(unit) = self.c.unit(&header, span)
+        {
+            self.unit.steps.push(TaskStep {
+                span,
+                decl: id,
+                unit,
+                args,
+            });
+        }
+    }
+}
+
+fn run_of(step: &Step) -> Option<&Run> {
+    match &step.kind {
+        StepKind::Run(run) => Some(run),
+        _ => None,
+    }
+}
+
+fn is_run(kind: DeclKind<'_>) -> bool {
+    matches!(kind, DeclKind::Command(_) | DeclKind::Task(_))
+}

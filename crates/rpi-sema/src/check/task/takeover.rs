@@ -1,0 +1,137 @@
+//! What a command may leave moving, its successor takes over.
+
+use super::Labels;
+use crate::check::body::Body;
+use crate::check::names::{ends_of, plain_name};
+use crate::check::report::listed;
+use crate::program::{DeclKind, Lookup};
+use rpi_diag::{Code, Finding};
+use rpi_syntax::Name;
+use rpi_syntax::ast::{
+    self, Arg, Branch, CommandDecl, EndKind, Next, OnResult, Run, Statement, StatementKind,
+};
+
+impl<'a> Body<'_, 'a> {
+    /// Whoever follows a `yield` takes over every device that may be moving then.
+    pub(super) fn successors(
+        &mut self,
+        command: &CommandDecl,
+        run: &'a Run,
+        next: Option<&'a Run>,
+        labels: &Labels<'a>,
+    ) {
+        let moving = given_to(&driven(command), command, run);
+        let yields = ends_of(command).into_iter();
+        for end in yields.filter(|end| end.kind == EndKind::Yield) {
+            let Some(follows) = target(run, &end.result.name, next, labels) else {
+                continue;
+            };
+            let Lookup::Found(id) = self
+                .c
+                .program
+                .lookup(self.module, &follows.callee.name.name)
+            else {
+                continue;
+            };
+            let DeclKind::Command(successor) = self.c.program.decl(id).kind else {
+                continue;
+            };
+            let taken = given_to(&driven(successor), successor, follows);
+            let left: Vec<&str> = moving
+                .iter()
+                .copied()
+                .filter(|d| !taken.contains(d))
+                .collect();
+            if !left.is_empty() {
+                self.report(not_taken_over(command, end, follows, &left));
+            }
+        }
+    }
+}
+
+/// The step that follows a result.
+fn target<'a>(
+    run: &'a Run,
+    result: &Name,
+    next: Option<&'a Run>,
+    labels: &Labels<'a>,
+) -> Option<&'a Run> {
+    let named = |on: &OnResult| matches!(on, OnResult::Named(name) if name.name == *result);
+    let any = |on: &OnResult| matches!(on, OnResult::Any(_));
+    let branch = |is: &dyn Fn(&OnResult) -> bool| -> Option<&'a Branch> {
+        run.branches.iter().find(|branch| branch.on.iter().any(is))
+    };
+    match branch(&named).or_else(|| branch(&any)) {
+        Some(branch) => match &branch.then {
+            Next::Step(label) => {
+                let found = labels
+                    .iter()
+                    .rev()
+                    .find(|(known, _)| known.name == label.name);
+                found.map(|(_, run)| *run)
+            }
+            Next::End(_) => None,
+        },
+        None => next.filter(|_| run.branches.is_empty()),
+    }
+}
+
+/// The parameters of a command by which it writes to devices.
+fn driven(command: &CommandDecl) -> Vec<&Name> {
+    let mut written = Vec::new();
+    targets(&command.body.statements, &mut written);
+    let params = command.params.iter().flat_map(|param| &param.names);
+    params
+        .map(|param| &param.name)
+        .filter(|param| written.contains(param))
+        .collect()
+}
+
+/// The names of what statements define a part of, also those in fragments and states.
+fn targets<'s>(statements: &'s [Statement], written: &mut Vec<&'s Name>) {
+    for statement in statements {
+        match &statement.kind {
+            StatementKind::Equation(equation) => {
+                let parts = equation.targets.iter().filter(|t| !t.path.is_empty());
+                written.extend(parts.map(|target| &target.name.name));
+            }
+            StatementKind::Fragment(fragment) => targets(&fragment.body.statements, written),
+            StatementKind::Automaton(automaton) => {
+                let states = automaton.states.iter();
+                states.for_each(|state| targets(&state.body.statements, written));
+            }
+            _ => {}
+        }
+    }
+}
+
+/// What a step gives for these parameters, as far as it is given by name.
+fn given_to<'r>(params: &[&Name], command: &CommandDecl, run: &'r Run) -> Vec<&'r str> {
+    let names: Vec<&Name> = command
+        .params
+        .iter()
+        .flat_map(|param| &param.names)
+        .map(|name| &name.name)
+        .collect();
+    let of = |(k, arg): (usize, &'r Arg)| {
+        let param = match &arg.name {
+            Some(name) => Some(&name.name),
+            None => names.get(k).copied(),
+        };
+        let value = plain_name(&arg.value)?;
+        params.contains(&param?).then_some(value.as_str())
+    };
+    run.args.iter().enumerate().filter_map(of).collect()
+}
+
+fn not_taken_over(command: &CommandDecl, end: &ast::End, follows: &Run, left: &[&str]) -> Finding {
+    let (successor, devices) = (&follows.callee.name, listed(left.iter().copied()));
+    let message = format!(
+        "`{}` does not take over {devices} from `{}`",
+        successor.name, command.name.name
+    );
+    Finding::new(Code::RPI6201, message)
+        .at(successor.span, format!("it does not drive {devices}"))
+        .also(end.result.span, format!("here {devices} may still be moving"))
+        .help("this `yield` is passed over and the command goes on until it is at rest; let the successor drive the device, or branch on another result")
+}
