@@ -30,7 +30,7 @@ const CHORES: &[Chore] = &[
     ),
     (
         "soak",
-        "a million random steps of the control core beside its model, as many takeovers of two arms, a day of blending, random programs",
+        "a million random steps of the control core beside its model, as many takeovers of two arms, a day of blending, random programs, an hour of bad clients",
         soak,
     ),
 ];
@@ -42,6 +42,9 @@ const HISTORIES: &str = "20000";
 const PROGRAMS: &str = "10000";
 
 const TAKEOVERS: &str = "1000000";
+
+/// Seconds.
+const HOUR: &str = "3600";
 
 /// Of the cell's time.
 const DAY: &str = "86400s";
@@ -77,8 +80,8 @@ fn generate(_: &[String]) -> Result<(), String> {
     Ok(())
 }
 
-/// Long runs of tests that are short in the suite: the core beside its model, two arms through a million takeovers, and a
-/// day of blending.
+/// Long runs of tests that are short in the suite: the core beside its model, two arms through a million takeovers, an
+/// hour of bad clients, and a day of blending.
 fn soak(_: &[String]) -> Result<(), String> {
     cargo_test(
         &["-p", "rpi-reference", "--test", "properties"],
@@ -92,6 +95,7 @@ fn soak(_: &[String]) -> Result<(), String> {
         &["-p", "rpi", "--test", "soak"],
         ("RPI_TAKEOVERS", TAKEOVERS),
     )?;
+    cargo_test(&["-p", "rpi-serve", "--test", "chaos"], ("RPI_CHAOS", HOUR))?;
     cargo_test(&["-p", "rpi", "--test", "endless"], ("RPI_ENDLESS", DAY))
 }
 

@@ -1,7 +1,7 @@
 //! The connection: a thread that owns the websocket, requests that go to it, answers that come back.
 
 use std::collections::BTreeMap;
-use std::io::ErrorKind;
+use std::io::{ErrorKind, Read, Write};
 use std::net::TcpStream;
 use std::sync::mpsc::{Receiver, Sender, TryRecvError, channel};
 use std::thread;
@@ -17,6 +17,10 @@ use crate::goal::{OnLoss, Session};
 
 /// How long the thread listens before it looks whether there is something to send.
 const TURN: Duration = Duration::from_millis(2);
+
+/// What a conversation is held over.
+pub(crate) trait Stream: Read + Write + Send {}
+impl<T: Read + Write + Send> Stream for T {}
 
 /// Takes what the server tells about a command.
 pub(crate) type Listener = Sender<Value>;
@@ -37,8 +41,33 @@ impl Core {
     /// # Errors
     /// If there is none, or it does not let us in.
     pub fn connect(address: &str, token: Option<&str>) -> Result<Core, Error> {
+        Core::connect_over(address, token, |stream| Ok(Box::new(stream)))
+    }
+
+    /// Connects over TLS to a control core at `address:port`, whose certificate one of those in the PEM file `authorities`
+    /// must have signed, or be.
+    ///
+    /// # Errors
+    /// If there is none, it is another than it should be, or it does not let us in.
+    #[cfg(feature = "tls")]
+    pub fn connect_tls(
+        address: &str,
+        token: Option<&str>,
+        authorities: &std::path::Path,
+    ) -> Result<Core, Error> {
+        let secure = |stream| crate::tls::secure(stream, address, authorities);
+        Core::connect_over(address, token, secure)
+    }
+
+    fn connect_over(
+        address: &str,
+        token: Option<&str>,
+        over: impl FnOnce(TcpStream) -> Result<Box<dyn Stream>, Error>,
+    ) -> Result<Core, Error> {
         let stream = TcpStream::connect(address).map_err(Error::connection)?;
         stream.set_nodelay(true).map_err(Error::connection)?;
+        let options = stream.try_clone().map_err(Error::connection)?;
+        let stream = over(stream)?;
         let url = format!("ws://{address}/rpc");
         let mut request = url.into_client_request().map_err(Error::connection)?;
         if let Some(token) = token {
@@ -47,7 +76,7 @@ impl Core {
             request.headers_mut().insert("Authorization", shown);
         }
         let (socket, _) = tungstenite::client(request, stream).map_err(Error::connection)?;
-        let turn = socket.get_ref().set_read_timeout(Some(TURN));
+        let turn = options.set_read_timeout(Some(TURN));
         turn.map_err(Error::connection)?;
         let (orders, todo) = channel();
         let work = move || Talk::new(socket, todo).run();
@@ -85,7 +114,7 @@ impl Core {
 
 /// The thread's side.
 struct Talk {
-    socket: WebSocket<TcpStream>,
+    socket: WebSocket<Box<dyn Stream>>,
     todo: Receiver<Order>,
     last: u64,
     waiting: BTreeMap<u64, Sender<Result<Value, Error>>>,
@@ -93,7 +122,7 @@ struct Talk {
 }
 
 impl Talk {
-    fn new(socket: WebSocket<TcpStream>, todo: Receiver<Order>) -> Talk {
+    fn new(socket: WebSocket<Box<dyn Stream>>, todo: Receiver<Order>) -> Talk {
         Talk {
             socket,
             todo,

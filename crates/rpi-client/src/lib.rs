@@ -19,6 +19,8 @@
 mod connection;
 mod error;
 mod goal;
+#[cfg(feature = "tls")]
+mod tls;
 
 pub use connection::Core;
 pub use error::Error;

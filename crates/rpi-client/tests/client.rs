@@ -15,6 +15,49 @@ let
 tel
 ";
 
+/// A server that shows who it is by a certificate of its own making, and the file that has it.
+#[cfg(feature = "tls")]
+fn secure(folder: &std::path::Path) -> (Server, std::path::PathBuf) {
+    let made = rcgen::generate_simple_self_signed(["localhost".to_owned()]).unwrap();
+    let [certificates, key] = ["cert.pem", "key.pem"].map(|name| folder.join(name));
+    std::fs::write(&certificates, made.cert.pem()).unwrap();
+    std::fs::write(&key, made.signing_key.serialize_pem()).unwrap();
+    let cell = Cell::parse("cell.toml", "").unwrap();
+    let tls = rpi_serve::TlsFiles {
+        certificates: certificates.clone(),
+        key,
+    };
+    let settings = Settings {
+        listen: SocketAddr::from((Ipv4Addr::UNSPECIFIED, 0)),
+        token: Some("secret".to_owned()),
+        tls: Some(tls),
+        ..Settings::default()
+    };
+    (Server::open(&cell, &settings, ()).unwrap(), certificates)
+}
+
+#[cfg(feature = "tls")]
+#[test]
+fn beyond_loopback_it_is_the_same_over_tls() {
+    let folder = tempfile::tempdir().unwrap();
+    let (server, certificates) = secure(folder.path());
+    let address = format!("localhost:{}", server.address().port());
+    assert!(
+        Core::connect(&address, Some("secret")).is_err(),
+        "it is plain"
+    );
+    let other = folder.path().join("other.pem");
+    let made = rcgen::generate_simple_self_signed(["localhost".to_owned()]).unwrap();
+    std::fs::write(&other, made.cert.pem()).unwrap();
+    assert!(Core::connect_tls(&address, Some("secret"), &other).is_err());
+    assert!(Core::connect_tls(&address, Some("wrong"), &certificates).is_err());
+    let core = Core::connect_tls(&address, Some("secret"), &certificates).unwrap();
+    let session = core.open_session("test", OnLoss::Cancel).unwrap();
+    let goal = session.load(&Program::rpi(COUNT)).unwrap();
+    goal.start().unwrap();
+    assert_eq!(goal.result().unwrap().cycles, 200);
+}
+
 fn server(token: Option<&str>) -> Server {
     let cell = Cell::parse("cell.toml", "").unwrap();
     let settings = Settings {

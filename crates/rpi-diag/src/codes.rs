@@ -151,6 +151,7 @@ codes! {
     RPI9015 Warning "no mode of a contract applies";
     RPI9101 Error "primitive without a form in C";
     RPI9102 Warning "part of a program that a net cannot hold";
+    RPI9201 Error "server that others can reach";
     RPI9901 Error "fault of the compiler";
 }
 

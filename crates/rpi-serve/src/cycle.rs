@@ -16,6 +16,8 @@ pub(crate) struct Cycle {
     pub(crate) executive: Executive<SimBank>,
     pub(crate) beat: Beat,
     pub(crate) watch: Box<dyn Watch + Send>,
+    /// How a tick is run.
+    pub(crate) around_tick: fn(&mut dyn FnMut()),
     pub(crate) closing: Arc<AtomicBool>,
 }
 
@@ -26,8 +28,9 @@ impl Cycle {
         // Whoever opens the server waits for this.
         let _ = granted.send(grants);
         self.beat.restart();
+        let around_tick = self.around_tick;
         while !self.closing.load(Ordering::Relaxed) {
-            self.tick();
+            around_tick(&mut || self.tick());
         }
     }
 

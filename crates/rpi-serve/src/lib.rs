@@ -21,4 +21,4 @@ mod web;
 mod wire;
 
 pub use limits::{Limits, OnLoss};
-pub use server::{CannotOpen, Server, Settings};
+pub use server::{CannotOpen, Server, Settings, TlsFiles};

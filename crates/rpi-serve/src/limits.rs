@@ -23,7 +23,7 @@ pub struct Limits {
     pub session_memory: usize,
     /// Messages that may wait for a client that does not read them.
     pub outbox: usize,
-    /// Loads that may wait for their turn.
+    /// Loads of one session that may wait; sessions take turns.
     pub loads: usize,
     /// How long a client may take from the first byte of a request head to its last.
     pub patience: Duration,
@@ -41,7 +41,7 @@ impl Default for Limits {
             message: 16 << 20,
             session_memory: 256 << 20,
             outbox: 4096,
-            loads: 64,
+            loads: 32,
             patience: Duration::from_secs(5),
         }
     }

@@ -19,7 +19,7 @@ use rpi_sim::Cell;
 use crate::cycle::Cycle;
 use crate::desk::{Office, bank};
 use crate::limits::{Limits, OnLoss};
-use crate::wire::{Guard, Reception};
+use crate::wire::{Guard, Identity, Reception};
 
 /// How often the desk looks what the cycle tells.
 const KEEP: Duration = Duration::from_millis(1);
@@ -30,16 +30,22 @@ const REQUESTS: usize = 4096;
 /// What a server is to be like.
 #[derive(Clone, Debug)]
 pub struct Settings {
-    /// Where it listens. Beyond loopback it wants a token.
+    /// Where it listens. Beyond loopback it wants a token and TLS.
     pub listen: SocketAddr,
     /// A Unix socket at which it listens too: JSON-RPC in lines.
     pub socket: Option<PathBuf>,
     /// What clients must show.
     pub token: Option<String>,
+    /// Who the server is, where connections are to be encrypted.
+    pub tls: Option<TlsFiles>,
+    /// Listen beyond loopback without token or TLS all the same.
+    pub insecure: bool,
     /// Length of a tick, nanoseconds; periods are whole multiples of it.
     pub tick_ns: u64,
     /// What the ticks follow.
     pub pace: Pace,
+    /// How a tick is run: it must run it once. A test puts a trap for allocations around it.
+    pub around_tick: fn(&mut dyn FnMut()),
     /// What is asked of the system for the thread that ticks; nothing for a thread as any other.
     pub real_time: Option<Wanted>,
     /// What happens if a tick ends when the next one is due already.
@@ -59,8 +65,11 @@ impl Default for Settings {
             listen: SocketAddr::new(IpAddr::from([127, 0, 0, 1]), 8080),
             socket: None,
             token: None,
+            tls: None,
+            insecure: false,
             tick_ns: 1_000_000,
             pace: Pace::Real,
+            around_tick: |tick| tick(),
             real_time: None,
             overrun: OverrunPolicy::default(),
             continuity: None,
@@ -70,11 +79,29 @@ impl Default for Settings {
     }
 }
 
+/// Files in PEM by which a server shows who it is.
+#[derive(Clone, PartialEq, Eq, Debug)]
+pub struct TlsFiles {
+    /// Its certificate, and those between it and an authority that clients trust.
+    pub certificates: PathBuf,
+    /// Its private key.
+    pub key: PathBuf,
+}
+
 /// Why a server does not open.
 #[derive(Debug)]
 pub enum CannotOpen {
-    /// It would be open to everybody beyond this machine.
-    Unguarded(SocketAddr),
+    /// It would be open to others beyond this machine.
+    Unguarded {
+        /// Where it was to listen.
+        at: SocketAddr,
+        /// Everybody could come in.
+        no_token: bool,
+        /// Everybody on the way could read and change what is said.
+        no_tls: bool,
+    },
+    /// A file by which it shows who it is cannot be used.
+    Identity(String),
     /// The system does not give what it needs.
     System(io::Error),
 }
@@ -82,16 +109,51 @@ pub enum CannotOpen {
 impl fmt::Display for CannotOpen {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
-            CannotOpen::Unguarded(at) => write!(
-                f,
-                "{at} can be reached from other machines: a token is needed"
-            ),
+            CannotOpen::Unguarded {
+                at,
+                no_token,
+                no_tls,
+            } => {
+                let lacking = match (no_token, no_tls) {
+                    (true, true) => "a token and TLS",
+                    (true, false) => "a token",
+                    _ => "TLS",
+                };
+                let code = rpi_diag::Code::RPI9201;
+                write!(
+                    f,
+                    "{code}: {at} can be reached from other machines: {lacking} needed"
+                )
+            }
+            CannotOpen::Identity(why) => f.write_str(why),
             CannotOpen::System(why) => why.fmt(f),
         }
     }
 }
 
 impl std::error::Error for CannotOpen {}
+
+impl Settings {
+    /// Beyond loopback a server wants a token, and TLS.
+    fn guarded(&self) -> Result<(), CannotOpen> {
+        let (no_token, no_tls) = (self.token.is_none(), self.tls.is_none());
+        let local = self.listen.ip().is_loopback();
+        match local || self.insecure || !(no_token || no_tls) {
+            true => Ok(()),
+            false => Err(CannotOpen::Unguarded {
+                at: self.listen,
+                no_token,
+                no_tls,
+            }),
+        }
+    }
+
+    fn identity(&self) -> Result<Option<Identity>, CannotOpen> {
+        let read = |files: &TlsFiles| Identity::read(&files.certificates, &files.key);
+        let identity = self.tls.as_ref().map(read).transpose();
+        identity.map_err(CannotOpen::Identity)
+    }
+}
 
 impl From<io::Error> for CannotOpen {
     fn from(why: io::Error) -> CannotOpen {
@@ -120,9 +182,8 @@ impl Server {
         settings: &Settings,
         watch: impl Watch + Send + 'static,
     ) -> Result<Server, CannotOpen> {
-        if settings.token.is_none() && !settings.listen.ip().is_loopback() {
-            return Err(CannotOpen::Unguarded(settings.listen));
-        }
+        settings.guarded()?;
+        let identity = settings.identity()?;
         let listener = TcpListener::bind(settings.listen)?;
         listener.set_nonblocking(true)?;
         let address = listener.local_addr()?;
@@ -140,6 +201,7 @@ impl Server {
             guard: Guard {
                 token: settings.token.clone(),
             },
+            identity,
             closing: Arc::clone(&server.closing),
             connections: Arc::new(AtomicUsize::new(0)),
         };
@@ -171,6 +233,7 @@ impl Server {
             executive,
             beat: Beat::start(settings.pace, tick_ns, settings.overrun),
             watch,
+            around_tick: settings.around_tick,
             closing: Arc::clone(&self.closing),
         };
         let ((tell, granted), wanted) = (channel(), settings.real_time);

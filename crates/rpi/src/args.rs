@@ -34,7 +34,7 @@ pub(crate) enum Task {
     /// Run as a server: commands are loaded, started, scheduled and watched from outside while others run.
     ///
     /// Speaks the DirectIO protocol 2.0 (websocket `/DirectIO/` and pages) and JSON-RPC 2.0 (websocket `/rpc`). Listens on
-    /// this machine only, unless told otherwise; beyond it a token is needed. Runs until it is interrupted.
+    /// this machine only, unless told otherwise; beyond it a token and TLS are needed. Runs until it is interrupted.
     Serve(ServeArgs),
     /// Record all ports of a run as a trace, or pick rows out of a recording.
     ///
@@ -204,9 +204,18 @@ pub(crate) struct ServeArgs {
     /// Listen at this Unix socket too: JSON-RPC, a message in a line.
     #[arg(long, value_name = "FILE")]
     pub(crate) socket: Option<PathBuf>,
-    /// File with the token that clients must show; needed beyond this machine.
+    /// File with the token that clients must show; needed beyond this machine, as is TLS.
     #[arg(long, value_name = "FILE")]
     pub(crate) token_file: Option<PathBuf>,
+    /// Certificate by which the server shows who it is, in PEM, with those between it and an authority.
+    #[arg(long, value_name = "FILE", requires = "tls_key")]
+    pub(crate) tls_cert: Option<PathBuf>,
+    /// Private key of the certificate, in PEM.
+    #[arg(long, value_name = "FILE", requires = "tls_cert")]
+    pub(crate) tls_key: Option<PathBuf>,
+    /// Listen beyond this machine without token or TLS all the same: whoever reaches the port moves the devices.
+    #[arg(long)]
+    pub(crate) insecure: bool,
     /// Length of a tick; periods of commands are whole multiples of it.
     #[arg(long, value_parser = rpi_driver::parse_period, value_name = "TIME", default_value = "1ms")]
     pub(crate) period: u64,

@@ -18,11 +18,14 @@ pub struct Executive<P: Plant> {
     /// By place of the command.
     subscriptions: Box<[Option<Box<Subscription>>]>,
     /// By place of the command, too.
-    boards: Box<[Option<(CommandId, Arc<Board>)>]>,
+    boards: Boards,
     /// What was last told of each device.
     told: Vec<(i64, bool)>,
     per_tick: usize,
 }
+
+/// Whose board is at a place, and the board.
+type Boards = Box<[Option<(CommandId, Arc<Board>)>]>;
 
 /// Devices whose state is watched.
 const DEVICES: usize = 256;

@@ -28,6 +28,7 @@ const OWNERS: &[(&str, &[&str])] = &[
     ("rtrb", &["rpi-host"]),
     ("rustc-hash", &["rpi-lower", "rpi-net"]),
     ("rustix", &["rpi-bench", "rpi-fuzz", "rpi-host"]),
+    ("rustls", &["rpi-client", "rpi-serve"]),
     ("serde", &["rpi-diag", "rpi-driver", "rpi-host"]),
     (
         "serde_json",
@@ -57,6 +58,7 @@ const TEST_TOOLS: &[&str] = &[
     "insta",
     "markup5ever_rcdom",
     "proptest",
+    "rcgen",
     "stateright",
     "tempfile",
 ];

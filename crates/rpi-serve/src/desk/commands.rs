@@ -73,6 +73,7 @@ impl Desk {
         let number = self.number();
         let job = Job {
             number,
+            session,
             language: load.language,
             text: load.text.into(),
             command: load.command.map(str::to_owned),
@@ -109,11 +110,7 @@ impl Desk {
 
     fn send(&mut self, job: Job) {
         let number = job.number;
-        let taken = self
-            .jobs
-            .as_ref()
-            .is_some_and(|jobs| jobs.try_send(job).is_ok());
-        if !taken {
+        if !self.jobs.push(job) {
             self.reject(number, Failure::Busy);
         }
     }
@@ -185,7 +182,7 @@ impl Desk {
     }
 
     /// Loading has failed: the command is no more.
-    fn reject(&mut self, number: u64, why: Failure) {
+    pub(super) fn reject(&mut self, number: u64, why: Failure) {
         if let Some(record) = self.commands.remove(&number) {
             let reply = record.eval.map(|e| e.reply).or(record.loading);
             answer(reply, Err(why));

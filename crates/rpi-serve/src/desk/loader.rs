@@ -2,7 +2,6 @@
 
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::PathBuf;
-use std::sync::mpsc::{Receiver, SyncSender, sync_channel};
 use std::sync::{Arc, Mutex, PoisonError};
 
 use rpi_core::{Command, Continuity};
@@ -10,6 +9,8 @@ use rpi_driver::{Compiled, Input, Program};
 use rpi_image::Image;
 use rpi_net::Net;
 use rpi_sim::SimBank;
+
+use super::queue::Queue;
 
 /// What a text is.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
@@ -24,6 +25,8 @@ pub(crate) enum Language {
 pub(crate) struct Job {
     /// The command's number.
     pub(crate) number: u64,
+    /// Whose turn it takes.
+    pub(crate) session: u64,
     pub(crate) language: Language,
     pub(crate) text: Arc<str>,
     /// Which command of the text, if there are several.
@@ -49,24 +52,23 @@ pub(crate) struct Twin {
 /// Takes what was loaded, or every reason why not.
 pub(crate) type Done = Box<dyn Fn(Job, Result<Loaded, Vec<String>>) + Send>;
 
-/// Starts a thread that loads one job after the other; it ends when the desk does. `continuity` is what happens to
+/// Starts a thread that loads one job after the other; it ends when the queue is closed. `continuity` is what happens to
 /// commands that take over with a jump, where it is not as usual for their language.
 pub(crate) fn start(
-    most: usize,
+    jobs: Arc<Queue>,
     continuity: Option<Continuity>,
     twin: Arc<Mutex<Twin>>,
     done: Done,
-) -> std::io::Result<SyncSender<Job>> {
-    let (jobs, todo) = sync_channel(most);
-    let work = move || work(&todo, continuity, &twin, &done);
+) -> std::io::Result<()> {
+    let work = move || work(&jobs, continuity, &twin, &done);
     std::thread::Builder::new()
         .name("rpi-load".into())
         .spawn(work)?;
-    Ok(jobs)
+    Ok(())
 }
 
-fn work(todo: &Receiver<Job>, continuity: Option<Continuity>, twin: &Mutex<Twin>, done: &Done) {
-    while let Ok(job) = todo.recv() {
+fn work(jobs: &Queue, continuity: Option<Continuity>, twin: &Mutex<Twin>, done: &Done) {
+    while let Some(job) = jobs.pop() {
         let loaded = catch_unwind(AssertUnwindSafe(|| load(&job, continuity, twin)));
         let loaded =
             loaded.unwrap_or_else(|_| Err(vec!["the compiler broke down at this text".to_owned()]));

@@ -7,6 +7,7 @@ mod commands;
 mod devices;
 mod eval;
 mod loader;
+mod queue;
 mod reports;
 mod rules;
 mod sessions;
@@ -14,7 +15,6 @@ mod types;
 mod watch;
 
 use std::collections::BTreeMap;
-use std::sync::mpsc::SyncSender;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 use rpi_host::control::{CommandId, Control, Rejected, RuleId, Ticket};
@@ -31,7 +31,8 @@ pub(crate) use types::{DeviceInfo, Failure, Phase, Reply, RuleState, Sink, Statu
 pub(crate) use watch::Watching;
 
 use devices::Devices;
-use loader::{Job, Twin};
+use loader::Twin;
+use queue::Queue;
 use rules::RuleRecord;
 use sessions::Session;
 
@@ -51,7 +52,7 @@ pub(crate) struct Desk {
     told: Vec<RuleId>,
     devices: Devices,
     twin: Arc<Mutex<Twin>>,
-    jobs: Option<SyncSender<Job>>,
+    jobs: Arc<Queue>,
     /// The last number that was given to anything.
     last: u64,
 }
@@ -90,6 +91,7 @@ impl Office {
             bank: bank(cell, limits.devices, tick_ns),
             generation: 0,
         }));
+        let jobs = Arc::new(Queue::new(limits.loads));
         let office = Office(Arc::new(Mutex::new(Desk {
             limits,
             tick_ns,
@@ -103,7 +105,7 @@ impl Office {
             told: Vec::new(),
             devices: Devices::of(cell, limits.devices),
             twin: Arc::clone(&twin),
-            jobs: None,
+            jobs: Arc::clone(&jobs),
             last: 0,
         })));
         let weak = Arc::downgrade(&office.0);
@@ -112,8 +114,7 @@ impl Office {
                 Office(desk).desk().loaded(job, loaded);
             }
         });
-        let jobs = loader::start(limits.loads, settings.continuity, twin, done)?;
-        office.desk().jobs = Some(jobs);
+        loader::start(jobs, settings.continuity, twin, done)?;
         Ok(office)
     }
 
@@ -159,6 +160,12 @@ impl Desk {
                 false
             }
         }
+    }
+}
+
+impl Drop for Desk {
+    fn drop(&mut self) {
+        self.jobs.close();
     }
 }
 

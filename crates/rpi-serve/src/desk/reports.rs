@@ -62,8 +62,12 @@ impl Desk {
     fn inserted(&mut self, number: u64) -> String {
         if let Some(record) = self.commands.get_mut(&number) {
             record.set_phase(Phase::Is(State::Ready));
-            if record.eval.is_some() {
+            let (eval, abandoned) = (record.eval.is_some(), record.unload_at_end);
+            if eval {
                 self.ask_for(number, Control::start);
+            } else if abandoned {
+                // Its owner has gone while it was loaded.
+                self.ask_for(number, Control::unload);
             }
         }
         format!("n{number}")

@@ -90,6 +90,11 @@ impl Desk {
     }
 
     fn let_go_of(&mut self, session: u64, on_loss: OnLoss) {
+        if on_loss != OnLoss::RunOn {
+            for number in self.jobs.forget(session) {
+                self.reject(number, Failure::Busy);
+            }
+        }
         let own = self.commands.iter().filter(|(_, r)| r.session == session);
         let own: Vec<u64> = own.map(|(number, _)| *number).collect();
         for number in own {

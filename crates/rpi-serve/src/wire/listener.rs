@@ -13,6 +13,7 @@ use super::chat::{self, Front, Stream, TURN};
 use super::guard::Guard;
 use super::head::Head;
 use super::outbox::{Outbox, outbox};
+use super::tls::Identity;
 use crate::desk::Office;
 use crate::dio::DioFront;
 use crate::limits::Limits;
@@ -25,6 +26,8 @@ pub(crate) struct Reception {
     pub(crate) office: Office,
     pub(crate) limits: Limits,
     pub(crate) guard: Guard,
+    /// Without it, connections are plain.
+    pub(crate) identity: Option<Identity>,
     pub(crate) closing: Arc<AtomicBool>,
     pub(crate) connections: Arc<AtomicUsize>,
 }
@@ -50,7 +53,14 @@ impl Reception {
             .and_then(|()| stream.set_read_timeout(Some(TURN)))
             .and_then(|()| stream.set_write_timeout(Some(self.limits.patience)));
         if ready.is_ok() {
-            self.admit(move |reception| reception.serve(Box::new(stream)));
+            self.admit(move |reception| match &reception.identity {
+                None => reception.serve(Box::new(stream)),
+                Some(identity) => {
+                    if let Ok(stream) = identity.secure(stream) {
+                        reception.serve(Box::new(stream));
+                    }
+                }
+            });
         }
     }
 

@@ -5,9 +5,12 @@ mod guard;
 mod head;
 mod listener;
 mod outbox;
+#[cfg_attr(not(feature = "tls"), path = "no_tls.rs")]
+mod tls;
 
 pub(crate) use chat::Front;
 pub(crate) use guard::Guard;
 pub(crate) use head::Head;
 pub(crate) use listener::Reception;
 pub(crate) use outbox::Outbox;
+pub(crate) use tls::Identity;

@@ -2,21 +2,40 @@
 
 use std::net::{Ipv4Addr, SocketAddr};
 
-use rpi_serve::{CannotOpen, Limits, OnLoss, Server, Settings};
+use rpi_serve::{CannotOpen, Limits, OnLoss, Server, Settings, TlsFiles};
 use rpi_sim::Cell;
 
 use crate::client::{Client, get, http, open, post, server, settings};
 use crate::nets::{ECHO, hold, swing};
 
 #[test]
-fn beyond_this_machine_a_token_is_needed() {
+fn beyond_this_machine_a_token_and_tls_are_needed() {
     let cell = Cell::parse("cell.toml", "").unwrap();
-    let settings = Settings {
+    let mut settings = Settings {
         listen: SocketAddr::from((Ipv4Addr::UNSPECIFIED, 0)),
         ..Settings::default()
     };
-    let refused = Server::open(&cell, &settings, ());
-    assert!(matches!(refused, Err(CannotOpen::Unguarded(_))));
+    let refusal = |settings: &Settings| match Server::open(&cell, settings, ()) {
+        Err(CannotOpen::Unguarded {
+            no_token, no_tls, ..
+        }) => (no_token, no_tls),
+        other => panic!("{other:?}"),
+    };
+    assert_eq!(refusal(&settings), (true, true));
+    settings.token = Some("secret".to_owned());
+    assert_eq!(refusal(&settings), (false, true));
+    let why = Server::open(&cell, &settings, ()).unwrap_err().to_string();
+    assert!(why.starts_with("RPI9201: "), "{why}");
+    let nowhere = TlsFiles {
+        certificates: "nowhere/cert.pem".into(),
+        key: "nowhere/key.pem".into(),
+    };
+    settings.tls = Some(nowhere);
+    let why = Server::open(&cell, &settings, ()).unwrap_err().to_string();
+    assert!(why.starts_with("nowhere/cert.pem: "), "{why}");
+    settings.tls = None;
+    settings.insecure = true;
+    assert!(Server::open(&cell, &settings, ()).is_ok());
 }
 
 #[test]

@@ -30,22 +30,3 @@ pub(crate) const ECHO: &str = "{in=Core::DoubleNetcommIn(Key='gain',Value='1.0')
     two=Core::DoubleMultiply(inFirst=in.outValue,Second='2.0'),\
     out=Core::DoubleNetcommOut(inValue=two.outValue,Key='twice'),\
     c=Cancel(),stop=Core::BooleanNetcommOut(inValue=c.outCancel,Key='cancelled')}";
-
-/// A net of so many additions in a row.
-pub(crate) fn long(additions: usize) -> String {
-    use std::fmt::Write;
-    let mut net = String::from("{a0=Core::DoubleAdd(First='1.0',Second='1.0')");
-    for k in 1..additions {
-        let before = k - 1;
-        let _ = write!(
-            net,
-            ",a{k}=Core::DoubleAdd(inFirst=a{before}.outValue,Second='1.000000000000000000000000000001')"
-        );
-    }
-    let _ = write!(
-        net,
-        ",out=Core::DoubleNetcommOut(inValue=a{}.outValue,Key='sum')}}",
-        additions - 1
-    );
-    net
-}

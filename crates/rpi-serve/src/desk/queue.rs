@@ -1,0 +1,139 @@
+//! Loads that wait for their turn: in turns by session, so that nobody's loads wait for all of somebody else's.
+
+use std::collections::{BTreeMap, VecDeque};
+use std::ops::Bound::{Excluded, Unbounded};
+use std::sync::{Condvar, Mutex, MutexGuard, PoisonError};
+
+use super::loader::Job;
+
+/// The queue between the desk and the loader.
+pub(super) struct Queue {
+    waiting: Mutex<Waiting>,
+    changed: Condvar,
+    /// Jobs of one session that may wait.
+    most: usize,
+}
+
+#[derive(Default)]
+struct Waiting {
+    /// By session; none is empty.
+    sessions: BTreeMap<u64, VecDeque<Job>>,
+    /// Whose turn it was last.
+    last: u64,
+    over: bool,
+}
+
+impl Queue {
+    pub(super) fn new(most: usize) -> Queue {
+        Queue {
+            waiting: Mutex::default(),
+            changed: Condvar::new(),
+            most,
+        }
+    }
+
+    fn waiting(&self) -> MutexGuard<'_, Waiting> {
+        self.waiting.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    /// Puts a job in; false if too many of its session wait already.
+    pub(super) fn push(&self, job: Job) -> bool {
+        let mut waiting = self.waiting();
+        let own = waiting.sessions.entry(job.session).or_default();
+        let room = own.len() < self.most;
+        if room {
+            own.push_back(job);
+            self.changed.notify_one();
+        }
+        room
+    }
+
+    /// The next job, of the session after the one whose turn it was last; none once it is over.
+    pub(super) fn pop(&self) -> Option<Job> {
+        let mut waiting = self.waiting();
+        loop {
+            if waiting.over {
+                return None;
+            }
+            if let Some(job) = waiting.next() {
+                return Some(job);
+            }
+            let woken = self.changed.wait(waiting);
+            waiting = woken.unwrap_or_else(PoisonError::into_inner);
+        }
+    }
+
+    /// Forgets what a session waits for, and gives the commands' numbers.
+    pub(super) fn forget(&self, session: u64) -> Vec<u64> {
+        let jobs = self.waiting().sessions.remove(&session).unwrap_or_default();
+        jobs.iter().map(|job| job.number).collect()
+    }
+
+    /// Nothing will be loaded any more.
+    pub(super) fn close(&self) {
+        self.waiting().over = true;
+        self.changed.notify_all();
+    }
+}
+
+impl Waiting {
+    fn next(&mut self) -> Option<Job> {
+        let mut later = self.sessions.range((Excluded(self.last), Unbounded));
+        let next = later.next().or_else(|| self.sessions.iter().next());
+        let session = *next?.0;
+        self.last = session;
+        let own = self.sessions.get_mut(&session)?;
+        let job = own.pop_front();
+        if own.is_empty() {
+            self.sessions.remove(&session);
+        }
+        job
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::loader::Language;
+    use super::*;
+
+    fn job(session: u64, number: u64) -> Job {
+        Job {
+            number,
+            session,
+            language: Language::Rpi,
+            text: "".into(),
+            command: None,
+            period_ns: 1,
+        }
+    }
+
+    #[test]
+    fn sessions_take_turns_however_much_one_of_them_wants() {
+        let queue = Queue::new(3);
+        let put = [
+            (1, 10),
+            (1, 11),
+            (1, 12),
+            (1, 13),
+            (2, 20),
+            (3, 30),
+            (2, 21),
+        ];
+        let taken = put.map(|(session, number)| queue.push(job(session, number)));
+        assert_eq!(taken, [true, true, true, false, true, true, true]);
+        let order: Vec<u64> = (0..6).map(|_| queue.pop().unwrap().number).collect();
+        assert_eq!(order, [10, 20, 30, 11, 21, 12]);
+    }
+
+    #[test]
+    fn what_is_forgotten_is_not_loaded() {
+        let queue = Queue::new(3);
+        for (session, number) in [(1, 10), (2, 20), (1, 11)] {
+            assert!(queue.push(job(session, number)));
+        }
+        assert_eq!(queue.forget(1), [10, 11]);
+        assert_eq!(queue.pop().unwrap().number, 20);
+        queue.close();
+        assert!(queue.pop().is_none());
+    }
+}

@@ -1,0 +1,73 @@
+//! TLS for connections from beyond this machine (RFC 8446, RFC 5246), by rustls.
+
+use std::io::{self, Read, Write};
+use std::net::TcpStream;
+use std::path::Path;
+use std::sync::Arc;
+
+use rustls::crypto::ring::default_provider;
+use rustls::pki_types::pem::PemObject;
+use rustls::pki_types::{CertificateDer, PrivateKeyDer};
+use rustls::{ServerConfig, ServerConnection, StreamOwned};
+
+/// Who the server is, for those who connect.
+#[derive(Clone)]
+pub(crate) struct Identity(Arc<ServerConfig>);
+
+impl Identity {
+    /// Reads certificates, the server's own first, and its private key, both in PEM (RFC 7468).
+    ///
+    /// # Errors
+    /// Which file is wrong, and why.
+    pub(crate) fn read(certificates: &Path, key: &Path) -> Result<Identity, String> {
+        let of = |path: &Path, why: &dyn std::fmt::Display| format!("{}: {why}", path.display());
+        let chain = CertificateDer::pem_file_iter(certificates).and_then(Iterator::collect);
+        let chain: Vec<_> = chain.map_err(|why| of(certificates, &why))?;
+        if chain.is_empty() {
+            return Err(of(certificates, &"it holds no certificate"));
+        }
+        let secret = PrivateKeyDer::from_pem_file(key).map_err(|why| of(key, &why))?;
+        let config = ServerConfig::builder_with_provider(Arc::new(default_provider()))
+            .with_safe_default_protocol_versions()
+            .and_then(|config| config.with_no_client_auth().with_single_cert(chain, secret));
+        config
+            .map(|config| Identity(Arc::new(config)))
+            .map_err(|why| of(key, &why))
+    }
+
+    /// A connection on which nothing but TLS is spoken. Hands are shaken with the first bytes that are read.
+    ///
+    /// # Errors
+    /// If there is no memory for it.
+    pub(crate) fn secure(&self, stream: TcpStream) -> io::Result<Secure> {
+        let connection = ServerConnection::new(Arc::clone(&self.0)).map_err(io::Error::other)?;
+        Ok(Secure(StreamOwned::new(connection, stream)))
+    }
+}
+
+/// A connection over TLS.
+pub(crate) struct Secure(StreamOwned<ServerConnection, TcpStream>);
+
+impl Read for Secure {
+    fn read(&mut self, buffer: &mut [u8]) -> io::Result<usize> {
+        self.0.read(buffer)
+    }
+}
+
+impl Write for Secure {
+    fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
+        self.0.write(bytes)
+    }
+
+    fn flush(&mut self) -> io::Result<()> {
+        self.0.flush()
+    }
+}
+
+impl Drop for Secure {
+    /// Tells that nothing was cut off.
+    fn drop(&mut self) {
+        self.0.conn.send_close_notify();
+        let _ = self.0.flush();
+    }
+}

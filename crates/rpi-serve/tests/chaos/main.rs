@@ -1,0 +1,165 @@
+//! Whatever clients do, what runs is not disturbed: the paper's blending goes on for ever with the same bits as without
+//! them, no tick allocates, and nothing of theirs is left in the end.
+//!
+//! A few seconds in the suite; `RPI_CHAOS` says for how many it goes on otherwise: `cargo xtask soak` takes an hour.
+
+#[path = "../server/client.rs"]
+#[expect(dead_code, reason = "the tests of the server use the rest")]
+mod client;
+mod digest;
+mod owner;
+mod rogues;
+
+use std::net::SocketAddr;
+use std::panic::{AssertUnwindSafe, catch_unwind, resume_unwind};
+use std::path::PathBuf;
+use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
+use std::thread;
+use std::time::{Duration, Instant};
+
+use rpi_host::realtime::Pace;
+use rpi_serve::{Server, Settings};
+use rpi_sim::Cell;
+
+use client::{PATIENCE, http, settings};
+use digest::Digest;
+use rogues::{Random, TROUBLES};
+
+rpi_testkit::trap_allocations!();
+
+/// What clients must show.
+const TOKEN: &str = "a-secret";
+/// Seconds that one of each kind and the calm before and after may take.
+const LONGEST: u64 = 120;
+/// Bad clients at a time.
+const ROGUES: u64 = 3;
+/// What memory may grow by, kB, however long it takes: what the allocator keeps for threads that come again.
+const GROWTH: u64 = 256 << 10;
+
+/// The server under attack.
+struct Scene {
+    address: SocketAddr,
+    socket: PathBuf,
+}
+
+fn server(folder: &tempfile::TempDir, pace: Pace, watch: Digest) -> (Server, Scene) {
+    let cell = rpi_testkit::workspace_root().join("examples/blending/cell.toml");
+    let text = std::fs::read_to_string(cell).unwrap();
+    let cell = Cell::parse("cell.toml", &text).unwrap_or_else(|errors| panic!("{errors}"));
+    let socket = folder.path().join("rpi.sock");
+    let settings = Settings {
+        token: Some(TOKEN.to_owned()),
+        socket: Some(socket.clone()),
+        pace,
+        around_tick: |tick| rpi_testkit::no_alloc(tick),
+        ..settings()
+    };
+    let server = Server::open(&cell, &settings, watch).unwrap();
+    let address = server.address();
+    (server, Scene { address, socket })
+}
+
+fn seconds() -> u64 {
+    let long = std::env::var("RPI_CHAOS").ok();
+    long.map_or(6, |text| text.parse().expect("a number of seconds"))
+}
+
+#[test]
+fn set_points_are_the_same_bits_with_and_without_clients() {
+    let crowded = run(Pace::Real, |scene, digest| attack(scene, digest, seconds()));
+    let passed = crowded.len();
+    assert!(passed as u64 > seconds(), "{passed} s");
+    let quiet = run(Pace::Faster(5), |_, digest| digest.wait(passed as u64));
+    assert_eq!(quiet[..passed], crowded[..]);
+}
+
+/// The digest after each second of blending with these clients.
+fn run(pace: Pace, clients: impl FnOnce(&Scene, &Digest)) -> Vec<u64> {
+    let folder = tempfile::tempdir().unwrap();
+    let digest = Digest::new(seconds() + LONGEST);
+    let (server, scene) = server(&folder, pace, digest.clone());
+    let over = AtomicBool::new(false);
+    thread::scope(|scope| {
+        let owner = scope.spawn(|| owner::shuttle(scene.address, &over));
+        let done = catch_unwind(AssertUnwindSafe(|| clients(&scene, &digest)));
+        over.store(true, Ordering::Relaxed);
+        owner.join().unwrap();
+        done.unwrap_or_else(|failed| resume_unwind(failed));
+    });
+    drop(server);
+    digest.marks()
+}
+
+fn attack(scene: &Scene, digest: &Digest, seconds: u64) {
+    let counts: Vec<AtomicU64> = TROUBLES.iter().map(|_| AtomicU64::new(0)).collect();
+    digest.wait(1);
+    // Once each, so that what stays for good is there before memory is looked at.
+    for (trouble, count) in TROUBLES.iter().zip(&counts) {
+        make(*trouble, scene, 0, count);
+    }
+    wait_for_calm(scene);
+    let (before, until) = (resident(), digest.passed() + seconds);
+    thread::scope(|scope| {
+        for rogue in 0..ROGUES {
+            let counts = &counts;
+            scope.spawn(move || {
+                let mut random = Random(rogue + 1);
+                while digest.passed() < until {
+                    let which = random.below(TROUBLES.len());
+                    make(TROUBLES[which], scene, random.next(), &counts[which]);
+                }
+            });
+        }
+        digest.wait(until);
+    });
+    wait_for_calm(scene);
+    let (after, done) = (resident(), counts.iter().map(|c| c.load(Ordering::Relaxed)));
+    println!(
+        "troubles {:?}, {before} kB before, {after} kB after",
+        done.collect::<Vec<_>>()
+    );
+    assert!(
+        after < before + GROWTH,
+        "{before} kB have become {after} kB"
+    );
+}
+
+/// One bad client. One that is thrown out in the middle may fail itself.
+fn make(trouble: rogues::Trouble, scene: &Scene, seed: u64, count: &AtomicU64) {
+    let mut random = Random(seed | 1);
+    drop(catch_unwind(AssertUnwindSafe(|| {
+        trouble(scene, &mut random)
+    })));
+    count.fetch_add(1, Ordering::Relaxed);
+}
+
+/// Waits until nothing of the bad clients is left.
+fn wait_for_calm(scene: &Scene) {
+    let begin = Instant::now();
+    loop {
+        let sessions = page(scene, "/sessions").matches("<session ").count();
+        let nets = page(scene, "/nets");
+        let strange = nets.lines().filter(|line| line.contains("<net ")).count()
+            - nets.matches(owner::TITLE).count();
+        if (sessions, strange) == (1, 0) {
+            return;
+        }
+        assert!(begin.elapsed() < PATIENCE, "{sessions} sessions, {nets}");
+        thread::sleep(Duration::from_millis(50));
+    }
+}
+
+fn page(scene: &Scene, path: &str) -> String {
+    http(
+        scene.address,
+        &format!("GET {path} HTTP/1.1\r\nHost: cell\r\nAuthorization: Bearer {TOKEN}\r\n\r\n"),
+    )
+}
+
+/// Memory that this process holds, kB; 0 where the system does not tell.
+fn resident() -> u64 {
+    let status = std::fs::read_to_string("/proc/self/status").unwrap_or_default();
+    let line = status.lines().find_map(|line| line.strip_prefix("VmRSS:"));
+    let number = line.and_then(|line| line.split_whitespace().next());
+    number.and_then(|n| n.parse().ok()).unwrap_or(0)
+}

@@ -1,0 +1,107 @@
+//! The client whose commands are not to be disturbed: the paper's Listing 1, for ever.
+
+use std::collections::VecDeque;
+use std::net::SocketAddr;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::thread;
+use std::time::Duration;
+
+use serde_json::{Value, json};
+
+use crate::TOKEN;
+use crate::client::Client;
+
+/// What its commands are called.
+pub(crate) const TITLE: &str = "not to be disturbed";
+/// Commands that are loaded ahead: about ten seconds' worth.
+const AHEAD: usize = 12;
+
+struct Owner {
+    client: Client,
+    last: u64,
+    session: Value,
+    program: String,
+    made: usize,
+    /// What runs, and what follows.
+    chain: VecDeque<Value>,
+}
+
+/// Runs one command after the other until it is over.
+pub(crate) fn shuttle(address: SocketAddr, over: &AtomicBool) {
+    let example = rpi_testkit::workspace_root().join("examples/blending/blending.rpi");
+    let path = format!("/rpc?token={TOKEN}");
+    let mut owner = Owner {
+        client: Client::at(address, &path),
+        last: 0,
+        session: Value::Null,
+        program: std::fs::read_to_string(example).unwrap(),
+        made: 0,
+        chain: VecDeque::new(),
+    };
+    let opened = owner.call(
+        "session.open",
+        &json!({"name": "owner", "on_loss": "abort"}),
+    );
+    owner.session = opened["session"].clone();
+    (0..AHEAD).for_each(|_| owner.extend());
+    let first = owner.chain[0].clone();
+    owner.call("command.start", &json!({"command": first}));
+    while !over.load(Ordering::Relaxed) {
+        owner.go_on();
+        thread::sleep(Duration::from_millis(5));
+    }
+}
+
+impl Owner {
+    /// Calls a method; if the server has too much to do, again.
+    fn call(&mut self, method: &str, params: &Value) -> Value {
+        loop {
+            self.last += 1;
+            let id = self.last;
+            let request = json!({"jsonrpc": "2.0", "id": id, "method": method, "params": params});
+            self.client.send(&request.to_string());
+            let mut answer = self.client.wait(method, |text| {
+                let answer: Value = serde_json::from_str(text).ok()?;
+                (answer["id"] == json!(id)).then_some(answer)
+            });
+            match answer["error"]["code"].as_i64() {
+                None => return answer["result"].take(),
+                Some(-32005) => thread::sleep(Duration::from_millis(20)),
+                Some(_) => panic!("{method} {params}: {answer}"),
+            }
+        }
+    }
+
+    /// Loads another command and lets it follow the last one.
+    fn extend(&mut self) {
+        let name = match self.made {
+            0 => "MoveToA",
+            odd if odd % 2 == 1 => "MoveToC",
+            _ => "MoveToE",
+        };
+        self.made += 1;
+        let load = json!({
+            "session": self.session,
+            "text": self.program,
+            "command": name,
+            "title": TITLE,
+        });
+        let command = self.call("command.load", &load)["command"].take();
+        if let Some(before) = self.chain.back() {
+            let schedule = json!({"command": command, "after": before});
+            self.call("command.schedule", &schedule);
+        }
+        self.chain.push_back(command);
+    }
+
+    /// Lets go of the command that has ended, if one has.
+    fn go_on(&mut self) {
+        let first = json!({"command": self.chain[0]});
+        let told = self.call("command.describe", &first);
+        if told["state"] == "terminated" {
+            self.call("command.unload", &first);
+            self.chain.pop_front();
+            self.extend();
+        }
+    }
+}

@@ -1,0 +1,45 @@
+//! A client that does not read what it is told.
+
+use std::time::{Duration, Instant};
+
+use rpi_serve::{Limits, Settings};
+use tungstenite::Message;
+
+use crate::client::{Client, PATIENCE, get, server, settings};
+use crate::nets::swing;
+
+#[test]
+fn a_client_that_does_not_read_is_given_up() {
+    let limits = Limits {
+        patience: Duration::from_millis(500),
+        ..Limits::default()
+    };
+    let server = server(
+        &Settings {
+            limits,
+            ..settings()
+        },
+        (),
+    );
+    let mut deaf = Client::dio(server.address());
+    let session = deaf.ask("nse(\"deaf\")").unwrap();
+    let net = deaf.load(&session, &swing(0, 1e9));
+    deaf.ask(&format!("nest(\"{net}\")")).unwrap();
+    let begin = Instant::now();
+    // Its session's commands are cancelled once it is given up; an oscillation that never ends sees that as `cancel`.
+    while !get(server.address(), "/nets").contains("Cancelling") {
+        assert!(begin.elapsed() < PATIENCE, "it is still listened to");
+        for _ in 0..1000 {
+            deaf.push("f=gde()");
+        }
+    }
+    let mut other = Client::dio(server.address());
+    assert!(other.ask("ver(\"2.0\")").is_ok());
+}
+
+impl Client {
+    /// Sends without caring whether it arrives.
+    fn push(&mut self, text: &str) {
+        let _ = self.socket_mut().send(Message::text(text));
+    }
+}
