@@ -9,6 +9,7 @@ mod inactive;
 mod interpreter;
 mod loading;
 mod memory;
+mod switching;
 mod table;
 
 use std::path::Path;
@@ -23,6 +24,12 @@ fn main() {
         && mode == inactive::CHILD
     {
         return inactive::run_cycles(Path::new(path), cycles.parse().unwrap_or(0));
+    }
+    if let [mode, path, rounds, switches] = &arguments[..]
+        && mode == switching::CHILD
+    {
+        let rounds = rounds.parse().unwrap_or(0);
+        return switching::run_rounds(Path::new(path), rounds, switches == "true");
     }
     if let [mode, path] = &arguments[..]
         && mode == memory::CHILD
@@ -44,6 +51,7 @@ fn main() {
     interpreter::rows(&mut table);
     authors::rows(&mut table);
     inactive::rows(&mut table);
+    switching::rows(&mut table);
     loading::rows(&mut table);
     checking::rows(&mut table);
     memory::rows(&mut table);

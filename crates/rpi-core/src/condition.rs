@@ -91,13 +91,65 @@ impl Truth {
 
 /// One word of a condition, operands first.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
-enum Word {
+pub(crate) enum Word {
     Fact(CommandId, Fact),
     Constant(bool),
     Never,
     Not,
     And,
     Or,
+}
+
+impl Word {
+    /// As numbers: what it is, the command that it speaks of, and an argument.
+    pub(crate) fn numbers(&self) -> [u64; 3] {
+        let of = |what: u64, command: CommandId, argument: u64| [what, command.number(), argument];
+        match *self {
+            Word::Fact(command, Fact::Export(k)) => of(1, command, u64::from(k)),
+            Word::Fact(command, Fact::Ended) => of(2, command, 0),
+            Word::Fact(command, Fact::Regular) => of(3, command, 0),
+            Word::Fact(command, Fact::Failed) => of(4, command, 0),
+            Word::Fact(command, Fact::Result(k)) => of(5, command, u64::from(k)),
+            Word::Fact(command, Fact::Error(number)) => of(6, command, number.cast_unsigned()),
+            Word::Constant(value) => [7, 0, u64::from(value)],
+            Word::Never => [8, 0, 0],
+            Word::Not => [9, 0, 0],
+            Word::And => [10, 0, 0],
+            Word::Or => [11, 0, 0],
+        }
+    }
+
+    /// The word behind these numbers; none if they make none.
+    pub(crate) fn of_numbers(numbers: &[u64]) -> Option<Word> {
+        let &[what, command, argument] = numbers else {
+            return None;
+        };
+        let fact = |fact: Fact| Word::Fact(CommandId::from_number(command), fact);
+        let index = || u32::try_from(argument).ok();
+        Some(match what {
+            1 => fact(Fact::Export(index()?)),
+            2 => fact(Fact::Ended),
+            3 => fact(Fact::Regular),
+            4 => fact(Fact::Failed),
+            5 => fact(Fact::Result(index()?)),
+            6 => fact(Fact::Error(argument.cast_signed())),
+            7 => Word::Constant(argument != 0),
+            8 => Word::Never,
+            9 => Word::Not,
+            10 => Word::And,
+            11 => Word::Or,
+            _ => return None,
+        })
+    }
+
+    /// How many operands it takes; each word leaves one.
+    const fn operands(&self) -> usize {
+        match self {
+            Word::Fact(..) | Word::Constant(_) | Word::Never => 0,
+            Word::Not => 1,
+            Word::And | Word::Or => 2,
+        }
+    }
 }
 
 /// Operands that wait at once; conditions that need more are refused.
@@ -128,6 +180,19 @@ impl Condition {
             Word::Fact(command, _) => Some(*command),
             _ => None,
         })
+    }
+
+    /// Its words, operands first.
+    pub(crate) fn words(&self) -> impl Iterator<Item = &Word> + '_ {
+        self.0.iter()
+    }
+
+    /// The condition that these words make; none if an operand is missing or too many are left.
+    pub(crate) fn of_words(words: Vec<Word>) -> Option<Condition> {
+        let left = words.iter().try_fold(0usize, |depth, word| {
+            Some(depth.checked_sub(word.operands())? + 1)
+        })?;
+        (left == 1).then(|| Condition(words.into()))
     }
 
     /// True if it needs no more room than there is.

@@ -21,6 +21,15 @@ impl CommandId {
     pub const fn number(self) -> u64 {
         (self.serial as u64) << 32 | self.place as u64
     }
+
+    /// The command of this number: see [`CommandId::number`].
+    #[must_use]
+    pub const fn from_number(number: u64) -> CommandId {
+        CommandId {
+            place: number as u32,
+            serial: (number >> 32) as u32,
+        }
+    }
 }
 
 /// A rule. It is not used again for another rule.

@@ -36,6 +36,7 @@ mod rule;
 mod scheduling;
 mod switch;
 mod tick;
+mod words;
 
 pub use command::{Cause, Command, Ending, Why};
 pub use commands::{Core, Refused};

@@ -65,6 +65,24 @@ fn without_a_successor_a_yield_is_passed_over() {
     assert_eq!(steps(&bank, 0), [1, 1, 1, 1, 1, 0, 1, 1, 0]);
 }
 
+/// R2: all that it needs or nothing, and it stays ready.
+#[test]
+fn a_refused_start_leaves_it_ready_and_names_the_holder() {
+    let mut bank = Axes::new();
+    let (mut core, ids) = core(&[mover(0, 5, 100), mover(0, 2, 100)], &mut bank);
+    core.start(ids[0], &mut bank).unwrap();
+    let refused = core.start(ids[1], &mut bank);
+    let held = Refused::Held {
+        resource: 0,
+        by: ids[0],
+    };
+    assert_eq!(refused, Err(held));
+    assert_eq!(core.command(ids[1]).unwrap().state(), State::Ready);
+    assert_eq!(core.command(ids[1]).unwrap().held().count(), 0);
+    ticks(&mut core, &mut bank, 8);
+    assert_eq!(core.start(ids[1], &mut bank), Ok(()));
+}
+
 /// A successor that does not take the moving axis does not count.
 #[test]
 fn a_yield_needs_a_successor_that_takes_what_moves() {

@@ -149,6 +149,7 @@ codes! {
     RPI9013 Warning "assumption that is broken";
     RPI9014 Warning "guarantee that is not kept";
     RPI9015 Warning "no mode of a contract applies";
+    RPI9021 Error "recording that cannot be run again";
     RPI9101 Error "primitive without a form in C";
     RPI9102 Warning "part of a program that a net cannot hold";
     RPI9201 Error "server that others can reach";

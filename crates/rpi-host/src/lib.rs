@@ -5,12 +5,15 @@
 
 pub mod claims;
 pub mod control;
+pub mod latency;
 pub mod measure;
 pub mod node;
 pub mod plot;
 pub mod realtime;
 pub mod record;
+pub mod recording;
 pub mod replay;
 pub mod run;
+mod tape;
 pub mod testing;
 pub mod trace;

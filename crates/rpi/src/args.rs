@@ -41,11 +41,19 @@ pub(crate) enum Task {
     /// Of a program, net or image: runs it on simulated time and writes what every port carried in every cycle, in the
     /// form that `rpi replay` reads. Of a recording or trace (.csv, .jsonl, .trace, plain or .gz): prints its rows.
     Trace(TraceArgs),
-    /// Run a net against a recorded trace and compare every value.
+    /// Run a recording again, or a net against a recorded trace, and compare every value.
+    ///
+    /// A recording (.mcap) has all that is needed: the same requests are made in the same ticks, devices answer as they did, and every
+    /// flow, set-point and event is compared bit for bit, across all switches of commands.
     ///
     /// What came from outside is taken from the trace: device ports, inputs, cancel, the wall clock. Everything else is
     /// computed and compared. Exit status 0 only if nothing differs, 1 if something does, 2 for bad input.
     Replay(ReplayArgs),
+    /// Measure which period this machine can hold, and say why.
+    ///
+    /// A thread with what the system grants of priority, memory and core is woken again and again; how late that is, and how long the
+    /// cycles of a program take if one is given, must fit a period.
+    Latency(LatencyArgs),
     /// Print the completions of a shell.
     #[command(hide = true)]
     Completions {
@@ -100,13 +108,17 @@ pub(crate) struct RunArgs {
     /// Assertions and contracts: left out, watched and told with cycle and values, or a fault that ends the run.
     #[arg(long, value_name = "HOW", default_value = "report")]
     pub(crate) contracts: Contracts,
+    /// Forbid the cycle's thread every system call but sleeping and reading the clock: another one ends the process.
+    #[arg(long, requires = "real_time")]
+    pub(crate) fence: bool,
     /// How long it takes to have the next command ready once one has started.
     #[arg(long, value_parser = rpi_driver::parse_period, value_name = "TIME")]
     pub(crate) planning_time: Option<u64>,
     /// What happens if a command takes over with a jump of position, velocity or acceleration.
     #[arg(long, value_name = "POLICY", default_value = "refuse")]
     pub(crate) on_jump: OnJump,
-    /// Record exports and devices: cycle, flow, value; JSON lines for .jsonl, else comma-separated.
+    /// Record what happens. A file .mcap gets everything: viewers open it, and `rpi replay` runs it again. Others get exports and
+    /// devices as rows of cycle, flow, value: JSON lines for .jsonl, else comma-separated.
     #[arg(long, value_name = "FILE")]
     pub(crate) record: Option<PathBuf>,
     /// Print one number for all that the devices did: equal for runs with the same bits in every tick.
@@ -146,6 +158,7 @@ impl ClockArgs {
                 core: self.core,
             },
             overrun: self.on_overrun,
+            fence: false,
         }
     }
 }
@@ -301,10 +314,10 @@ pub(crate) struct TraceArgs {
 /// Options of `rpi replay`.
 #[derive(Args, Debug)]
 pub(crate) struct ReplayArgs {
-    /// The net: .rpinet, or a program (.rpi), plain or .gz.
+    /// A recording (.mcap); or the net: .rpinet, or a program (.rpi), plain or .gz.
     pub(crate) net: PathBuf,
     /// The trace, tab- or comma-separated, plain or .gz. Given several times, the recordings are joined.
-    #[arg(long, required = true, value_name = "FILE")]
+    #[arg(long, value_name = "FILE")]
     pub(crate) trace: Vec<PathBuf>,
     /// The command, if the program has several.
     #[arg(long, value_name = "NAME")]
@@ -316,6 +329,35 @@ pub(crate) struct ReplayArgs {
     #[arg(long, default_value_t = 1e-9, value_parser = tolerance)]
     pub(crate) tolerance: f64,
     /// Print the report as JSON.
+    #[arg(long)]
+    pub(crate) json: bool,
+}
+
+/// Options of `rpi latency`.
+#[derive(Args, Debug)]
+pub(crate) struct LatencyArgs {
+    /// How often the thread is woken.
+    #[arg(long, value_parser = rpi_driver::parse_period, value_name = "TIME", default_value = "1ms")]
+    pub(crate) period: u64,
+    /// How long it is measured.
+    #[arg(long, value_parser = rpi_driver::parse_period, value_name = "TIME", default_value = "10s")]
+    pub(crate) time: u64,
+    /// Priority among the threads of SCHED_FIFO, 1 to 99.
+    #[arg(long, value_name = "N", default_value_t = Wanted::default().priority, value_parser = value_parser!(u8).range(1..100))]
+    pub(crate) priority: u8,
+    /// The core; the last one unless said otherwise.
+    #[arg(long, value_name = "N")]
+    pub(crate) core: Option<usize>,
+    /// Run this program on real time for as long before, and count its cycles in.
+    #[arg(long, value_name = "FILE")]
+    pub(crate) program: Option<PathBuf>,
+    /// Description of the program's devices; without it, `cell.toml` beside the program.
+    #[arg(long, value_name = "FILE", requires = "program")]
+    pub(crate) cell: Option<PathBuf>,
+    /// The command or task of the program, if there are several.
+    #[arg(long, value_name = "NAME", requires = "program")]
+    pub(crate) command: Option<String>,
+    /// Print the figures as JSON.
     #[arg(long)]
     pub(crate) json: bool,
 }

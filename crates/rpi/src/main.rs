@@ -1,10 +1,11 @@
-//! The control core on the command line: `rpi run`, `rpi serve`, `rpi replay`, `rpi trace`.
+//! The control core on the command line: `rpi run`, `rpi serve`, `rpi replay`, `rpi trace`, `rpi latency`.
 //!
 //! Exit status: 0 for a good end, 1 for a command's error or a differing trace, 2 for bad input, 3 for a fault while
 //! running.
 
 mod args;
 mod exit;
+mod latency;
 mod node;
 mod output;
 mod program;
@@ -30,6 +31,7 @@ fn main() -> ExitCode {
         Task::Serve(args) => serve::serve(&args),
         Task::Trace(args) => trace::trace(&args),
         Task::Replay(args) => replay::replay(&args),
+        Task::Latency(args) => latency::latency(&args),
         Task::Completions { shell } => shell::completions(shell),
         Task::Man { folder } => shell::man(&folder),
     };

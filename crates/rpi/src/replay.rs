@@ -1,8 +1,9 @@
-//! `rpi replay`: a net against a recorded trace.
+//! `rpi replay`: a recording once more, or a net against a recorded trace.
 
 use std::path::PathBuf;
 
 use rpi_driver::Claims;
+use rpi_host::recording::{Recording, rerun};
 use rpi_host::replay::Options;
 use rpi_host::trace::Trace;
 
@@ -10,9 +11,16 @@ use crate::args::ReplayArgs;
 use crate::exit::{Exit, Outcome};
 use crate::output;
 use crate::program;
+use crate::run::is_recording;
 
 /// Replays and prints the report.
 pub(crate) fn replay(args: &ReplayArgs) -> Outcome {
+    if is_recording(&args.net) {
+        return again(args);
+    }
+    if args.trace.is_empty() {
+        return Err("against which trace? Say --trace FILE, or give a recording (.mcap)".into());
+    }
     let compiled = program::load(&args.net, Claims::Off)?;
     let net = program::choose(compiled.nets(), &[], args.command.as_deref())?;
     let trace = joined(&args.trace)?;
@@ -26,11 +34,27 @@ pub(crate) fn replay(args: &ReplayArgs) -> Outcome {
         true => format!("{}\n", report.to_json()),
         false => report.to_string(),
     })?;
-    Ok(if report.agrees() {
-        Exit::Good
-    } else {
-        Exit::CommandError
-    })
+    Ok(verdict(report.agrees()))
+}
+
+/// Runs a recording again.
+fn again(args: &ReplayArgs) -> Outcome {
+    let name = args.net.display();
+    let bytes = std::fs::read(&args.net).map_err(|e| format!("{name}: {e}"))?;
+    let recording = Recording::read(&bytes).map_err(|e| format!("{name}: {e}"))?;
+    let report = rerun(&recording).map_err(|e| format!("{name}: {e}"))?;
+    output::put(&match args.json {
+        true => format!("{}\n", report.to_json()),
+        false => report.to_string(),
+    })?;
+    Ok(verdict(report.agrees()))
+}
+
+fn verdict(agrees: bool) -> Exit {
+    match agrees {
+        true => Exit::Good,
+        false => Exit::CommandError,
+    }
 }
 
 fn joined(paths: &[PathBuf]) -> Result<Trace, rpi_host::trace::ReadError> {

@@ -10,8 +10,9 @@ use rpi_diag::{Style, render};
 use rpi_driver::Compiled;
 use rpi_host::claims::ClaimSink;
 use rpi_host::plot;
-use rpi_host::realtime::Pace;
+use rpi_host::realtime::{Pace, RealTime};
 use rpi_host::record::{Digest, Form, Motion, Rows};
+use rpi_host::recording::{Origin, Wanted as Recording};
 use rpi_host::run::{self, CommandEnd, Job, Limits, Outcome, Several, Sink, Status};
 
 use rpi_net::Net;
@@ -33,6 +34,7 @@ pub(crate) fn run(args: &RunArgs) -> exit::Outcome {
         return Err("--record and --plot need a file each".into());
     }
     let mut rows = record
+        .filter(|path| !is_recording(path))
         .map(|path| recording(path, &args.program))
         .transpose()?;
     let mut picture = plot
@@ -87,7 +89,9 @@ fn execute(
     script: &Script,
     sink: &mut dyn Sink,
 ) -> Result<Outcome, Box<dyn Error>> {
-    let cell = target::cell(&args.program, &args.target, script)?;
+    let (cell, text) = target::cell(&args.program, &args.target, script)?;
+    let recording = args.record.as_deref().filter(|path| is_recording(path));
+    let recording = recording.map(|path| whole(path, &args.program, text));
     let tick_ns = script.images.first().map_or(1, |image| image.period_ns);
     let mut progress = ProgressLine::default();
     let mut tell = |command: &CommandEnd, elapsed: Duration| progress.show(command, elapsed);
@@ -100,18 +104,41 @@ fn execute(
             true => Pace::Real,
             false => Pace::Simulated,
         },
-        real_time: args.clock.real_time(),
+        real_time: RealTime {
+            fence: args.fence,
+            ..args.clock.real_time()
+        },
         continuity: args.on_jump.into(),
         limits: Limits {
             ticks: target::ticks(&args.target, tick_ns),
             planning_ns: args.planning_time.unwrap_or(0),
         },
         settings: &args.target.settings,
+        recording: recording.transpose()?,
         sink,
         progress: if shows { Some(&mut tell) } else { None },
     });
     progress.clear();
     Ok(outcome?)
+}
+
+/// Whether a file is to hold a recording of everything.
+pub(crate) fn is_recording(path: &Path) -> bool {
+    path.extension()
+        .is_some_and(|extension| extension == "mcap")
+}
+
+/// A recording of everything, which can be run again.
+fn whole(path: &Path, program: &Path, cell: String) -> Result<Recording, Box<dyn Error>> {
+    let name = program.file_name().unwrap_or_default();
+    Ok(Recording {
+        out: Box::new(BufWriter::new(output::create(path, program)?)),
+        origin: Origin {
+            program: name.to_string_lossy().into_owned(),
+            program_bytes: std::fs::read(program)?,
+            cell,
+        },
+    })
 }
 
 fn recording(path: &Path, program: &Path) -> Result<Rows<BufWriter<File>>, Box<dyn Error>> {

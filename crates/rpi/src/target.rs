@@ -132,13 +132,17 @@ fn of_image(image: &Image, target: &Target) -> Result<Image, String> {
     }
 }
 
-/// The cell that was named, or the one beside the program; one without devices for what needs none.
-pub(crate) fn cell(program: &Path, target: &Target, script: &Script) -> Result<Cell, String> {
+/// The cell that was named, or the one beside the program, with its text; one without devices for what needs none.
+pub(crate) fn cell(
+    program: &Path,
+    target: &Target,
+    script: &Script,
+) -> Result<(Cell, String), String> {
     let beside = program.with_file_name("cell.toml");
     let path = match &target.cell {
         Some(path) => path.as_path(),
         None if beside.is_file() => beside.as_path(),
-        None if !script.needs_devices() => return Ok(Cell::default()),
+        None if !script.needs_devices() => return Ok((Cell::default(), String::new())),
         None => {
             return Err(
                 "which cell? There is no cell.toml beside the program; say --cell FILE".into(),
@@ -148,7 +152,9 @@ pub(crate) fn cell(program: &Path, target: &Target, script: &Script) -> Result<C
     let name = path.display().to_string();
     let bytes = std::fs::read(path).map_err(|e| format!("{name}: {e}"))?;
     let text = rpi_driver::utf8(path, &bytes).map_err(|e| e.to_string())?;
-    Cell::parse(&name, text).map_err(|errors| format!("the cell is wrong\n{errors}"))
+    let cell = Cell::parse(&name, text);
+    let cell = cell.map_err(|errors| format!("the cell is wrong\n{errors}"))?;
+    Ok((cell, text.to_owned()))
 }
 
 /// Ticks after which a run is cut off.

@@ -30,7 +30,7 @@ fn record(args: &TraceArgs) -> Outcome {
     let script = target::script(&compiled, &args.target, |net, period| {
         rpi_driver::lower_to_look(net, period)
     })?;
-    let cell = target::cell(&args.source, &args.target, &script)?;
+    let (cell, _) = target::cell(&args.source, &args.target, &script)?;
     let tick_ns = script.images.first().map_or(1, |image| image.period_ns);
     let mut text = Vec::new();
     let mut traced = Traced::new(&mut text, 0)?;
@@ -46,6 +46,7 @@ fn record(args: &TraceArgs) -> Outcome {
             planning_ns: 0,
         },
         settings: &args.target.settings,
+        recording: None,
         sink: &mut traced,
         progress: None,
     })?;

@@ -56,6 +56,7 @@
 mod board;
 mod event;
 mod executive;
+mod journal;
 mod plant;
 mod queue;
 mod side;
@@ -64,7 +65,9 @@ mod subscription;
 pub use board::Board;
 pub use event::{Event, Rejected, Ticket};
 pub use executive::Executive;
+pub use journal::{Asked, Journal};
 pub use plant::Plant;
+pub(crate) use queue::{HostEnds, Request};
 pub use queue::{Options, Setting};
 pub use rpi_core::{
     Cause, CommandId, Condition, Ending, Fact, Notice, Outcome, Refused, Rule, RuleId, State, Why,
@@ -87,4 +90,13 @@ pub fn open<P: Plant>(
         Control::new(host, names, options),
         Executive::new(plant, cycle, options),
     )
+}
+
+/// Opens a control core for who makes requests as they were made before: nobody chooses names or keeps books.
+pub(crate) fn open_plainly<P: Plant>(
+    plant: P,
+    options: Options,
+) -> (HostEnds<P::Part>, Executive<P>) {
+    let (cycle, host) = queue::queues(options);
+    (host, Executive::new(plant, cycle, options))
 }

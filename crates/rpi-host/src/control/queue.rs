@@ -55,7 +55,7 @@ pub struct Setting {
 }
 
 /// What the host asks of the cycle.
-pub(super) enum Request<T> {
+pub(crate) enum Request<T> {
     Insert(CommandId, Box<Command>, Option<Arc<Board>>),
     Start(CommandId),
     Unschedule(CommandId),
@@ -71,7 +71,7 @@ pub(super) enum Request<T> {
 }
 
 /// What is over and must be freed by the host.
-pub(super) enum Dead<T> {
+pub(crate) enum Dead<T> {
     Command(CommandId, Box<Command>),
     Rule(Box<Rule>),
     Settings(Box<[Setting]>),
@@ -91,11 +91,11 @@ pub(super) struct CycleEnds<T> {
 }
 
 /// The host's ends.
-pub(super) struct HostEnds<T> {
-    pub(super) requests: Producer<(Ticket, Request<T>)>,
-    pub(super) events: Consumer<Event>,
-    pub(super) samples: Consumer<u64>,
-    pub(super) dead: Consumer<Dead<T>>,
+pub(crate) struct HostEnds<T> {
+    pub(crate) requests: Producer<(Ticket, Request<T>)>,
+    pub(crate) events: Consumer<Event>,
+    pub(crate) samples: Consumer<u64>,
+    pub(crate) dead: Consumer<Dead<T>>,
 }
 
 /// What a request can leave over at once: a command with what was to look at it.

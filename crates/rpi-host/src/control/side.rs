@@ -12,6 +12,7 @@ use rpi_image::{Image, Scalar, Type};
 
 use super::board::Board;
 use super::event::{Event, Rejected, Ticket};
+use super::journal::{Asked, Journal};
 use super::queue::{Dead, HostEnds, Options, Request, Setting};
 use super::subscription::{self, Subscription};
 
@@ -54,6 +55,7 @@ pub struct Control<T = rpi_sim::Part> {
     continuity: Continuity,
     buffer: Vec<u64>,
     samples_lost: u64,
+    journal: Option<Journal>,
 }
 
 impl<T> Control<T> {
@@ -74,7 +76,13 @@ impl<T> Control<T> {
             continuity: options.continuity,
             buffer: Vec::new(),
             samples_lost: 0,
+            journal: None,
         }
+    }
+
+    /// Tells this every request from now on.
+    pub fn write_down(&mut self, journal: Journal) {
+        self.journal = Some(journal);
     }
 
     /// Loads an image and sends it to the cycle; it is ready from the answer to its insertion on, and can be named at once.
@@ -314,6 +322,9 @@ impl<T> Control<T> {
         self.has_room()?;
         self.tickets += 1;
         let ticket = Ticket(self.tickets);
+        if let Some(journal) = &mut self.journal {
+            journal(ticket, Asked::of(&request));
+        }
         // There is room, as was just seen; nobody else asks.
         let _ = self.ends.requests.push((ticket, request));
         Ok(ticket)

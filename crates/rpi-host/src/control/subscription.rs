@@ -8,7 +8,7 @@ use rtrb::{Consumer, Producer};
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub struct Subscription {
     pub(super) command: CommandId,
-    every: u64,
+    pub(super) every: u64,
     flows: Box<[Flow]>,
     /// Samples for which there was no room.
     pub(super) lost: u64,
@@ -28,7 +28,7 @@ const HEADER: usize = 3;
 const PRESENT: u64 = 1 << 63;
 
 impl Subscription {
-    pub(super) fn new(command: CommandId, flows: &[(u32, Signal)], every: u64) -> Subscription {
+    pub(crate) fn new(command: CommandId, flows: &[(u32, Signal)], every: u64) -> Subscription {
         let flow = |&(export, signal): &(u32, Signal)| Flow {
             export,
             signal,
@@ -41,6 +41,11 @@ impl Subscription {
             flows: flows.iter().map(flow).collect(),
             lost: 0,
         }
+    }
+
+    /// The exports that it shows.
+    pub(super) fn exports(&self) -> impl Iterator<Item = u32> + '_ {
+        self.flows.iter().map(|flow| flow.export)
     }
 
     /// Sends what has changed since it was last sent, if it is time to.

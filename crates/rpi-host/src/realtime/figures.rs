@@ -61,18 +61,21 @@ impl Meter {
     pub(crate) fn figures(&self) -> Figures {
         Figures {
             ticks: self.tick.len(),
-            tick: spread(&self.tick),
-            lateness: self.lateness.as_ref().map(spread),
+            tick: Spread::of(&self.tick),
+            lateness: self.lateness.as_ref().map(Spread::of),
             overruns: self.lateness.as_ref().map(|_| self.overruns),
         }
     }
 }
 
-fn spread(histogram: &Histogram<u64>) -> Spread {
-    Spread {
-        p50: histogram.value_at_quantile(0.5),
-        p99: histogram.value_at_quantile(0.99),
-        max: histogram.max(),
+impl Spread {
+    /// That of a histogram.
+    pub(crate) fn of(histogram: &Histogram<u64>) -> Spread {
+        Spread {
+            p50: histogram.value_at_quantile(0.5),
+            p99: histogram.value_at_quantile(0.99),
+            max: histogram.max(),
+        }
     }
 }
 

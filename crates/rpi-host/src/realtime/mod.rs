@@ -4,12 +4,14 @@
 
 mod beat;
 mod clock;
+mod fence;
 mod figures;
 mod grant;
 mod overrun;
 
 pub use beat::Beat;
 pub use clock::Pace;
+pub use fence::fence;
 pub use figures::{Figures, Spread};
 pub use grant::{Grant, Wanted, ask};
 pub use overrun::{OverrunPolicy, Overruns};
@@ -21,4 +23,6 @@ pub struct RealTime {
     pub wanted: Wanted,
     /// After a cycle that ended when the next one was due already.
     pub overrun: OverrunPolicy,
+    /// Whether the thread that ticks may make no system call but those of the clock: see [`fence()`].
+    pub fence: bool,
 }

@@ -10,8 +10,11 @@ use rpi_image::image::Signal;
 use rpi_sim::SimBank;
 
 use super::samples::Tap;
+use super::sights::Sights;
 use crate::control::Executive;
 use crate::realtime::Beat;
+use crate::recording::number_of;
+use crate::tape::{TapeIn, Taped};
 
 /// After the last command the devices get this long to come to rest, seconds.
 const SETTLE: f64 = 10.0;
@@ -27,7 +30,7 @@ pub(super) struct Bounds {
 
 /// The cycle and everything that it owns.
 pub(super) struct Cycle {
-    executive: Executive<SimBank>,
+    executive: Executive<Taped<SimBank>>,
     pub(super) beat: Beat,
     pub(super) watcher: Watcher,
     devices: Box<[DeviceTap]>,
@@ -38,6 +41,8 @@ pub(super) struct Cycle {
     settling: Option<u64>,
     /// True once the run was cut off.
     pub(super) cut_off: bool,
+    /// Where all goes that is recorded.
+    tape: Option<TapeIn>,
 }
 
 /// A device port that is sampled in every tick.
@@ -50,12 +55,13 @@ pub(super) struct DeviceTap {
 
 impl Cycle {
     pub(super) fn new(
-        executive: Executive<SimBank>,
+        executive: Executive<Taped<SimBank>>,
         beat: Beat,
         watcher: Watcher,
         devices: Box<[DeviceTap]>,
         now: Arc<AtomicU64>,
         bounds: Bounds,
+        tape: Option<TapeIn>,
     ) -> Cycle {
         Cycle {
             executive,
@@ -66,6 +72,7 @@ impl Cycle {
             bounds,
             settling: None,
             cut_off: false,
+            tape,
         }
     }
 
@@ -73,12 +80,13 @@ impl Cycle {
     pub(super) fn tick(&mut self) {
         let now = self.executive.now();
         let wall_ns = self.beat.wait(now);
-        self.watcher.tick = now;
+        self.watcher.begin(now);
         self.executive.tick(wall_ns, &mut self.watcher);
         if self.settling.is_none() && self.beat.over(now) {
-            self.executive.halt(Why::Overrun);
+            self.halt(Why::Overrun);
         }
         self.sample(now);
+        self.record((now, wall_ns), true);
         self.now.store(self.executive.now(), Ordering::Release);
     }
 
@@ -88,7 +96,7 @@ impl Cycle {
         let now = self.executive.now();
         if self.settling.is_none() && now >= self.bounds.last {
             self.cut_off = true;
-            self.executive.halt(Why::Request);
+            self.halt(Why::Request);
         }
         if self.settling.is_none() && (over || self.cut_off) {
             let ticks = (SETTLE * 1e9 / self.bounds.tick_ns as f64) as u64;
@@ -98,18 +106,54 @@ impl Cycle {
             .is_none_or(|until| now < until && self.moves())
     }
 
+    /// Ends all commands between two ticks.
+    fn halt(&mut self, why: Why) {
+        self.executive.plant().halt(number_of(why));
+        self.executive.halt(why);
+    }
+
+    /// Records what has happened since the last tick was recorded.
+    fn record(&mut self, moment: (u64, i64), ticked: bool) {
+        let (Some(tape), Some(sights)) = (&mut self.tape, &self.watcher.sights) else {
+            return;
+        };
+        if let Some(exchange) = self.executive.plant().stage() {
+            tape.put(moment, ticked, exchange, sights.stage());
+            exchange.clear();
+        }
+    }
+
+    /// Records what has happened after the last tick; how many ticks were lost.
+    pub(super) fn finish_tape(&mut self) -> u64 {
+        let now = self.executive.now();
+        let stage = self.executive.plant().stage();
+        if stage.is_some_and(|stage| !stage.is_empty()) {
+            self.watcher.begin(now);
+            self.record((now, 0), false);
+        }
+        self.tape.as_ref().map_or(0, TapeIn::lost)
+    }
+
+    /// True while what happens in the next ticks can be recorded for certain.
+    pub(super) fn has_room(&self) -> bool {
+        self.tape.as_ref().is_none_or(TapeIn::has_room)
+    }
+
     /// The devices.
     pub(super) fn bank(&mut self) -> &mut SimBank {
-        self.executive.plant()
+        self.executive.plant().plant()
     }
 
     /// Samples the devices after they have moved.
     fn sample(&mut self, tick: u64) {
-        let bank = self.executive.plant();
+        let bank = self.executive.plant().plant();
         for tap in &mut self.devices {
             let there = bank.read(tap.port, &mut tap.value);
             let value = there.then_some(&*tap.value);
             self.watcher.tap.put(tap.channel, tick, value);
+            if let Some(sights) = &mut self.watcher.sights {
+                sights.sample(tap.channel, value);
+            }
         }
     }
 
@@ -123,6 +167,15 @@ pub(super) struct Watcher {
     pub(super) tap: Tap,
     pub(super) tick: u64,
     pub(super) flows: Box<[Flows]>,
+    /// What a recording sees.
+    pub(super) sights: Option<Sights>,
+}
+
+impl Watcher {
+    fn begin(&mut self, tick: u64) {
+        self.tick = tick;
+        self.sights.iter_mut().for_each(Sights::begin);
+    }
 }
 
 /// The flows of an image that are sampled.
@@ -133,7 +186,10 @@ pub(super) struct Flows {
 }
 
 impl Watch for Watcher {
-    fn cycle(&mut self, _: CommandId, command: &Command) {
+    fn cycle(&mut self, id: CommandId, command: &Command) {
+        if let Some(sights) = &mut self.sights {
+            sights.cycle(id, command);
+        }
         let machine = command.machine();
         let mine = |f: &&Flows| Arc::ptr_eq(&f.image, machine.image());
         let Some(flows) = self.flows.iter().find(mine) else {

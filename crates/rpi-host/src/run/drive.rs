@@ -1,7 +1,10 @@
 //! Lets the two sides of a run work: by turns on one thread, or side by side on two.
 
+use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
+
+use rtrb::{Producer, RingBuffer};
 
 use super::cycle::Cycle;
 use super::devices;
@@ -9,7 +12,7 @@ use super::host::Host;
 use super::job::{Failure, Progress};
 use super::outcome::Outcome;
 use super::samples::Sink;
-use crate::realtime::{self, Grant, Wanted};
+use crate::realtime::{self, Grant, RealTime};
 
 /// How often the host looks after things on real time.
 const SERVE_EVERY: Duration = Duration::from_millis(2);
@@ -64,6 +67,10 @@ pub(super) fn taking_turns(
     while cycle.goes_on(host.is_over()) {
         cycle.tick();
         listener.serve(&mut host);
+        // Simulated time has time: nothing is lost.
+        while !cycle.has_room() {
+            std::thread::sleep(SERVE_EVERY);
+        }
     }
     outcome((cycle, Vec::new()), host, listener)
 }
@@ -73,40 +80,62 @@ pub(super) fn side_by_side(
     cycle: Cycle,
     mut host: Host<'_>,
     mut listener: Listener<'_>,
-    wanted: Wanted,
+    real_time: RealTime,
 ) -> Result<Outcome, Failure> {
-    let over = AtomicBool::new(false);
+    let over = Arc::new(AtomicBool::new(false));
     listener.serve(&mut host);
-    let cycle = std::thread::scope(|scope| {
-        let running = scope.spawn(|| tick_until(cycle, &over, wanted));
-        while !running.is_finished() {
-            listener.serve(&mut host);
-            over.fetch_or(host.is_over(), Ordering::Relaxed);
-            std::thread::sleep(SERVE_EVERY);
-        }
-        running.join()
-    });
-    match cycle {
+    let (done, mut back) = RingBuffer::new(1);
+    let told = Arc::clone(&over);
+    let thread = std::thread::Builder::new().name("rpi-cycle".into());
+    let running = thread.spawn(move || tick_until((cycle, done), &told, real_time));
+    let running = running.map_err(Failure::Thread)?;
+    while back.is_empty() && !running.is_finished() {
+        listener.serve(&mut host);
+        over.fetch_or(host.is_over(), Ordering::Relaxed);
+        std::thread::sleep(SERVE_EVERY);
+    }
+    match back.pop() {
         Ok(cycle) => outcome(cycle, host, listener),
-        Err(panic) => std::panic::resume_unwind(panic),
+        Err(_) => match running.join() {
+            Err(panic) => std::panic::resume_unwind(panic),
+            Ok(()) => Err(Failure::Thread(std::io::ErrorKind::BrokenPipe.into())),
+        },
     }
 }
 
-fn tick_until(mut cycle: Cycle, over: &AtomicBool, wanted: Wanted) -> (Cycle, Vec<Grant>) {
-    let grants = realtime::ask(wanted);
+/// A cycle that is over, with what the system granted it.
+type Done = (Cycle, Vec<Grant>);
+
+/// Ticks, and gives the cycle back by a queue: behind a fence a thread cannot even end.
+fn tick_until(
+    (mut cycle, mut done): (Cycle, Producer<Done>),
+    over: &AtomicBool,
+    real_time: RealTime,
+) {
+    let mut grants = realtime::ask(real_time.wanted);
     cycle.beat.restart();
+    if real_time.fence {
+        grants.push(realtime::fence());
+    }
     while cycle.goes_on(over.load(Ordering::Relaxed)) {
         cycle.tick();
     }
-    (cycle, grants)
+    // There is room for one.
+    let _ = done.push((cycle, grants));
+    while real_time.fence {
+        std::thread::sleep(Duration::from_secs(3600));
+    }
 }
 
 fn outcome(
-    (mut cycle, grants): (Cycle, Vec<Grant>),
+    (mut cycle, grants): Done,
     mut host: Host<'_>,
     listener: Listener<'_>,
 ) -> Result<Outcome, Failure> {
     host.listen(listener.sink);
+    let lost = cycle.finish_tape();
+    let written = host.recorder.take().map(|recorder| recorder.finish(lost));
+    let recorded = written.transpose().map_err(Failure::Recording)?;
     if let Some((command, faults)) = host.books.failed {
         return Err(Failure::Loading {
             command,
@@ -129,6 +158,7 @@ fn outcome(
         tick_ns: listener.tick_ns,
         cut_off: cycle.cut_off,
         digest: None,
+        recorded,
         grants: grants.iter().map(ToString::to_string).collect(),
         samples_lost: cycle.watcher.tap.lost,
     })

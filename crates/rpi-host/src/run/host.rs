@@ -14,6 +14,7 @@ use super::outcome::{CommandEnd, RunEnd};
 use super::samples::{Channel, Drain, Sink};
 use super::task::Task;
 use crate::control::{Control, Event, Rejected, Setting};
+use crate::recording::Recorder;
 
 /// Commands whose ends are listed: a task without end must not fill the memory.
 const LISTED: usize = 1000;
@@ -27,6 +28,8 @@ pub(super) struct Host<'a> {
     pub(super) books: Books<'a>,
     /// The last tick of which a sample has arrived.
     pub(super) last_tick: u64,
+    /// Who writes down what happens.
+    pub(super) recorder: Option<Recorder>,
 }
 
 /// What tasks work with.
@@ -164,6 +167,9 @@ impl Host<'_> {
     }
 
     fn note(&mut self, event: &Event) {
+        if let Some(recorder) = &self.recorder {
+            recorder.event(event);
+        }
         if let Event::Notice(notice) = event {
             self.write_down(notice);
         }

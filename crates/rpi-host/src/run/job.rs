@@ -1,6 +1,7 @@
 //! A run from beginning to end.
 
 use std::fmt;
+use std::io;
 use std::sync::Arc;
 use std::time::Duration;
 
@@ -15,6 +16,7 @@ use super::plan::Plan;
 use super::samples::Sink;
 use super::sides::sides;
 use crate::realtime::{Pace, RealTime};
+use crate::recording::Wanted;
 
 /// Is told now and then which command runs and how long it has.
 pub type Progress<'a> = dyn FnMut(&CommandEnd, Duration) + 'a;
@@ -37,6 +39,8 @@ pub struct Job<'a> {
     pub limits: Limits,
     /// Values for inputs.
     pub settings: &'a [Setting],
+    /// Where everything is recorded, if it is.
+    pub recording: Option<Wanted>,
     /// Who takes samples.
     pub sink: &'a mut dyn Sink,
     /// Who is told now and then how far it is.
@@ -64,6 +68,10 @@ pub enum Failure {
     Periods,
     /// A task says nothing about a result.
     Plan(String),
+    /// The system gives no thread for the cycle.
+    Thread(io::Error),
+    /// The recording could not be written.
+    Recording(io::Error),
     /// A setting does not fit.
     Setting(BadSetting),
     /// A command does not fit the cell.
@@ -83,6 +91,8 @@ impl fmt::Display for Failure {
             Failure::Nothing => f.write_str("there is nothing to run"),
             Failure::Periods => f.write_str("commands that follow one another need one period"),
             Failure::Plan(what) => f.write_str(what),
+            Failure::Thread(error) => write!(f, "the thread of the cycle: {error}"),
+            Failure::Recording(error) => write!(f, "the recording: {error}"),
             Failure::Setting(bad) => write!(f, "{bad}"),
             Failure::Loading {
                 command,
@@ -117,19 +127,20 @@ impl std::error::Error for Failure {}
 ///
 /// # Errors
 /// If it could not begin; how the commands end is in the outcome.
-pub fn run(job: Job<'_>) -> Result<Outcome, Failure> {
+pub fn run(mut job: Job<'_>) -> Result<Outcome, Failure> {
     let tick_ns = tick(job.images)?;
     let complete = |plan: &Plan| plan.check(job.images);
     job.plans
         .iter()
         .try_for_each(complete)
         .map_err(Failure::Plan)?;
-    let (cycle, host) = sides(&job, tick_ns)?;
+    let recording = job.recording.take();
+    let (cycle, host) = sides(&job, tick_ns, recording)?;
     job.sink.channels(&host.channels);
     let listener = Listener::new(job.sink, job.progress, tick_ns);
     match job.pace {
         Pace::Simulated => taking_turns(cycle, host, listener),
-        Pace::Real | Pace::Faster(_) => side_by_side(cycle, host, listener, job.real_time.wanted),
+        Pace::Real | Pace::Faster(_) => side_by_side(cycle, host, listener, job.real_time),
     }
 }
 

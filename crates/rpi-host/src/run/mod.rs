@@ -19,9 +19,13 @@ mod plan;
 mod print;
 mod samples;
 mod sides;
+mod sights;
 mod task;
 
 pub(crate) use end::fault_text;
+pub(crate) use print::time as time_text;
+pub(crate) use sides::sampled_flows;
+pub(crate) use sights::Sights;
 
 pub use inputs::{BadSetting, Setting};
 pub use job::{Failure, Job, Limits, Progress, run};

@@ -3,6 +3,7 @@
 use serde::Serialize;
 
 use crate::realtime::Figures;
+use crate::recording::Written;
 
 /// What has become of a run.
 #[derive(Clone, PartialEq, Debug, Serialize)]
@@ -27,6 +28,9 @@ pub struct Outcome {
     /// One number for all that the devices did, if it was asked for.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub digest: Option<String>,
+    /// What was recorded, if something was.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub recorded: Option<Written>,
     /// Samples that were lost because the recording could not keep up.
     pub samples_lost: u64,
 }

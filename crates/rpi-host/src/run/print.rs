@@ -50,6 +50,13 @@ impl fmt::Display for Outcome {
         if let Some(digest) = &self.digest {
             writeln!(f, "digest      {digest}")?;
         }
+        if let Some(recorded) = &self.recorded {
+            writeln!(
+                f,
+                "recorded    {} ticks, {} lost",
+                recorded.ticks, recorded.lost
+            )?;
+        }
         match self.samples_lost {
             0 => Ok(()),
             lost => writeln!(
@@ -112,7 +119,7 @@ impl fmt::Display for Spread {
 }
 
 /// A span of time with three digits.
-fn time(nanos: u64) -> String {
+pub(crate) fn time(nanos: u64) -> String {
     let (value, unit) = match nanos {
         0..1_000 => return format!("{nanos} ns"),
         1_000..1_000_000 => (nanos as f64 / 1e3, "us"),

@@ -15,12 +15,19 @@ use super::host::{Books, Desk, Host};
 use super::inputs;
 use super::job::{Failure, Job};
 use super::samples::{Channel, Source, ring};
+use super::sights::Sights;
 use super::task::Task;
 use crate::control::{Options, open};
 use crate::realtime::Beat;
+use crate::recording::{Recorder, Wanted};
+use crate::tape::{Taped, tape};
 
 /// The cycle's and the host's side of a job.
-pub(super) fn sides<'a>(job: &Job<'a>, tick_ns: u64) -> Result<(Cycle, Host<'a>), Failure> {
+pub(super) fn sides<'a>(
+    job: &Job<'a>,
+    tick_ns: u64,
+    recording: Option<Wanted>,
+) -> Result<(Cycle, Host<'a>), Failure> {
     let images: Vec<&Image> = job.images.iter().map(Arc::as_ref).collect();
     let sets = inputs::resolve(job.settings, &images).map_err(Failure::Setting)?;
     let bank = || SimBank::new(job.cell, tick_ns as f64 * 1e-9);
@@ -35,7 +42,20 @@ pub(super) fn sides<'a>(job: &Job<'a>, tick_ns: u64) -> Result<(Cycle, Host<'a>)
         continuity: job.continuity,
         ..Options::default()
     };
-    let (control, executive) = open(plant, Box::new(names), options);
+    let (mut control, mut executive) = open(Taped::new(plant), Box::new(names), options);
+    let device_channels = channels[..taps.len()].to_vec();
+    let recording = recording.map(|wanted| {
+        let (tape_in, tape_out) = tape();
+        executive.plant().begin();
+        let settings = (tick_ns, job.continuity);
+        let about = (job.cell, &device_channels[..]);
+        let recorder = Recorder::begin(wanted, about, settings, tape_out)?;
+        control.write_down(recorder.journal());
+        Ok((recorder, tape_in))
+    });
+    let recording = recording.transpose().map_err(Failure::Recording)?;
+    let (recorder, tape) = recording.unzip();
+    let sights = tape.is_some().then(|| Sights::new(job.images));
     let bounds = Bounds {
         last: job.limits.ticks.unwrap_or(u64::MAX),
         tick_ns,
@@ -48,10 +68,12 @@ pub(super) fn sides<'a>(job: &Job<'a>, tick_ns: u64) -> Result<(Cycle, Host<'a>)
             tap,
             tick: 0,
             flows,
+            sights,
         },
         taps,
         Arc::clone(&now),
         bounds,
+        tape,
     );
     let desk = Desk {
         control,
@@ -69,6 +91,7 @@ pub(super) fn sides<'a>(job: &Job<'a>, tick_ns: u64) -> Result<(Cycle, Host<'a>)
         channels,
         books: Books::new(job.images),
         last_tick: 0,
+        recorder,
     };
     Ok((cycle, host))
 }
@@ -85,11 +108,11 @@ fn fits(job: &Job<'_>, names: &mut SimBank) -> Result<(), Failure> {
     })
 }
 
-/// What is sampled of each image: every port if it was lowered to be looked at, else what it exports.
+/// What is sampled of each image.
 fn flows(images: &[Arc<Image>], channels: &mut Vec<Channel>) -> Box<[Flows]> {
     let mut of = |image: &Arc<Image>| {
         let mut flows = Vec::new();
-        for (name, signal, fragment) in named(image) {
+        for (name, signal, fragment) in sampled_flows(image) {
             flows.push((channels.len(), signal, fragment));
             let key = name.strip_prefix(&image.name).unwrap_or(&name);
             let claims = is_for_claim(key.trim_start_matches('.'));
@@ -110,7 +133,8 @@ fn flows(images: &[Arc<Image>], channels: &mut Vec<Channel>) -> Box<[Flows]> {
     images.iter().map(&mut of).collect()
 }
 
-fn named(image: &Image) -> Vec<(String, Signal, u32)> {
+/// The flows of an image that are sampled, each with its fragment: every port if it was lowered to be looked at, else what it exports.
+pub(crate) fn sampled_flows(image: &Image) -> Vec<(String, Signal, u32)> {
     if image.probes.is_empty() {
         let exports = image.exports.iter();
         exports

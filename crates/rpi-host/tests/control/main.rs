@@ -1,5 +1,6 @@
 //! A control core in operation, from outside: requests, events, samples, and what is freed.
 
+mod fence;
 mod support;
 
 use std::sync::Arc;

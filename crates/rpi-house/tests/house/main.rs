@@ -1,6 +1,7 @@
 //! The rules of `ARCHITECTURE.md`, each as a test. One file per rule or kind of rule.
 
 mod book;
+mod checklist;
 mod codes;
 mod compile;
 mod cycle;

@@ -21,6 +21,7 @@ const OWNERS: &[(&str, &[&str])] = &[
     ("logos", &["rpi-syntax"]),
     ("lsp-server", &["rpi-lsp"]),
     ("lsp-types", &["rpi-lsp"]),
+    ("mcap", &["rpi-host"]),
     ("miette", &["rpi-diag"]),
     ("nalgebra", &["rpi-kin", "rpi-prims", "rpi-sim"]),
     ("petgraph", &["rpi-net", "rpi-sema"]),
@@ -29,6 +30,7 @@ const OWNERS: &[(&str, &[&str])] = &[
     ("rustc-hash", &["rpi-lower", "rpi-net"]),
     ("rustix", &["rpi-bench", "rpi-fuzz", "rpi-host"]),
     ("rustls", &["rpi-client", "rpi-serve"]),
+    ("seccompiler", &["rpi-host"]),
     ("serde", &["rpi-diag", "rpi-driver", "rpi-host"]),
     (
         "serde_json",

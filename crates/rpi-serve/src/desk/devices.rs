@@ -232,6 +232,7 @@ fn spec(new: &NewDevice<'_>, tick: f64) -> Result<DeviceSpec, Failure> {
                 .collect(),
             base: Default::default(),
             tool: Default::default(),
+            surface: None,
             limits,
             enforced: Enforced {
                 // As the reference system's simulated devices: its clients plan paths without asking how fast joints turn.

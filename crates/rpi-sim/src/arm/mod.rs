@@ -13,7 +13,7 @@ mod sample;
 mod simulate;
 mod table;
 
-use crate::cell::{ArmSpec, Enforced};
+use crate::cell::{ArmSpec, Enforced, Surface};
 use crate::code::Code;
 use crate::device::Report;
 use crate::fault::Fault;
@@ -49,6 +49,7 @@ pub struct Arm {
     code: Code,
     /// What it has against the last pose that it was asked to take.
     pose_code: Code,
+    surface: Option<Surface>,
     faults: Vec<Fault>,
     state: Troubles,
     history: History,
@@ -111,6 +112,7 @@ impl Arm {
             told_to_stop: false,
             code: Code::OK,
             pose_code: Code::OK,
+            surface: spec.surface,
             faults: spec.faults.clone(),
             state: Troubles::default(),
             history: History::new(sample_of(&axes), 0),

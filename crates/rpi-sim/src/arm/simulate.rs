@@ -162,6 +162,10 @@ impl Arm {
                 Trouble::Contact(wrench) => self.state.contact += wrench,
             }
         }
+        if let Some(surface) = self.surface {
+            // The third part is the force along z.
+            self.state.contact[2] += surface.push(self.pose().translation.z);
+        }
         self.fail(whole, &failed);
     }
 

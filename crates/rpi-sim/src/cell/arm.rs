@@ -31,8 +31,26 @@ pub struct ArmSpec {
     pub latency: f64,
     /// Standard deviation of a measured joint position, in rad.
     pub noise: f64,
+    /// Something level under the tool that gives way like a spring, if there is something.
+    pub surface: Option<Surface>,
     /// What will go wrong, and when.
     pub faults: Vec<Fault>,
+}
+
+/// A level surface that pushes back like a spring.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Surface {
+    /// Where it begins, in base coordinates, m.
+    pub height: f64,
+    /// How hard it pushes back, N for each m that the tool is in it.
+    pub stiffness: f64,
+}
+
+impl Surface {
+    /// How hard it pushes a tool upwards that is at this height, N.
+    pub(crate) fn push(&self, tool: f64) -> f64 {
+        self.stiffness * (self.height - tool).max(0.0)
+    }
 }
 
 /// Which limits a set-point is held against. Reach, range of numbers and joining where the arm stands always are.
@@ -90,8 +108,20 @@ fn read_of(reader: &mut Reader<'_>, model: &'static ArmModel, units: Units) -> A
         lag: reader.magnitude("lag", Time).unwrap_or(0.0),
         latency: reader.magnitude("latency", Time).unwrap_or(0.0),
         noise: reader.magnitude("noise", units[0]).unwrap_or(0.0),
+        surface: read_surface(reader),
         faults: faults::read(reader, axes),
     }
+}
+
+/// `{ height = length, stiffness = N/m }`.
+fn read_surface(reader: &mut Reader<'_>) -> Option<Surface> {
+    let mut surface = reader.table("surface")?;
+    let read = Surface {
+        height: surface.real("height", Length).unwrap_or(0.0),
+        stiffness: surface.positive("stiffness", Number).unwrap_or(0.0),
+    };
+    surface.finish();
+    Some(read)
 }
 
 fn read_model(reader: &mut Reader<'_>) -> Option<&'static ArmModel> {

@@ -11,7 +11,7 @@ mod other;
 mod quantity;
 mod reader;
 
-pub use arm::{ArmSpec, Enforced};
+pub use arm::{ArmSpec, Enforced, Surface};
 pub use error::{CellError, CellErrors};
 pub use io::{Change, IoSpec, Signal};
 pub use other::{BaseSpec, ForceSpec, GripperSpec};

@@ -1,0 +1,206 @@
+//! Values of flows as JSON, and what their JSON looks like, as JSON schema.
+//!
+//! Names and nesting of structured values are those that viewers of robot data know: `position` and `orientation`, `linear` and
+//! `angular`, `force` and `torque`. A real that JSON has no number for is a text: `nan`, `inf`, `-inf`.
+
+use std::fmt::Write;
+
+use rpi_image::{Scalar, Type};
+use serde_json::{Value, json};
+
+const VECTOR: &[&str] = &["x", "y", "z"];
+const QUATERNION: &[&str] = &["x", "y", "z", "w"];
+
+/// The parts of a value that is made of reals: a name, and the names of its reals.
+type Part = (&'static str, &'static [&'static str]);
+
+/// The parts of a scalar; a single part without a name is the value itself.
+fn parts(scalar: Scalar) -> &'static [Part] {
+    match scalar {
+        Scalar::Bool | Scalar::Int | Scalar::Real | Scalar::Time => &[],
+        Scalar::Vector => &[("", VECTOR)],
+        Scalar::Rotation => &[("", QUATERNION)],
+        Scalar::Pose => &[("position", VECTOR), ("orientation", QUATERNION)],
+        Scalar::Twist => &[("linear", VECTOR), ("angular", VECTOR)],
+        Scalar::Wrench => &[("force", VECTOR), ("torque", VECTOR)],
+    }
+}
+
+/// Writes a value; `null` for an absent one.
+pub(super) fn write(out: &mut String, value: Option<&[u64]>, ty: Type) {
+    match (value, ty) {
+        (Some(cells), Type::One(scalar)) => one(out, cells, scalar),
+        (Some(cells), Type::Array(scalar, _)) => {
+            let each = cells.chunks(scalar.cells() as usize);
+            list(out, each, |out, cells| one(out, cells, scalar));
+        }
+        (Some(cells), Type::Matrix(_, columns)) => {
+            let rows = cells.chunks((columns as usize).max(1));
+            list(out, rows, |out, row| {
+                list(out, row.chunks(1), |out, cell| one(out, cell, Scalar::Real));
+            });
+        }
+        (None, _) => out.push_str("null"),
+    }
+}
+
+fn list<'a>(
+    out: &mut String,
+    items: impl Iterator<Item = &'a [u64]>,
+    mut item: impl FnMut(&mut String, &'a [u64]),
+) {
+    out.push('[');
+    for (k, cells) in items.enumerate() {
+        out.push_str(if k > 0 { "," } else { "" });
+        item(out, cells);
+    }
+    out.push(']');
+}
+
+fn one(out: &mut String, cells: &[u64], scalar: Scalar) {
+    let first = cells.first().copied().unwrap_or(0);
+    // Writing to a string cannot fail.
+    let _ = match scalar {
+        Scalar::Bool => write!(out, "{}", first != 0),
+        Scalar::Int | Scalar::Time => write!(out, "{}", first.cast_signed()),
+        Scalar::Real => {
+            real(out, f64::from_bits(first));
+            Ok(())
+        }
+        _ => {
+            structured(out, cells, parts(scalar));
+            Ok(())
+        }
+    };
+}
+
+fn real(out: &mut String, value: f64) {
+    let _ = match value {
+        v if v.is_finite() => write!(out, "{v:?}"),
+        v if v.is_nan() => write!(out, "\"nan\""),
+        v => write!(out, "\"{v}\""),
+    };
+}
+
+fn structured(out: &mut String, mut cells: &[u64], parts: &[Part]) {
+    let nested = parts.len() > 1;
+    out.push_str(if nested { "{" } else { "" });
+    for (k, (name, reals)) in parts.iter().enumerate() {
+        if nested {
+            let comma = if k > 0 { "," } else { "" };
+            let _ = write!(out, "{comma}\"{name}\":");
+        }
+        let (own, rest) = cells.split_at_checked(reals.len()).unwrap_or((cells, &[]));
+        cells = rest;
+        for (k, (name, cell)) in reals.iter().zip(own).enumerate() {
+            let _ = write!(out, "{}\"{name}\":", if k > 0 { ',' } else { '{' });
+            real(out, f64::from_bits(*cell));
+        }
+        out.push('}');
+    }
+    out.push_str(if nested { "}" } else { "" });
+}
+
+/// What the JSON of a type looks like.
+pub(super) fn schema(ty: Type) -> Value {
+    let array = |items: Value| json!({ "type": "array", "items": items });
+    match ty {
+        Type::One(scalar) => scalar_schema(scalar),
+        Type::Array(scalar, _) => array(scalar_schema(scalar)),
+        Type::Matrix(..) => array(array(json!({ "type": "number" }))),
+    }
+}
+
+fn scalar_schema(scalar: Scalar) -> Value {
+    let object = |names: &[&str]| {
+        let reals = names
+            .iter()
+            .map(|name| (*name, json!({ "type": "number" })));
+        json!({ "type": "object", "properties": reals.collect::<std::collections::BTreeMap<_, _>>() })
+    };
+    match (scalar, parts(scalar)) {
+        (Scalar::Bool, _) => json!({ "type": "boolean" }),
+        (Scalar::Int | Scalar::Time, _) => json!({ "type": "integer" }),
+        (Scalar::Real, _) => json!({ "type": "number" }),
+        (_, [(_, reals)]) => object(reals),
+        (_, parts) => {
+            let parts = parts.iter().map(|(name, reals)| (*name, object(reals)));
+            json!({ "type": "object", "properties": parts.collect::<std::collections::BTreeMap<_, _>>() })
+        }
+    }
+}
+
+/// A JSON object under way.
+pub(super) struct Object(String);
+
+impl Object {
+    /// An object whose first field is the number of a cycle.
+    pub(super) fn of_cycle(cycle: u64) -> Object {
+        Object(format!("{{\"cycle\":{cycle}"))
+    }
+
+    /// Adds a field.
+    pub(super) fn field(&mut self, name: &str, value: Option<&[u64]>, ty: Type) {
+        let _ = write!(self.0, ",{}:", Value::from(name));
+        write(&mut self.0, value, ty);
+    }
+
+    /// The text.
+    pub(super) fn finish(mut self) -> String {
+        self.0.push('}');
+        self.0
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn written(cells: &[f64], ty: Type) -> Value {
+        let cells: Vec<u64> = cells.iter().map(|c| c.to_bits()).collect();
+        let mut object = Object::of_cycle(3);
+        object.field("v", Some(&cells), ty);
+        let text = object.finish();
+        let value: Value = serde_json::from_str(&text).unwrap_or_else(|e| panic!("{text}: {e}"));
+        assert_eq!(value["cycle"], 3);
+        value["v"].clone()
+    }
+
+    #[test]
+    fn values_are_json_that_viewers_know() {
+        let pose = written(&[1.0, 2.0, 3.0, 0.0, 0.0, 0.0, 1.0], Scalar::Pose.into());
+        assert_eq!(pose["position"]["z"], 3.0);
+        assert_eq!(pose["orientation"]["w"], 1.0);
+        assert_eq!(written(&[1.0, 2.0, 3.0], Scalar::Vector.into())["y"], 2.0);
+        let pairs = written(&[1.0, 2.0, 3.0, 4.0], Type::Matrix(2, 2));
+        assert_eq!(pairs, json!([[1.0, 2.0], [3.0, 4.0]]));
+        assert_eq!(
+            written(&[1.0, 2.0], Type::Array(Scalar::Real, 2)),
+            json!([1.0, 2.0])
+        );
+    }
+
+    #[test]
+    fn reals_come_back_as_they_were() {
+        for value in [0.1, -0.0, 5e-324, 1.797e308, 1e21] {
+            let back = written(&[value], Scalar::Real.into()).as_f64();
+            assert_eq!(back.map(f64::to_bits), Some(value.to_bits()));
+        }
+        for (value, text) in [
+            (f64::NAN, "nan"),
+            (f64::INFINITY, "inf"),
+            (f64::NEG_INFINITY, "-inf"),
+        ] {
+            assert_eq!(written(&[value], Scalar::Real.into()), text);
+        }
+    }
+
+    #[test]
+    fn schemas_name_the_fields() {
+        let schema = schema(Scalar::Wrench.into());
+        assert_eq!(
+            schema["properties"]["force"]["properties"]["x"]["type"],
+            "number"
+        );
+    }
+}

@@ -1,0 +1,176 @@
+//! What the numbers on a tape are called: ports of devices, images, flows of commands.
+
+use std::collections::BTreeMap;
+use std::sync::Arc;
+
+use rpi_core::CommandId;
+use rpi_device::{DeviceBank, PortId, PortKind, PortName};
+use rpi_image::image::DevicePort;
+use rpi_image::{Image, Type};
+use rpi_sim::{Cell, SimBank};
+
+use crate::run::sampled_flows;
+
+/// A port of a device, or a flow of a command.
+#[derive(Clone, PartialEq, Eq, Debug)]
+pub(super) struct Named {
+    /// The device or command that it belongs to.
+    pub(super) of: String,
+    /// Its own name.
+    pub(super) name: String,
+    /// Its type.
+    pub(super) ty: Type,
+}
+
+impl Named {
+    /// A value of it as a text.
+    pub(super) fn text(&self, value: Option<&[u64]>) -> String {
+        let mut text = String::new();
+        super::json::write(&mut text, value, self.ty);
+        text
+    }
+}
+
+/// What is known so far.
+pub(super) struct Names {
+    bank: SimBank,
+    devices: Vec<String>,
+    ports: BTreeMap<u32, Named>,
+    images: Vec<Arc<Image>>,
+    /// The flows of each image that are looked at.
+    flows: Vec<Vec<Named>>,
+    /// Which image a command runs.
+    commands: BTreeMap<u64, usize>,
+}
+
+impl Names {
+    /// The names of a cell, without a command yet.
+    pub(super) fn new(cell: &Cell, tick_ns: u64) -> Names {
+        Names {
+            bank: SimBank::new(cell, tick_ns as f64 * 1e-9),
+            devices: cell.devices.iter().map(|d| d.name.clone()).collect(),
+            ports: BTreeMap::new(),
+            images: Vec::new(),
+            flows: Vec::new(),
+            commands: BTreeMap::new(),
+        }
+    }
+
+    /// A command runs an image; whether the image is a new one.
+    pub(super) fn insert(&mut self, command: CommandId, image: &Arc<Image>) -> bool {
+        let known = self.images.iter().position(|i| Arc::ptr_eq(i, image));
+        let index = known.unwrap_or(self.images.len());
+        self.commands.insert(command.number(), index);
+        if known.is_none() {
+            self.add(image);
+        }
+        known.is_none()
+    }
+
+    fn add(&mut self, image: &Arc<Image>) {
+        let sensors = image.sensors.iter().map(|s| (&s.port, PortKind::Sensor));
+        let actuators = image
+            .actuators
+            .iter()
+            .map(|a| (&a.port, PortKind::Actuator));
+        for (port, kind) in sensors.chain(actuators) {
+            self.port(port, kind);
+        }
+        let flows = sampled_flows(image).into_iter();
+        let flows = flows.map(|(name, signal, _)| Named {
+            of: image.name.clone(),
+            name: name
+                .strip_prefix(&format!("{}.", image.name))
+                .unwrap_or(&name)
+                .to_owned(),
+            ty: signal.ty,
+        });
+        self.flows.push(flows.collect());
+        self.images.push(Arc::clone(image));
+    }
+
+    /// Learns what a port is called, and its number.
+    fn port(&mut self, port: &DevicePort, kind: PortKind) -> Option<u32> {
+        let name = PortName {
+            device: &port.device,
+            port: &port.port,
+            index: port.index,
+            kind,
+            ty: port.ty,
+        };
+        let PortId(number) = self.bank.resolve(&name).ok()?;
+        self.ports.entry(number).or_insert_with(|| Named {
+            of: port.device.clone(),
+            name: match port.index {
+                0 => port.port.clone(),
+                index => format!("{}[{index}]", port.port),
+            },
+            ty: port.ty,
+        });
+        Some(number)
+    }
+
+    /// The flows of an image, by its place in the order of their coming.
+    pub(super) fn flows(&self, image: usize) -> &[Named] {
+        self.flows.get(image).map_or(&[], Vec::as_slice)
+    }
+
+    /// The sensors that an image reads, by their devices.
+    pub(super) fn sensors_of(&mut self, image: &Image) -> BTreeMap<String, Vec<Named>> {
+        let ports = image.sensors.iter().map(|s| &s.port);
+        self.by_device(ports, PortKind::Sensor)
+    }
+
+    /// The actuators that an image sets, by their devices.
+    pub(super) fn actuators_of(&mut self, image: &Image) -> BTreeMap<String, Vec<Named>> {
+        let ports = image.actuators.iter().map(|a| &a.port);
+        self.by_device(ports, PortKind::Actuator)
+    }
+
+    fn by_device<'a>(
+        &mut self,
+        ports: impl Iterator<Item = &'a DevicePort>,
+        kind: PortKind,
+    ) -> BTreeMap<String, Vec<Named>> {
+        let mut devices: BTreeMap<String, Vec<Named>> = BTreeMap::new();
+        for port in ports {
+            let number = self.port(port, kind);
+            let named = number.and_then(|number| self.ports.get(&number));
+            let named = named.cloned().into_iter();
+            named.for_each(|n| devices.entry(n.of.clone()).or_default().push(n));
+        }
+        devices
+    }
+
+    /// A port by its number.
+    pub(super) fn of_port(&self, number: u32) -> Option<&Named> {
+        self.ports.get(&number)
+    }
+
+    /// A flow of a command by its place.
+    pub(super) fn of_flow(&self, command: u64, flow: u32) -> Option<&Named> {
+        let image = *self.commands.get(&command)?;
+        self.flows.get(image)?.get(flow as usize)
+    }
+
+    /// Which image a command runs, by its place in the order of their coming.
+    pub(super) fn image_of(&self, command: CommandId) -> Option<usize> {
+        self.commands.get(&command.number()).copied()
+    }
+
+    /// What a command runs.
+    pub(super) fn image(&self, command: CommandId) -> Option<&Image> {
+        let image = self.images.get(self.image_of(command)?)?;
+        Some(image)
+    }
+
+    /// What a command is called.
+    pub(super) fn of_command(&self, command: CommandId) -> &str {
+        self.image(command).map_or("?", |image| &image.name)
+    }
+
+    /// What a device is called.
+    pub(super) fn of_device(&self, device: usize) -> &str {
+        self.devices.get(device).map_or("?", String::as_str)
+    }
+}

@@ -1,0 +1,156 @@
+//! A recording from its file.
+
+use std::collections::BTreeMap;
+use std::sync::Arc;
+
+use mcap::read::ChunkFlattener;
+use mcap::records::Record;
+use rpi_core::Continuity;
+use rpi_image::Image;
+use rpi_sim::Cell;
+use serde_json::Value;
+
+use super::error::RecordingError;
+use super::recorder::CONTINUITY;
+use super::writer::{EVENTS, REQUESTS, TAPE};
+
+/// A recording, read.
+#[derive(Debug)]
+pub struct Recording {
+    /// Length of a tick, nanoseconds.
+    pub tick_ns: u64,
+    /// File name of the program that ran.
+    pub program: String,
+    pub(super) continuity: Continuity,
+    pub(super) cell: Cell,
+    pub(super) images: Vec<Arc<Image>>,
+    pub(super) requests: Vec<Value>,
+    pub(super) events: Vec<Value>,
+    /// The words of each tick.
+    pub(super) ticks: Vec<Vec<u64>>,
+    /// Ticks that were lost, as the end of the file says.
+    pub(super) lost: u64,
+}
+
+/// What stands in the file.
+#[derive(Default)]
+struct Parts {
+    topics: BTreeMap<u16, String>,
+    attachments: BTreeMap<String, Vec<u8>>,
+    metadata: BTreeMap<String, BTreeMap<String, String>>,
+    /// By topic.
+    messages: BTreeMap<String, Vec<Vec<u8>>>,
+}
+
+impl Recording {
+    /// Reads a recording.
+    ///
+    /// # Errors
+    /// If the bytes are no complete recording, with what is wrong.
+    pub fn read(bytes: &[u8]) -> Result<Recording, RecordingError> {
+        let mut parts = Parts::read(bytes)?;
+        let about = parts.metadata.remove("rpi");
+        let about = about.ok_or_else(|| RecordingError::Foreign("metadata `rpi`".into()))?;
+        let key = |name: &str| {
+            let value = about.get(name).cloned();
+            value.ok_or_else(|| RecordingError::Missing(format!("{name} in its metadata")))
+        };
+        if key("form")? != "1" {
+            return Err(RecordingError::Foreign(format!("form {}", key("form")?)));
+        }
+        // Without its end the file may lack what happened last.
+        let end = parts.metadata.get("rpi-end").and_then(|m| m.get("lost"));
+        let lost = end.and_then(|lost| lost.parse().ok());
+        let policy = key("on_jump")?;
+        let policy = CONTINUITY.iter().find(|(_, word)| *word == policy);
+        Ok(Recording {
+            tick_ns: number(&key("tick_ns")?)?,
+            program: key("program")?,
+            continuity: policy.map_or_else(Continuity::default, |p| p.0),
+            cell: parts.cell()?,
+            images: parts.images()?,
+            requests: parts.json(REQUESTS)?,
+            events: parts.json(EVENTS)?,
+            ticks: parts.ticks(),
+            lost: lost.ok_or_else(|| RecordingError::Broken("its end is missing".into()))?,
+        })
+    }
+}
+
+fn number(text: &str) -> Result<u64, RecordingError> {
+    let number = text.parse().ok().filter(|number| *number > 0);
+    number.ok_or_else(|| RecordingError::Broken(format!("{text} is no length of a tick")))
+}
+
+impl Parts {
+    fn read(bytes: &[u8]) -> Result<Parts, RecordingError> {
+        let broken = |error: mcap::McapError| RecordingError::Broken(error.to_string());
+        let mut parts = Parts::default();
+        for record in ChunkFlattener::new(bytes).map_err(broken)? {
+            parts.take(record.map_err(broken)?);
+        }
+        Ok(parts)
+    }
+
+    fn take(&mut self, record: Record<'_>) {
+        match record {
+            Record::Channel(channel) => {
+                self.topics.insert(channel.id, channel.topic);
+            }
+            Record::Attachment { header, data, .. } => {
+                self.attachments.insert(header.name, data.into_owned());
+            }
+            Record::Metadata(metadata) => {
+                self.metadata.insert(metadata.name, metadata.metadata);
+            }
+            Record::Message { header, data } => {
+                let topic = self.topics.get(&header.channel_id);
+                // What was made for viewers is not needed.
+                if let Some(topic) =
+                    topic.filter(|t| [TAPE, REQUESTS, EVENTS].contains(&t.as_str()))
+                {
+                    let messages = self.messages.entry(topic.clone()).or_default();
+                    messages.push(data.into_owned());
+                }
+            }
+            _ => {}
+        }
+    }
+
+    fn cell(&self) -> Result<Cell, RecordingError> {
+        let text = self.attachments.get("cell.toml");
+        let text = text.ok_or_else(|| RecordingError::Missing("cell".into()))?;
+        let text = String::from_utf8_lossy(text);
+        let broken = |errors| RecordingError::Broken(format!("its cell is wrong: {errors}"));
+        Cell::parse("cell.toml", &text).map_err(broken)
+    }
+
+    fn images(&self) -> Result<Vec<Arc<Image>>, RecordingError> {
+        let images = self.attachments.range("images/".to_owned()..);
+        let images = images.take_while(|(name, _)| name.starts_with("images/"));
+        let broken = |error| RecordingError::Broken(format!("an image in it: {error}"));
+        images
+            .map(|(_, bytes)| Image::from_bytes(bytes).map(Arc::new).map_err(broken))
+            .collect()
+    }
+
+    fn json(&self, topic: &str) -> Result<Vec<Value>, RecordingError> {
+        let messages = self.messages.get(topic).into_iter().flatten();
+        let broken = |error| RecordingError::Broken(format!("{topic}: {error}"));
+        messages
+            .map(|data| serde_json::from_slice(data).map_err(broken))
+            .collect()
+    }
+
+    fn ticks(&mut self) -> Vec<Vec<u64>> {
+        let word = |bytes: &[u8]| {
+            let bytes = bytes.try_into().unwrap_or_default();
+            u64::from_le_bytes(bytes)
+        };
+        let messages = self.messages.remove(TAPE).unwrap_or_default();
+        messages
+            .iter()
+            .map(|data| data.chunks_exact(8).map(word).collect())
+            .collect()
+    }
+}

@@ -1,0 +1,148 @@
+//! The host's end of a recording under way.
+
+use std::io;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicU64, Ordering};
+use std::sync::mpsc::{SyncSender, sync_channel};
+use std::thread::JoinHandle;
+
+use rpi_core::Continuity;
+use rpi_image::hash::Fnv;
+use rpi_sim::Cell;
+
+use super::file::{File, Output};
+use super::names::Names;
+use super::writer::{Note, Scribe, UNDER_WAY, Written};
+use crate::control::{Event, Journal};
+use crate::run::Channel;
+use crate::tape::TapeOut;
+
+/// What a run was made of, to be kept with its recording.
+#[derive(Clone, PartialEq, Eq, Debug, Default)]
+pub struct Origin {
+    /// The program's file name.
+    pub program: String,
+    /// Its bytes as they were read.
+    pub program_bytes: Vec<u8>,
+    /// The text of the cell.
+    pub cell: String,
+}
+
+/// A recording that is wanted.
+pub struct Wanted {
+    /// Where it goes.
+    pub out: Box<dyn Output>,
+    /// What is recorded.
+    pub origin: Origin,
+}
+
+/// Notes that wait for the writer at most.
+const NOTES: usize = 1 << 16;
+
+/// The host's end: passes on what it knows, and waits for the writer in the end.
+pub(crate) struct Recorder {
+    notes: SyncSender<Note>,
+    /// Notes for which there was no room: such a recording cannot be run again.
+    lost: Arc<AtomicU64>,
+    /// Ticks that were lost, once the end is reached.
+    over: Arc<AtomicU64>,
+    thread: JoinHandle<io::Result<Written>>,
+}
+
+/// Policies, and their words in a recording.
+pub(super) const CONTINUITY: [(Continuity, &str); 3] = [
+    (Continuity::Refuse, "refuse"),
+    (Continuity::Stop, "stop"),
+    (Continuity::Allow, "allow"),
+];
+
+impl Recorder {
+    /// Begins a recording.
+    ///
+    /// # Errors
+    /// Those of the file, and of the system if it gives no thread.
+    pub(crate) fn begin(
+        wanted: Wanted,
+        (cell, channels): (&Cell, &[Channel]),
+        (tick_ns, continuity): (u64, Continuity),
+        tape: TapeOut,
+    ) -> io::Result<Recorder> {
+        let mut file = File::create(wanted.out)?;
+        describe(&mut file, &wanted.origin, tick_ns, continuity)?;
+        let (notes, receiver) = sync_channel(NOTES);
+        let mut scribe = Scribe {
+            file,
+            names: Names::new(cell, tick_ns),
+            channels: channels.to_vec(),
+            tape,
+            notes: receiver,
+            written: Written::default(),
+            latest: (0, 0),
+        };
+        scribe.begin()?;
+        let over = Arc::new(AtomicU64::new(UNDER_WAY));
+        let ending = Arc::clone(&over);
+        let thread = std::thread::Builder::new().name("rpi-record".into());
+        Ok(Recorder {
+            notes,
+            lost: Arc::default(),
+            over,
+            thread: thread.spawn(move || scribe.write(&ending))?,
+        })
+    }
+
+    /// What is to be told each request.
+    pub(crate) fn journal(&self) -> Journal {
+        let (notes, lost) = (self.notes.clone(), Arc::clone(&self.lost));
+        Box::new(move |ticket, asked| tell(&notes, &lost, Note::Asked(ticket, asked)))
+    }
+
+    /// Something has happened.
+    pub(crate) fn event(&self, event: &Event) {
+        tell(&self.notes, &self.lost, Note::Event(*event));
+    }
+
+    /// Ends the recording; `lost` ticks had no room on the tape.
+    ///
+    /// # Errors
+    /// The first one of the file.
+    pub(crate) fn finish(self, lost: u64) -> io::Result<Written> {
+        self.over.store(lost, Ordering::Release);
+        let written = self.thread.join();
+        let written = written.map_err(|_| io::Error::other("the writer has failed"))??;
+        match self.lost.load(Ordering::Relaxed) {
+            0 => Ok(written),
+            notes => Err(io::Error::other(format!(
+                "{notes} requests or events had no room: the recording is not complete"
+            ))),
+        }
+    }
+}
+
+fn tell(notes: &SyncSender<Note>, lost: &AtomicU64, note: Note) {
+    if notes.try_send(note).is_err() {
+        lost.fetch_add(1, Ordering::Relaxed);
+    }
+}
+
+fn describe(
+    file: &mut File,
+    origin: &Origin,
+    tick_ns: u64,
+    continuity: Continuity,
+) -> io::Result<()> {
+    let policy = CONTINUITY.iter().find(|(c, _)| *c == continuity);
+    let hash = Fnv::new().bytes(&origin.program_bytes).finish();
+    let keys = [
+        ("form", "1".to_owned()),
+        ("tick_ns", tick_ns.to_string()),
+        ("on_jump", policy.map_or("", |p| p.1).to_owned()),
+        ("program", origin.program.clone()),
+        ("program_hash", format!("{hash:016x}")),
+        ("version", env!("CARGO_PKG_VERSION").to_owned()),
+    ];
+    file.metadata("rpi", &keys)?;
+    file.attach("cell.toml", "application/toml", origin.cell.as_bytes())?;
+    let program = format!("program/{}", origin.program);
+    file.attach(&program, "text/plain", &origin.program_bytes)
+}

@@ -1,0 +1,269 @@
+//! Runs a recording again: the same requests in the same ticks, the tape in place of the devices.
+
+use std::collections::{BTreeMap, VecDeque};
+
+use rpi_core::Notice;
+use rpi_sim::SimBank;
+use serde_json::Value;
+
+use super::asked::Maker;
+use super::error::RecordingError;
+use super::names::Names;
+use super::read::Recording;
+use super::report::{Difference, Rerun};
+use super::told;
+use crate::control::{Event, Executive, HostEnds, Options, Request, Ticket, open_plainly};
+use crate::run::Sights;
+use crate::tape::{Entry, Kind, Mismatch, Player, Tick, entries};
+
+/// Runs a recording again and compares every flow, set-point and event, up to the first difference.
+///
+/// # Errors
+/// If it is not complete enough to be run.
+pub fn rerun(recording: &Recording) -> Result<Rerun, RecordingError> {
+    let mut stage = Again::new(recording)?;
+    stage.report.lost = recording.lost;
+    for words in &recording.ticks {
+        let tick = Tick::of(words);
+        let tick = tick.ok_or_else(|| RecordingError::Broken("a tick on its tape".into()))?;
+        if tick.lost > 0 || stage.report.difference.is_some() {
+            break;
+        }
+        stage.tick(&tick);
+    }
+    if stage.report.difference.is_none() && recording.lost == 0 {
+        stage.ends();
+    }
+    Ok(stage.report)
+}
+
+/// A run under way.
+struct Again<'a> {
+    executive: Executive<Player>,
+    ends: HostEnds<()>,
+    /// Requests by the tick that took them, in that order.
+    requests: BTreeMap<u64, Vec<(Ticket, Request<()>)>>,
+    sights: Sights,
+    names: Names,
+    /// Events that were recorded and have not come yet.
+    expected: VecDeque<&'a Value>,
+    latest: u64,
+    report: Rerun,
+}
+
+impl<'a> Again<'a> {
+    fn new(recording: &'a Recording) -> Result<Again<'a>, RecordingError> {
+        let mut names = Names::new(&recording.cell, recording.tick_ns);
+        let requests = requests(recording, &mut names)?;
+        let most = recording.requests.len() + 1;
+        let options = Options {
+            tick_ns: recording.tick_ns,
+            continuity: recording.continuity,
+            requests: most.max(Options::default().requests),
+            ..Options::default()
+        };
+        let player = Player::new(recording.cell.devices.len());
+        let (ends, executive) = open_plainly(player, options);
+        Ok(Again {
+            executive,
+            ends,
+            requests,
+            sights: Sights::new(&recording.images),
+            names,
+            expected: recording.events.iter().filter(|e| of_core(e)).collect(),
+            latest: 0,
+            report: Rerun::default(),
+        })
+    }
+
+    fn tick(&mut self, tick: &Tick<'_>) {
+        for request in self.requests.remove(&tick.number).unwrap_or_default() {
+            // As many as were taken in this tick: there is room.
+            let _ = self.ends.requests.push(request);
+        }
+        self.executive.plant().load(tick.exchange);
+        self.halts();
+        if tick.ticked {
+            self.sights.begin();
+            self.executive.tick(tick.wall_ns, &mut self.sights);
+            self.halts();
+            self.report.ticks += 1;
+        }
+        let writes = entries(tick.exchange).filter(|e| e.kind == Kind::Write);
+        self.report.values += writes.count() as u64;
+        let difference = self.executive.plant().mismatch();
+        let difference = difference.map(|mismatch| self.of_exchange(tick.number, mismatch));
+        let difference = difference.or_else(|| self.of_sights(tick));
+        let difference = difference.or_else(|| self.of_events(tick.number));
+        self.report.difference = difference;
+        while self.ends.dead.pop().is_ok() {}
+    }
+
+    fn halts(&mut self) {
+        while let Some(why) = self.executive.plant().halted().and_then(told::why_of) {
+            self.executive.halt(why);
+        }
+    }
+
+    /// Compares the flows of a tick.
+    fn of_sights(&mut self, tick: &Tick<'_>) -> Option<Difference> {
+        let recorded = entries(tick.sights).filter(|e| e.kind == Kind::Flow);
+        let mut now = entries(self.sights.stage().words().unwrap_or(&[]));
+        for recorded in recorded {
+            self.report.values += 1;
+            let same = now.next();
+            if same.as_ref() != Some(&recorded) {
+                return Some(self.of_flow(tick.number, &recorded, same.as_ref()));
+            }
+        }
+        None
+    }
+
+    fn of_flow(&self, tick: u64, recorded: &Entry<'_>, now: Option<&Entry<'_>>) -> Difference {
+        let command = recorded.words.first().copied().unwrap_or(0);
+        let named = self.names.of_flow(command, recorded.key);
+        let text = |entry: &Entry<'_>| {
+            let cells = entry.words.get(1..).unwrap_or(&[]);
+            named.map_or_else(String::new, |n| n.text(entry.flag.then_some(cells)))
+        };
+        let same_flow = |e: &&Entry<'_>| {
+            (e.kind, e.key, e.words.first()) == (Kind::Flow, recorded.key, recorded.words.first())
+        };
+        Difference {
+            tick,
+            of: named.map_or_else(|| format!("command {command}"), |n| n.of.clone()),
+            what: named.map_or_else(|| format!("flow {}", recorded.key), |n| n.name.clone()),
+            recorded: text(recorded),
+            now: now
+                .filter(same_flow)
+                .map_or_else(|| "it does not run".to_owned(), text),
+        }
+    }
+
+    fn of_exchange(&self, tick: u64, mismatch: Mismatch) -> Difference {
+        let port = |number: u32| self.names.of_port(number);
+        let say = |kind: Kind, key: u32| format!("{kind:?} of {key}").to_lowercase();
+        let told = |of: Option<u32>, what: String, recorded: String, now: String| Difference {
+            tick,
+            of: of
+                .and_then(port)
+                .map_or_else(|| "the core".to_owned(), |n| n.of.clone()),
+            what,
+            recorded,
+            now,
+        };
+        match mismatch {
+            Mismatch::SetPoint {
+                port: number,
+                recorded,
+                now,
+            } => {
+                let named = port(number);
+                let text = |cells: &[u64]| named.map_or_else(String::new, |n| n.text(Some(cells)));
+                let what = named.map_or_else(String::new, |n| format!("set-point {}", n.name));
+                told(Some(number), what, text(&recorded), text(&now))
+            }
+            Mismatch::Asked { recorded, now } => {
+                let recorded =
+                    recorded.map_or_else(|| "nothing more".into(), |(k, key)| say(k, key));
+                told(None, "what it did next".into(), recorded, say(now.0, now.1))
+            }
+            Mismatch::Unasked(kind, key) => told(
+                None,
+                "what it did next".into(),
+                say(kind, key),
+                "nothing more".into(),
+            ),
+        }
+    }
+
+    /// Compares the events of a tick with those that come next in the recording.
+    fn of_events(&mut self, tick: u64) -> Option<Difference> {
+        while let Ok(event) = self.ends.events.pop() {
+            if matches!(event, Event::Notice(Notice::Started { .. })) {
+                self.report.commands += 1;
+            }
+            self.latest = told::tick_of(&event).unwrap_or(self.latest);
+            let now = told::event(&event, self.latest, &self.names);
+            let recorded = self.expected.pop_front();
+            self.report.events += 1;
+            if !recorded.is_some_and(|recorded| is_same(recorded, &now)) {
+                let recorded = recorded.map_or_else(|| "nothing".to_owned(), Value::to_string);
+                return Some(Difference {
+                    tick,
+                    of: "the core".to_owned(),
+                    what: "an event".to_owned(),
+                    recorded,
+                    now: now.to_string(),
+                });
+            }
+        }
+        None
+    }
+
+    /// All that was recorded must have come.
+    fn ends(&mut self) {
+        if let Some(missing) = self.expected.pop_front() {
+            self.report.difference = Some(Difference {
+                tick: self.executive.now(),
+                of: "the core".to_owned(),
+                what: "an event".to_owned(),
+                recorded: missing.to_string(),
+                now: "nothing".to_owned(),
+            });
+        }
+    }
+}
+
+/// What the cycle tells, and not what the host and the writer tell of themselves.
+fn of_core(event: &Value) -> bool {
+    !["freed", "lost"].iter().any(|own| event["event"] == *own)
+}
+
+/// The same but for the tick of events that do not tell one: it is that of an event before.
+fn is_same(recorded: &Value, now: &Value) -> bool {
+    let fields = now.as_object().into_iter().flatten();
+    let told = ["answer", "started", "ended"]
+        .iter()
+        .any(|e| now["event"] == *e);
+    let mut fields = fields.filter(|(key, _)| told || *key != "tick");
+    fields.all(|(key, value)| recorded[key] == *value)
+}
+
+/// The requests that were taken, by tick.
+fn requests(
+    recording: &Recording,
+    names: &mut Names,
+) -> Result<BTreeMap<u64, Vec<(Ticket, Request<()>)>>, RecordingError> {
+    let mut bank = SimBank::new(&recording.cell, recording.tick_ns as f64 * 1e-9);
+    let mut maker = Maker {
+        images: &recording.images,
+        bank: &mut bank,
+        continuity: recording.continuity,
+    };
+    let mut made: BTreeMap<u64, Request<()>> = BTreeMap::new();
+    for object in &recording.requests {
+        let request = maker.read(object);
+        let (ticket, request) =
+            request.ok_or_else(|| RecordingError::Broken(format!("a request in it: {object}")))?;
+        if let Request::Insert(id, command, _) = &request {
+            names.insert(*id, command.machine().image());
+        }
+        made.insert(ticket.0, request);
+    }
+    let mut by_tick: BTreeMap<u64, Vec<(Ticket, Request<()>)>> = BTreeMap::new();
+    for answer in recording.events.iter().filter(|e| e["event"] == "answer") {
+        let (ticket, tick) = (answer["ticket"].as_u64(), answer["tick"].as_u64());
+        let (Some(ticket), Some(tick)) = (ticket, tick) else {
+            return Err(RecordingError::Broken(format!("an answer in it: {answer}")));
+        };
+        let request = made.remove(&ticket);
+        let request =
+            request.ok_or_else(|| RecordingError::Missing(format!("request {ticket}")))?;
+        by_tick
+            .entry(tick)
+            .or_default()
+            .push((Ticket(ticket), request));
+    }
+    Ok(by_tick)
+}

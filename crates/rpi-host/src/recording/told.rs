@@ -1,0 +1,155 @@
+//! Events as JSON: what happened to commands, rules and devices, in words that a program can read, too.
+
+use rpi_core::{Cause, CommandId, Ending, Notice, Outcome, Why};
+use rpi_image::Image;
+use rpi_image::image::End;
+use serde_json::{Value, json};
+
+use super::names::Names;
+use crate::control::Event;
+use crate::run::fault_text;
+
+/// Reasons for an end by force, and their words. Their places are the keys of entries on a tape.
+const WHY: [(Why, &str); 5] = [
+    (Why::Request, "request"),
+    (Why::Overrun, "overrun"),
+    (Why::EmergencyStop, "emergency stop"),
+    (Why::ClientLost, "client lost"),
+    (Why::Discontinuity, "discontinuity"),
+];
+
+/// The number of a reason.
+pub(crate) fn number_of(why: Why) -> u32 {
+    let place = WHY.iter().position(|(w, _)| *w == why);
+    place.map_or(u32::MAX, |place| place as u32)
+}
+
+/// The reason of this number.
+pub(crate) fn why_of(number: u32) -> Option<Why> {
+    WHY.get(number as usize).map(|(why, _)| *why)
+}
+
+/// A reason in words.
+pub(super) fn word_of(why: Why) -> &'static str {
+    WHY.iter().find(|(w, _)| *w == why).map_or("?", |w| w.1)
+}
+
+/// The reason behind a word.
+pub(super) fn why_by_word(word: &str) -> Option<Why> {
+    WHY.iter().find(|(_, w)| *w == word).map(|w| w.0)
+}
+
+/// An event as a JSON object; `tick` where it tells none itself is the last one that was told.
+pub(super) fn event(event: &Event, tick: u64, names: &Names) -> Value {
+    match event {
+        Event::Answer {
+            ticket,
+            tick,
+            refused,
+        } => json!({
+            "event": "answer", "ticket": ticket.0, "tick": tick,
+            "refused": refused.map(|why| format!("{why:?}")),
+        }),
+        Event::Freed(id) => of_command("freed", *id, tick, names),
+        Event::Device {
+            device,
+            code,
+            moving,
+        } => json!({
+            "event": "device", "tick": tick, "device": names.of_device(*device), "code": code, "moving": moving,
+        }),
+        Event::Notice(notice) => self::notice(notice, tick, names),
+    }
+}
+
+/// The tick that an event tells.
+pub(super) fn tick_of(event: &Event) -> Option<u64> {
+    match event {
+        Event::Answer { tick, .. }
+        | Event::Notice(Notice::Started { tick, .. } | Notice::Ended { tick, .. }) => Some(*tick),
+        _ => None,
+    }
+}
+
+fn of_command(what: &str, id: CommandId, tick: u64, names: &Names) -> Value {
+    json!({ "event": what, "tick": tick, "command": names.of_command(id), "id": id.number() })
+}
+
+fn notice(notice: &Notice, tick: u64, names: &Names) -> Value {
+    let with = |what: &str, id: CommandId, tick: u64, more: Value| {
+        let mut object = of_command(what, id, tick, names);
+        if let (Value::Object(object), Value::Object(more)) = (&mut object, more) {
+            object.extend(more);
+        }
+        object
+    };
+    match *notice {
+        Notice::Scheduled { command } => of_command("scheduled", command, tick, names),
+        Notice::Cancelling { command } => of_command("cancelling", command, tick, names),
+        Notice::Started { command, tick } => of_command("started", command, tick, names),
+        Notice::Ended {
+            command,
+            tick,
+            ending,
+        } => {
+            let image = names.image(command);
+            with("ended", command, tick, self::ending(&ending, image))
+        }
+        Notice::Orphaned { command, kept } => {
+            with("orphaned", command, tick, json!({ "kept": kept }))
+        }
+        Notice::Braked { command, resource } => {
+            with("braked", command, tick, json!({ "actuator": resource }))
+        }
+        Notice::Jumped { command, jump } => {
+            let quantity = format!("{:?}", jump.quantity).to_lowercase();
+            let more = json!({
+                "actuator": jump.resource, "quantity": quantity, "value": jump.value, "limit": jump.limit,
+            });
+            with("jumped", command, tick, more)
+        }
+        Notice::Rule { rule, outcome } => {
+            let (outcome, why) = match outcome {
+                Outcome::Fired => ("fired", None),
+                Outcome::Failed(why) => ("failed", Some(format!("{why:?}"))),
+                Outcome::Dropped => ("dropped", None),
+            };
+            json!({ "event": "rule", "tick": tick, "rule": rule.0, "outcome": outcome, "why": why })
+        }
+    }
+}
+
+fn ending(ending: &Ending, image: Option<&Image>) -> Value {
+    let (cause, what) = match ending.cause {
+        Cause::Result(k) => ("result", result(image, k).map(str::to_owned)),
+        Cause::Terminate => ("terminate", None),
+        Cause::Fault(fault) => ("fault", Some(fault_text(fault.code).to_owned())),
+        Cause::Aborted(why) => ("aborted", Some(word_of(why).to_owned())),
+        Cause::Stopped(rule) => ("stopped", Some(format!("rule {}", rule.0))),
+    };
+    json!({
+        "cause": cause, "what": what, "error": ending.error, "cycles": ending.cycles,
+        "cancelled": ending.cancelled, "left_moving": ending.left_moving,
+    })
+}
+
+fn result(image: Option<&Image>, index: usize) -> Option<&str> {
+    match &image?.end {
+        End::Results(results) => results.get(index).map(|r| r.name.as_str()),
+        End::Ports { .. } => None,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn reasons_keep_their_numbers_and_words() {
+        for (number, (why, word)) in (0..).zip(WHY) {
+            assert_eq!((number_of(why), why_of(number)), (number, Some(why)));
+            assert_eq!((word_of(why), why_by_word(word)), (word, Some(why)));
+        }
+        assert_eq!((why_of(99), why_by_word("mood")), (None, None));
+    }
+}

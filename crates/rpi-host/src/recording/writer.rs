@@ -1,0 +1,233 @@
+//! The thread that writes a recording: takes ticks off the tape and what the host tells, and makes messages of them.
+
+use std::collections::BTreeMap;
+use std::io;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicU64, Ordering};
+use std::sync::mpsc::Receiver;
+use std::time::Duration;
+
+use rpi_core::CommandId;
+use rpi_image::Image;
+use serde::Serialize;
+use serde_json::{Map, Value, json};
+
+use super::file::File;
+use super::json::{self, Object};
+use super::names::{Named, Names};
+use super::{asked, told};
+use crate::control::{Asked, Event, Ticket};
+use crate::run::Channel;
+use crate::tape::{Kind, TapeOut, Tick, entries};
+
+/// What the host tells.
+pub(super) enum Note {
+    /// Something was asked of the cycle.
+    Asked(Ticket, Asked),
+    /// Something has happened.
+    Event(Event),
+}
+
+pub(super) const TAPE: &str = "/rpi/tape";
+pub(super) const REQUESTS: &str = "/rpi/requests";
+pub(super) const EVENTS: &str = "/events";
+/// The form of the messages of the tape.
+pub(super) const FORM: &str = "rpi-tape-1";
+/// What that is, for who opens a recording years later.
+const FORM_TEXT: &str = include_str!("form.txt");
+
+/// In place of the number of lost ticks while nobody knows it yet.
+pub(super) const UNDER_WAY: u64 = u64::MAX;
+/// How long the writer waits if there is nothing to write.
+const PAUSE: Duration = Duration::from_millis(1);
+/// Ticks that are written before the host is listened to again.
+const TURN: usize = 1024;
+
+/// What was written.
+#[derive(Clone, Copy, PartialEq, Eq, Debug, Default, Serialize)]
+pub struct Written {
+    /// Ticks in the recording.
+    pub ticks: u64,
+    /// Ticks that are not, because the writer could not keep up.
+    pub lost: u64,
+}
+
+/// The writer and what it knows.
+pub(super) struct Scribe {
+    pub(super) file: File,
+    pub(super) names: Names,
+    /// The ports of devices that are looked at after each tick.
+    pub(super) channels: Vec<Channel>,
+    pub(super) tape: TapeOut,
+    pub(super) notes: Receiver<Note>,
+    pub(super) written: Written,
+    /// Number and time of the latest tick.
+    pub(super) latest: (u64, u64),
+}
+
+impl Scribe {
+    /// Topics that every recording has.
+    pub(super) fn begin(&mut self) -> io::Result<()> {
+        self.file.binary_topic(TAPE, FORM, FORM_TEXT)?;
+        let ticket = json!({ "ticket": { "type": "integer" }, "ask": { "type": "string" } });
+        self.file.json_topic(REQUESTS, ticket)?;
+        let event = json!({ "tick": { "type": "integer" }, "event": { "type": "string" } });
+        self.file.json_topic(EVENTS, event)?;
+        let mut devices: BTreeMap<String, Vec<Named>> = BTreeMap::new();
+        for channel in &self.channels {
+            let named = device_port(channel);
+            devices.entry(named.of.clone()).or_default().push(named);
+        }
+        devices
+            .iter()
+            .try_for_each(|(device, ports)| self.topic_of("device", device, ports))
+    }
+
+    /// Writes until all that comes has come.
+    pub(super) fn write(mut self, lost: &AtomicU64) -> io::Result<Written> {
+        loop {
+            // What follows was there before the end was told.
+            let told = lost.load(Ordering::Acquire);
+            let ticks = self.turn()?;
+            if told != UNDER_WAY && ticks == 0 {
+                self.written.lost = told;
+                break;
+            }
+            if ticks == 0 {
+                std::thread::sleep(PAUSE);
+            }
+        }
+        let (ticks, lost) = (self.written.ticks, self.written.lost);
+        let end = [("ticks", ticks.to_string()), ("lost", lost.to_string())];
+        self.file.metadata("rpi-end", &end)?;
+        self.file.finish()?;
+        Ok(self.written)
+    }
+
+    /// Ticks are taken first: what the host had to tell of their commands has been told by then.
+    fn turn(&mut self) -> io::Result<usize> {
+        let mut taken = Vec::new();
+        let mut words = Vec::new();
+        while taken.len() < TURN && self.tape.next(&mut words) {
+            taken.push(std::mem::take(&mut words));
+        }
+        while let Ok(note) = self.notes.try_recv() {
+            self.note(note)?;
+        }
+        taken.iter().try_for_each(|words| self.tick(words))?;
+        Ok(taken.len())
+    }
+
+    fn note(&mut self, note: Note) -> io::Result<()> {
+        let (tick, time) = self.latest;
+        match note {
+            Note::Asked(ticket, asked) => {
+                if let Asked::Load(id, image) = &asked {
+                    self.insert(*id, image)?;
+                }
+                let text = asked::write(ticket, &asked, &self.names).to_string();
+                self.file.message(REQUESTS, time, text.as_bytes())
+            }
+            Note::Event(event) => {
+                let tick = told::tick_of(&event).unwrap_or(tick);
+                let text = told::event(&event, tick, &self.names).to_string();
+                self.file.message(EVENTS, time, text.as_bytes())
+            }
+        }
+    }
+
+    /// Learns of a command; an image that was not seen before is attached, and its flows get a topic.
+    fn insert(&mut self, id: CommandId, image: &Arc<Image>) -> io::Result<()> {
+        if !self.names.insert(id, image) {
+            return Ok(());
+        }
+        let number = self.names.image_of(id).unwrap_or(0);
+        let name = format!("images/{number:04}.rpib");
+        let media = "application/octet-stream";
+        self.file.attach(&name, media, &image.to_bytes())?;
+        let flows = self.names.flows(number).to_vec();
+        self.topic_of("command", &image.name, &flows)?;
+        for (kind, ports) in [
+            ("sensors", self.names.sensors_of(image)),
+            ("set_points", self.names.actuators_of(image)),
+        ] {
+            for (device, ports) in ports {
+                self.topic_of(kind, &device, &ports)?;
+            }
+        }
+        Ok(())
+    }
+
+    fn topic_of(&mut self, kind: &str, of: &str, named: &[Named]) -> io::Result<()> {
+        let mut properties = Map::new();
+        properties.insert("cycle".into(), json!({ "type": "integer" }));
+        let fields = named.iter().map(|n| (n.name.clone(), json::schema(n.ty)));
+        properties.extend(fields);
+        let topic = format!("/{kind}/{of}");
+        self.file.json_topic(&topic, Value::Object(properties))
+    }
+
+    fn tick(&mut self, words: &[u64]) -> io::Result<()> {
+        let Some(tick) = Tick::of(words) else {
+            return Ok(());
+        };
+        let time = tick.wall_ns.max(0).cast_unsigned();
+        self.latest = (tick.number, time);
+        self.written.ticks += u64::from(tick.ticked);
+        if tick.lost > 0 {
+            let text = json!({ "event": "lost", "tick": tick.number, "ticks": tick.lost });
+            self.file
+                .message(EVENTS, time, text.to_string().as_bytes())?;
+        }
+        let bytes: Vec<u8> = words.iter().flat_map(|word| word.to_le_bytes()).collect();
+        self.file.message(TAPE, time, &bytes)?;
+        for (topic, text) in self.views(&tick) {
+            self.file.message(&topic, time, text.as_bytes())?;
+        }
+        Ok(())
+    }
+
+    /// The messages for people and their viewers: by topic, in the order in which they come up.
+    fn views(&self, tick: &Tick<'_>) -> Vec<(String, String)> {
+        let mut views: Vec<(String, u64, Object)> = Vec::new();
+        for entry in entries(tick.exchange).chain(entries(tick.sights)) {
+            let (command, cells) = match entry.kind {
+                Kind::Flow => (entry.words.first().copied().unwrap_or(0), &entry.words[1..]),
+                _ => (0, entry.words),
+            };
+            let (kind, named) = match entry.kind {
+                Kind::Read => ("sensors", self.names.of_port(entry.key).cloned()),
+                Kind::Write => ("set_points", self.names.of_port(entry.key).cloned()),
+                Kind::Flow => ("command", self.names.of_flow(command, entry.key).cloned()),
+                Kind::Sample => (
+                    "device",
+                    self.channels.get(entry.key as usize).map(device_port),
+                ),
+                _ => continue,
+            };
+            let Some(named) = named else { continue };
+            let topic = format!("/{kind}/{}", named.of);
+            let known = views.iter().position(|v| (&v.0, v.1) == (&topic, command));
+            let at = known.unwrap_or_else(|| {
+                views.push((topic, command, Object::of_cycle(tick.number)));
+                views.len() - 1
+            });
+            let present = entry.flag || entry.kind == Kind::Write;
+            let value = present.then_some(cells);
+            views[at].2.field(&named.name, value, named.ty);
+        }
+        let done = views.into_iter();
+        done.map(|(topic, _, object)| (topic, object.finish()))
+            .collect()
+    }
+}
+
+/// A port of a device that is looked at, by its own name.
+fn device_port(channel: &Channel) -> Named {
+    let (of, name) = channel.name.split_once('.').unwrap_or(("", &channel.name));
+    Named {
+        of: of.to_owned(),
+        name: name.to_owned(),
+        ty: channel.ty,
+    }
+}

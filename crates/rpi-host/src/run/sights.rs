@@ -1,0 +1,67 @@
+//! What a recording sees of commands and devices in a tick, bit for bit.
+
+use std::sync::Arc;
+
+use rpi_core::{Command, CommandId, Watch};
+use rpi_image::Image;
+use rpi_image::image::Signal;
+
+use super::sides::sampled_flows;
+use crate::tape::{Kind, Stage};
+
+/// Words for what is seen in a tick.
+const CAPACITY: usize = 1 << 16;
+
+/// Notes the flows of commands at the end of their cycles.
+pub(crate) struct Sights {
+    images: Vec<(Arc<Image>, Box<[(Signal, u32)]>)>,
+    stage: Stage,
+}
+
+impl Sights {
+    /// Of commands that run these images.
+    pub(crate) fn new(images: &[Arc<Image>]) -> Sights {
+        let flows = |image: &Arc<Image>| {
+            let flows = sampled_flows(image).into_iter();
+            let flows = flows.map(|(_, signal, fragment)| (signal, fragment));
+            (Arc::clone(image), flows.collect())
+        };
+        Sights {
+            images: images.iter().map(flows).collect(),
+            stage: Stage::with_capacity(CAPACITY),
+        }
+    }
+
+    /// The next tick begins.
+    pub(crate) fn begin(&mut self) {
+        self.stage.clear();
+    }
+
+    /// What was seen in this tick.
+    pub(crate) fn stage(&self) -> &Stage {
+        &self.stage
+    }
+
+    /// A port of a device that is looked at after the tick.
+    pub(super) fn sample(&mut self, channel: usize, value: Option<&[u64]>) {
+        // Fewer than 2^32 ports.
+        let (key, cells) = (channel as u32, value.unwrap_or(&[]));
+        self.stage.put(Kind::Sample, key, value.is_some(), &[cells]);
+    }
+}
+
+impl Watch for Sights {
+    fn cycle(&mut self, id: CommandId, command: &Command) {
+        let machine = command.machine();
+        let mine = |(image, _): &&(Arc<Image>, _)| Arc::ptr_eq(image, machine.image());
+        let Some((_, flows)) = self.images.iter().find(mine) else {
+            return;
+        };
+        for (key, &(signal, fragment)) in (0..).zip(flows) {
+            let value = machine.value(signal);
+            let value = value.filter(|_| machine.is_active(fragment));
+            let parts = [&[id.number()][..], value.unwrap_or(&[])];
+            self.stage.put(Kind::Flow, key, value.is_some(), &parts);
+        }
+    }
+}

@@ -1,0 +1,153 @@
+//! The tape between the cycle and whoever writes it down: a bounded ring at which nobody waits.
+
+use rtrb::{Consumer, Producer, RingBuffer};
+
+use super::stage::Stage;
+
+/// Room for ticks that were not written down yet, words: a quarter of a minute of an arm at a kilohertz.
+const CAPACITY: usize = 1 << 20;
+const HEADER: usize = 6;
+
+/// The two ends of a tape.
+pub(crate) fn tape() -> (TapeIn, TapeOut) {
+    with_capacity(CAPACITY)
+}
+
+fn with_capacity(words: usize) -> (TapeIn, TapeOut) {
+    let (producer, consumer) = RingBuffer::new(words);
+    let tape_in = TapeIn {
+        ring: producer,
+        capacity: words,
+        untold: 0,
+        lost: 0,
+    };
+    (tape_in, TapeOut { ring: consumer })
+}
+
+/// The cycle's end.
+pub(crate) struct TapeIn {
+    ring: Producer<u64>,
+    capacity: usize,
+    /// Ticks that were lost since the last one that was not.
+    untold: u64,
+    lost: u64,
+}
+
+impl TapeIn {
+    /// Records a tick as a whole, or counts it as lost. `ticked` is false for what happened between two ticks without one after it.
+    pub(crate) fn put(
+        &mut self,
+        (number, wall_ns): (u64, i64),
+        ticked: bool,
+        exchange: &Stage,
+        sights: &Stage,
+    ) {
+        let rows = exchange.words().zip(sights.words());
+        let fits = rows.filter(|(a, b)| self.ring.slots() >= HEADER + a.len() + b.len());
+        let Some((exchange, sights)) = fits else {
+            self.untold += 1;
+            self.lost += 1;
+            return;
+        };
+        let (n, m) = (exchange.len() as u64, sights.len() as u64);
+        let kind = u64::from(!ticked);
+        let header = [self.untold, number, wall_ns.cast_unsigned(), kind, n, m];
+        for word in header.iter().chain(exchange).chain(sights) {
+            // There is room, as was just seen; nobody else writes.
+            let _ = self.ring.push(*word);
+        }
+        self.untold = 0;
+    }
+
+    /// How many ticks were lost.
+    pub(crate) fn lost(&self) -> u64 {
+        self.lost
+    }
+
+    /// True while more than half of the ring is free.
+    pub(crate) fn has_room(&self) -> bool {
+        self.ring.slots() > self.capacity / 2
+    }
+}
+
+/// The end of whoever writes it down.
+pub(crate) struct TapeOut {
+    ring: Consumer<u64>,
+}
+
+impl TapeOut {
+    /// The words of the next tick, if it is there as a whole.
+    pub(crate) fn next(&mut self, words: &mut Vec<u64>) -> bool {
+        words.clear();
+        let Ok(header) = self.ring.read_chunk(HEADER) else {
+            return false;
+        };
+        let (first, second) = header.as_slices();
+        let lens = first.iter().chain(second).skip(HEADER - 2);
+        let len = HEADER + lens.map(|len| *len as usize).sum::<usize>();
+        let Ok(tick) = self.ring.read_chunk(len) else {
+            return false;
+        };
+        words.extend(tick);
+        true
+    }
+}
+
+/// A tick on the tape.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub(crate) struct Tick<'a> {
+    /// How many before it were lost.
+    pub(crate) lost: u64,
+    /// Its number.
+    pub(crate) number: u64,
+    /// The wall clock that its commands see, nanoseconds since the Unix epoch.
+    pub(crate) wall_ns: i64,
+    /// False for what happened between two ticks without one after it.
+    pub(crate) ticked: bool,
+    /// What passed between the core and the devices.
+    pub(crate) exchange: &'a [u64],
+    /// What was looked at: flows of commands, ports of devices.
+    pub(crate) sights: &'a [u64],
+}
+
+impl Tick<'_> {
+    /// The tick that these words are; none if they are none.
+    pub(crate) fn of(words: &[u64]) -> Option<Tick<'_>> {
+        let (header, rest) = words.split_first_chunk::<HEADER>()?;
+        let [lost, number, wall, kind, n, m] = *header;
+        let (exchange, sights) = rest.split_at_checked(usize::try_from(n).ok()?)?;
+        (sights.len() as u64 == m).then_some(Tick {
+            lost,
+            number,
+            wall_ns: wall.cast_signed(),
+            ticked: kind == 0,
+            exchange,
+            sights,
+        })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::entry::Kind;
+    use super::*;
+
+    #[test]
+    fn ticks_arrive_whole_and_losses_are_told_with_the_next() {
+        let (mut tape, mut out) = with_capacity(20);
+        let (mut exchange, mut sights) = (Stage::with_capacity(8), Stage::with_capacity(8));
+        exchange.put(Kind::Write, 1, false, &[&[5]]);
+        sights.put(Kind::Flow, 2, true, &[&[9], &[6]]);
+        (0..3).for_each(|tick| tape.put((tick, 7), true, &exchange, &sights));
+        assert_eq!(tape.lost(), 2);
+        let mut words = Vec::new();
+        assert!(out.next(&mut words));
+        let tick = Tick::of(&words).unwrap();
+        assert_eq!((tick.lost, tick.number, tick.wall_ns), (0, 0, 7));
+        assert_eq!((tick.exchange.len(), tick.sights.len()), (2, 3));
+        assert!(!out.next(&mut words));
+        tape.put((3, 8), true, &exchange, &sights);
+        assert!(out.next(&mut words));
+        assert_eq!(Tick::of(&words).unwrap().lost, 2);
+    }
+}

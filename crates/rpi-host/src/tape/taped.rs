@@ -1,0 +1,150 @@
+//! Devices whose every answer goes on the tape.
+
+use std::cell::RefCell;
+use std::ops::Range;
+
+use rpi_device::{DeviceBank, Jump, PortId, PortName, Refusal, ResolveError};
+
+use super::entry::Kind;
+use super::stage::Stage;
+use crate::control::Plant;
+
+/// Devices, and what passed between them and the core in this tick, if somebody wants to know.
+pub(crate) struct Taped<P> {
+    plant: P,
+    /// Questions do not change the devices, but are noted, too. One thread owns all this: the cell is never taken twice.
+    stage: Option<RefCell<Stage>>,
+}
+
+/// Words for what passes in a tick.
+const CAPACITY: usize = 1 << 16;
+
+impl<P> Taped<P> {
+    /// Devices of which nothing is noted.
+    pub(crate) fn new(plant: P) -> Taped<P> {
+        Taped { plant, stage: None }
+    }
+
+    /// Notes everything from now on.
+    pub(crate) fn begin(&mut self) {
+        self.stage = Some(RefCell::new(Stage::with_capacity(CAPACITY)));
+    }
+
+    /// The devices themselves; what is done with them is not noted.
+    pub(crate) fn plant(&mut self) -> &mut P {
+        &mut self.plant
+    }
+
+    /// What was noted in this tick.
+    pub(crate) fn stage(&mut self) -> Option<&mut Stage> {
+        self.stage.as_mut().map(RefCell::get_mut)
+    }
+
+    /// Notes that all commands are ended.
+    pub(crate) fn halt(&mut self, why: u32) {
+        self.note(Kind::Halt, why, false, &[]);
+    }
+
+    fn note(&self, kind: Kind, key: u32, flag: bool, words: &[u64]) {
+        if let Some(mut stage) = self.stage.as_ref().and_then(|s| s.try_borrow_mut().ok()) {
+            stage.put(kind, key, flag, &[words]);
+        }
+    }
+}
+
+/// A jump as words.
+fn words_of(jump: &Jump) -> [u64; 4] {
+    let (value, limit) = (jump.value.to_bits(), jump.limit.to_bits());
+    [u64::from(jump.resource), jump.quantity as u64, value, limit]
+}
+
+impl<P: Plant> DeviceBank for Taped<P> {
+    fn resolve(&mut self, name: &PortName<'_>) -> Result<PortId, ResolveError> {
+        self.plant.resolve(name)
+    }
+
+    fn resource(&self, port: PortId) -> u32 {
+        self.plant.resource(port)
+    }
+
+    fn resources(&self, port: PortId) -> Range<u32> {
+        self.plant.resources(port)
+    }
+
+    fn pace(&mut self, resource: u32, ticks: u32) {
+        self.plant.pace(resource, ticks);
+        self.note(Kind::Pace, resource, false, &[u64::from(ticks)]);
+    }
+
+    fn read(&mut self, port: PortId, value: &mut [u64]) -> bool {
+        let there = self.plant.read(port, value);
+        self.note(Kind::Read, port.0, there, value);
+        there
+    }
+
+    fn check(&mut self, port: PortId, value: &[u64]) -> Refusal {
+        let refusal = self.plant.check(port, value);
+        self.note(Kind::Check, port.0, false, &[u64::from(refusal.0)]);
+        refusal
+    }
+
+    fn jump(&self, port: PortId, value: &[u64]) -> Option<Jump> {
+        let jump = self.plant.jump(port, value);
+        let words = jump.as_ref().map_or([0; 4], words_of);
+        self.note(Kind::Jump, port.0, jump.is_some(), &words);
+        jump
+    }
+
+    fn error(&self, port: PortId) -> i64 {
+        let error = self.plant.error(port);
+        self.note(Kind::Error, port.0, false, &[error.cast_unsigned()]);
+        error
+    }
+
+    fn write(&mut self, port: PortId, value: &[u64]) {
+        self.plant.write(port, value);
+        self.note(Kind::Write, port.0, false, value);
+    }
+
+    fn call(&mut self, port: PortId, arguments: &[u64], result: &mut [u64]) -> bool {
+        let found = self.plant.call(port, arguments, result);
+        self.note(Kind::Call, port.0, found, result);
+        found
+    }
+
+    fn moving(&self, resource: u32) -> bool {
+        let moving = self.plant.moving(resource);
+        self.note(Kind::Moving, resource, moving, &[]);
+        moving
+    }
+
+    fn stop(&mut self, resource: u32) {
+        self.plant.stop(resource);
+        self.note(Kind::Stop, resource, false, &[]);
+    }
+}
+
+impl<P: Plant> Plant for Taped<P> {
+    type Part = P::Part;
+
+    fn swap(&mut self, place: usize, part: Option<P::Part>) -> Option<P::Part> {
+        self.plant.swap(place, part)
+    }
+
+    fn step(&mut self) {
+        self.plant.step();
+    }
+
+    fn conditions(&self, each: &mut dyn FnMut(usize, i64, bool)) {
+        self.plant.conditions(&mut |device, code, moving| {
+            // There are fewer than 2^32 devices.
+            self.note(
+                Kind::Condition,
+                device as u32,
+                moving,
+                &[code.cast_unsigned()],
+            );
+            each(device, code, moving);
+        });
+    }
+}

@@ -1,0 +1,75 @@
+//! `rpi latency`: which period this machine can hold.
+
+use rpi_core::Continuity;
+use rpi_driver::Claims;
+use rpi_host::latency::{Load, measure, verdict};
+use rpi_host::realtime::{Pace, RealTime, Wanted};
+use rpi_host::run::{self, Job, Limits};
+
+use crate::args::{LatencyArgs, Target};
+use crate::exit::{Exit, Outcome};
+use crate::output;
+use crate::program;
+use crate::target;
+
+/// Measures and judges.
+pub(crate) fn latency(args: &LatencyArgs) -> Outcome {
+    let load = args.program.as_ref().map(|_| load(args)).transpose()?;
+    let count = (args.time / args.period).max(1);
+    let verdict = verdict(measure(wanted(args), args.period, count)?, load);
+    output::put(&match args.json {
+        true => format!("{}\n", verdict.to_json()),
+        false => verdict.to_string(),
+    })?;
+    Ok(Exit::Good)
+}
+
+fn wanted(args: &LatencyArgs) -> Wanted {
+    Wanted {
+        priority: args.priority,
+        core: args.core,
+    }
+}
+
+/// Runs the program on real time, and takes the figures of its cycles.
+fn load(args: &LatencyArgs) -> Result<Load, Box<dyn std::error::Error>> {
+    let path = args.program.clone().unwrap_or_default();
+    let compiled = program::load(&path, Claims::Off)?;
+    let target = Target {
+        cell: args.cell.clone(),
+        command: args.command.clone(),
+        period: Some(args.period),
+        cycles: None,
+        time: Some(args.time),
+        settings: Vec::new(),
+    };
+    let script = target::script(&compiled, &target, |net, period| {
+        rpi_driver::lower_to_run(net, period)
+    })?;
+    let (cell, _) = target::cell(&path, &target, &script)?;
+    let outcome = run::run(Job {
+        images: &script.images,
+        plans: &script.plans,
+        cell: &cell,
+        pace: Pace::Real,
+        real_time: RealTime {
+            wanted: wanted(args),
+            ..RealTime::default()
+        },
+        continuity: Continuity::default(),
+        limits: Limits {
+            ticks: target::ticks(&target, args.period),
+            planning_ns: 0,
+        },
+        settings: &[],
+        recording: None,
+        sink: &mut (),
+        progress: None,
+    })?;
+    let figures = outcome.figures;
+    Ok(Load {
+        name: path.display().to_string(),
+        cycle: figures.tick,
+        late: figures.lateness.unwrap_or_default(),
+    })
+}

@@ -1,0 +1,177 @@
+//! Recordings of the paper's example: run again they give the same bits across all takeovers, and whatever is wrong with one is told.
+
+use std::path::{Path, PathBuf};
+use std::process::{Command, Output};
+
+fn rpi(arguments: &[&str]) -> Output {
+    let mut rpi = Command::new(env!("CARGO_BIN_EXE_rpi"));
+    rpi.args(arguments).env("NO_COLOR", "1").output().unwrap()
+}
+
+fn said(output: &Output) -> String {
+    let [out, err] = [&output.stdout, &output.stderr].map(|bytes| String::from_utf8_lossy(bytes));
+    format!("{out}{err}")
+}
+
+/// A recording of the example, and what the tool said.
+fn record(folder: &Path, options: &[&str]) -> (PathBuf, String) {
+    let example = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../examples/blending");
+    let (program, file) = (example.join("blending.rpi"), folder.join("out.mcap"));
+    let mut arguments = vec!["run", program.to_str().unwrap()];
+    arguments.extend(["--record", file.to_str().unwrap()]);
+    arguments.extend(options);
+    let output = rpi(&arguments);
+    assert_eq!(output.status.code(), Some(0), "{}", said(&output));
+    (file, said(&output))
+}
+
+fn replay(file: &Path) -> (Option<i32>, String) {
+    let output = rpi(&["replay", file.to_str().unwrap()]);
+    (output.status.code(), said(&output))
+}
+
+/// Two takeovers and two regular ends; the device brakes at the end, as the run is cut off in motion.
+const SOME_ROUNDS: [&str; 2] = ["--time", "7s"];
+
+#[test]
+fn a_recording_gives_the_same_bits_across_takeovers() {
+    let folder = tempfile::tempdir().unwrap();
+    let (file, ran) = record(folder.path(), &SOME_ROUNDS);
+    assert!(
+        ran.contains("taken over at at_b") && ran.contains(" 0 lost"),
+        "{ran}"
+    );
+    let (code, told) = replay(&file);
+    assert_eq!(code, Some(0), "{told}");
+    assert!(told.contains("the same bits throughout"), "{told}");
+    let output = rpi(&["replay", "--json", file.to_str().unwrap()]);
+    let report: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
+    assert!(report["commands"].as_u64() > Some(2), "{report}");
+    assert!(report["values"].as_u64() > Some(5_000), "{report}");
+}
+
+#[test]
+fn a_recording_on_real_time_behind_a_fence_gives_the_same_bits() {
+    let folder = tempfile::tempdir().unwrap();
+    let (file, ran) = record(folder.path(), &["--time", "4s", "--real-time", "--fence"]);
+    assert!(ran.contains("no system call but the clock's: yes"), "{ran}");
+    let (code, told) = replay(&file);
+    assert_eq!(code, Some(0), "{told}");
+}
+
+/// The bytes of a value that the arm was given, as they stand on the tape.
+#[test]
+fn a_value_that_was_changed_is_told_with_its_tick() {
+    let folder = tempfile::tempdir().unwrap();
+    let (file, _) = record(folder.path(), &SOME_ROUNDS);
+    let bytes = std::fs::read(&file).unwrap();
+    let changed = tampered(&bytes);
+    std::fs::write(&file, changed).unwrap();
+    let (code, told) = replay(&file);
+    assert_eq!(code, Some(1), "{told}");
+    assert!(
+        told.contains("DIFFERENT from tick") && told.contains("recorded"),
+        "{told}"
+    );
+}
+
+/// Changes the lowest bit of a number on the tape. Checksums, which tell accidents, are set right again.
+fn tampered(bytes: &[u8]) -> Vec<u8> {
+    let mut changed = Vec::new();
+    let mut out = std::io::Cursor::new(&mut changed);
+    let options = mcap::WriteOptions::new().compression(None);
+    let mut writer = options.create(&mut out).unwrap();
+    let mut seen = 0;
+    for message in mcap::MessageStream::new(bytes).unwrap() {
+        let mut message = message.unwrap();
+        if message.channel.topic == "/rpi/tape" {
+            seen += 1;
+            if seen == 1000 {
+                set_point(message.data.to_mut());
+            }
+        }
+        writer.write(&message).unwrap();
+    }
+    for record in mcap::read::LinearReader::new(bytes).unwrap() {
+        match record.unwrap() {
+            mcap::records::Record::Attachment { header, data, .. } => {
+                let attachment = mcap::Attachment {
+                    log_time: 0,
+                    create_time: 0,
+                    name: header.name,
+                    media_type: header.media_type,
+                    data,
+                };
+                writer.attach(&attachment).unwrap();
+            }
+            mcap::records::Record::Metadata(metadata) => {
+                writer.write_metadata(&metadata).unwrap();
+            }
+            _ => {}
+        }
+    }
+    writer.finish().unwrap();
+    drop(writer);
+    changed
+}
+
+/// The first set-point of a tick: an entry of kind 7 (`form.txt` of the recording describes the words).
+fn set_point(tick: &mut [u8]) {
+    let word = |tick: &[u8], k: usize| u64::from_le_bytes(tick[k * 8..][..8].try_into().unwrap());
+    let mut at = 6;
+    loop {
+        let head = word(tick, at);
+        if head >> 56 == 7 {
+            tick[(at + 1) * 8] ^= 1;
+            return;
+        }
+        at += 1 + (head >> 32 & 0x7f_ffff) as usize;
+    }
+}
+
+#[test]
+fn what_is_cut_off_or_foreign_is_told_with_its_code() {
+    let folder = tempfile::tempdir().unwrap();
+    let (file, _) = record(folder.path(), &["--time", "200ms"]);
+    let bytes = std::fs::read(&file).unwrap();
+    for len in [0, 7, 100, bytes.len() / 2, bytes.len() - 1] {
+        std::fs::write(&file, &bytes[..len]).unwrap();
+        let (code, told) = replay(&file);
+        assert_eq!(code, Some(2), "{len} bytes: {told}");
+        assert!(told.contains("RPI9021"), "{len} bytes: {told}");
+    }
+    std::fs::write(&file, "cycle,flow,value\n").unwrap();
+    assert!(replay(&file).1.contains("RPI9021"));
+}
+
+/// What viewers are shown.
+#[test]
+fn flows_set_points_sensors_and_events_are_there_for_viewers() {
+    let folder = tempfile::tempdir().unwrap();
+    let (file, _) = record(folder.path(), &["--time", "100ms"]);
+    let bytes = std::fs::read(&file).unwrap();
+    let mut topics = std::collections::BTreeMap::new();
+    for message in mcap::MessageStream::new(&bytes).unwrap() {
+        let message = message.unwrap();
+        *topics.entry(message.channel.topic.clone()).or_insert(0) += 1;
+        if message.channel.message_encoding == "json" {
+            let schema = message.channel.schema.as_ref().unwrap();
+            assert_eq!(schema.encoding, "jsonschema");
+            serde_json::from_slice::<serde_json::Value>(&message.data).unwrap();
+        }
+    }
+    for topic in [
+        "/set_points/arm",
+        "/sensors/arm",
+        "/device/arm",
+        "/rpi/tape",
+    ] {
+        assert!(
+            topics.get(topic).is_some_and(|n| *n >= 100),
+            "{topic}: {topics:?}"
+        );
+    }
+    for topic in ["/events", "/rpi/requests"] {
+        assert!(topics.contains_key(topic), "{topics:?}");
+    }
+}
