@@ -37,6 +37,7 @@ use rpi_diag::{FileId, Finding, Severity};
 pub use ends::with_ports;
 pub use parse::MAX_DEPTH;
 pub use size::Size;
+pub use value::write as value_text;
 
 /// Reads a net; `name` becomes the net's, `file` is where the text lies. All faults of the text are found in one go.
 /// There is a net exactly if none of the findings is an error.

@@ -26,7 +26,8 @@ pub(super) fn parse(text: &str, ty: ParamType) -> Result<Value, LiteralError> {
 }
 
 /// Writes a parameter so that [`parse`] reads it back.
-pub(super) fn write(value: &Value) -> String {
+#[must_use]
+pub fn write(value: &Value) -> String {
     match value {
         Value::Str(text) => text.replace('\\', "\\\\").replace('\'', "\\'"),
         Value::Cells { ty, cells } => literal::write(cells, *ty),

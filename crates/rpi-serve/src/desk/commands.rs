@@ -10,7 +10,7 @@ use rpi_image::image::{End, InputPort};
 use rpi_net::literal;
 
 use super::eval::Eval;
-use super::loader::{Job, Language, Loaded};
+use super::loader::{Job, Language, Loaded, Origin};
 use super::watch::Subscription;
 use super::{Desk, Failure, Phase, Reply, Status, Then, answer, number_of};
 
@@ -22,7 +22,7 @@ pub(crate) struct Record {
     /// What its owner calls it.
     pub(crate) title: String,
     /// What it was loaded from.
-    pub(crate) text: Arc<str>,
+    pub(crate) origin: Origin,
     pub(crate) status: Status,
     pub(crate) image: Option<Arc<Image>>,
     pub(super) board: Option<Arc<Board>>,
@@ -74,16 +74,18 @@ impl Desk {
         let job = Job {
             number,
             session,
-            language: load.language,
-            text: load.text.into(),
-            command: load.command.map(str::to_owned),
+            origin: Origin {
+                language: load.language,
+                text: load.text.into(),
+                command: load.command.map(str::to_owned),
+            },
             period_ns: self.period(load.period_ns),
         };
         let record = Record {
             id: None,
             session,
             title: load.title.to_owned(),
-            text: Arc::clone(&job.text),
+            origin: job.origin.clone(),
             status: Status {
                 phase: Phase::Is(State::Loading),
                 ending: None,
@@ -184,6 +186,9 @@ impl Desk {
     /// Loading has failed: the command is no more.
     pub(super) fn reject(&mut self, number: u64, why: Failure) {
         if let Some(record) = self.commands.remove(&number) {
+            let title = &record.title;
+            self.journal
+                .note(format_args!("{title} cannot be loaded: {why}"));
             let reply = record.eval.map(|e| e.reply).or(record.loading);
             answer(reply, Err(why));
             self.close_if_empty(record.session);

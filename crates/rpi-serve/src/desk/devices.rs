@@ -135,6 +135,8 @@ impl Desk {
 
     pub(super) fn device_there(&mut self, info: DeviceInfo) -> String {
         self.tell_of_devices(&Update::DeviceAdded(&info));
+        let name = &info.name;
+        self.journal.note(format_args!("device {name} is there"));
         info.name
     }
 
@@ -147,6 +149,8 @@ impl Desk {
         if std::mem::replace(&mut info.code, code) != code {
             let name = info.name.clone();
             self.tell_of_devices(&Update::DeviceCondition(&name, code));
+            let how = rpi_sim::code::Code(code);
+            self.journal.note(format_args!("device {name}: {how}"));
         }
     }
 
@@ -156,6 +160,7 @@ impl Desk {
 
     pub(super) fn device_gone(&mut self, name: &str) {
         self.tell_of_devices(&Update::DeviceRemoved(name));
+        self.journal.note(format_args!("device {name} is removed"));
     }
 }
 

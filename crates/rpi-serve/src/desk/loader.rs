@@ -27,11 +27,17 @@ pub(crate) struct Job {
     pub(crate) number: u64,
     /// Whose turn it takes.
     pub(crate) session: u64,
+    pub(crate) origin: Origin,
+    pub(crate) period_ns: u64,
+}
+
+/// What a command is loaded from.
+#[derive(Clone)]
+pub(crate) struct Origin {
     pub(crate) language: Language,
     pub(crate) text: Arc<str>,
     /// Which command of the text, if there are several.
     pub(crate) command: Option<String>,
-    pub(crate) period_ns: u64,
 }
 
 /// What loading has given.
@@ -86,7 +92,7 @@ fn load(
     let generation = twin.generation;
     let mut command = Command::load(Arc::clone(&image), &mut twin.bank)
         .map_err(|faults| faults.iter().map(ToString::to_string).collect::<Vec<_>>())?;
-    command.guard(continuity.unwrap_or(match job.language {
+    command.guard(continuity.unwrap_or(match job.origin.language {
         // Nets of the authors' systems are written for control cores without this guard.
         Language::Rpinet => Continuity::Allow,
         Language::Rpi => Continuity::default(),
@@ -99,18 +105,31 @@ fn load(
 }
 
 fn image(job: &Job) -> Result<Image, Vec<String>> {
-    let (name, kind) = match job.language {
-        Language::Rpinet => ("from a client/net.rpinet", rpi_driver::Kind::Rpinet),
-        Language::Rpi => ("from a client/program.rpi", rpi_driver::Kind::Rpi),
-    };
-    let input = Input {
-        path: PathBuf::from(name),
-        kind,
-        bytes: job.text.as_bytes().to_vec(),
-    };
-    let compiled = rpi_driver::compile(&input).map_err(|e| vec![e.to_string()])?;
-    let net = choose(&compiled, job.command.as_deref())?;
-    rpi_driver::lower_to_run(net, job.period_ns).map_err(|e| vec![e])
+    let lower = |net: &Net| rpi_driver::lower_to_run(net, job.period_ns).map_err(|e| vec![e]);
+    job.origin.net(lower)
+}
+
+impl Origin {
+    /// Hands the net that the text describes to `then`.
+    ///
+    /// # Errors
+    /// Every reason why it describes none.
+    pub(crate) fn net<T>(
+        &self,
+        then: impl FnOnce(&Net) -> Result<T, Vec<String>>,
+    ) -> Result<T, Vec<String>> {
+        let (name, kind) = match self.language {
+            Language::Rpinet => ("from a client/net.rpinet", rpi_driver::Kind::Rpinet),
+            Language::Rpi => ("from a client/program.rpi", rpi_driver::Kind::Rpi),
+        };
+        let input = Input {
+            path: PathBuf::from(name),
+            kind,
+            bytes: self.text.as_bytes().to_vec(),
+        };
+        let compiled = rpi_driver::compile(&input).map_err(|e| vec![e.to_string()])?;
+        then(choose(&compiled, self.command.as_deref())?)
+    }
 }
 
 fn choose<'a>(compiled: &'a Compiled, name: Option<&str>) -> Result<&'a Net, Vec<String>> {

@@ -6,6 +6,7 @@
 mod commands;
 mod devices;
 mod eval;
+mod journal;
 mod loader;
 mod queue;
 mod reports;
@@ -31,6 +32,7 @@ pub(crate) use types::{DeviceInfo, Failure, Phase, Reply, RuleState, Sink, Statu
 pub(crate) use watch::Watching;
 
 use devices::Devices;
+use journal::Journal;
 use loader::Twin;
 use queue::Queue;
 use rules::RuleRecord;
@@ -51,6 +53,7 @@ pub(crate) struct Desk {
     /// Rules whose outcome somebody was told in this round.
     told: Vec<RuleId>,
     devices: Devices,
+    journal: Journal,
     twin: Arc<Mutex<Twin>>,
     jobs: Arc<Queue>,
     /// The last number that was given to anything.
@@ -104,6 +107,7 @@ impl Office {
             rules: BTreeMap::new(),
             told: Vec::new(),
             devices: Devices::of(cell, limits.devices),
+            journal: Journal::new(),
             twin: Arc::clone(&twin),
             jobs: Arc::clone(&jobs),
             last: 0,
@@ -136,6 +140,11 @@ pub(crate) fn bank(cell: &Cell, places: usize, tick_ns: u64) -> SimBank {
 }
 
 impl Desk {
+    /// What has happened, the latest lines.
+    pub(crate) fn log(&self) -> String {
+        self.journal.text()
+    }
+
     /// A number that nothing else has.
     fn number(&mut self) -> u64 {
         self.last += 1;

@@ -93,16 +93,18 @@ impl Waiting {
 
 #[cfg(test)]
 mod tests {
-    use super::super::loader::Language;
+    use super::super::loader::{Language, Origin};
     use super::*;
 
     fn job(session: u64, number: u64) -> Job {
         Job {
             number,
             session,
-            language: Language::Rpi,
-            text: "".into(),
-            command: None,
+            origin: Origin {
+                language: Language::Rpi,
+                text: "".into(),
+                command: None,
+            },
             period_ns: 1,
         }
     }

@@ -5,7 +5,7 @@ use rpi_host::control::{
 };
 
 use super::commands::results;
-use super::{Desk, Errand, Failure, Phase, Record, RuleState, Then, answer};
+use super::{Desk, Errand, Failure, Phase, Record, RuleState, Then, answer, cause};
 
 impl Desk {
     /// Does all that there is to do now; called again and again beside the cycle.
@@ -119,6 +119,10 @@ impl Desk {
         }
         record.status.ending = Some(ending);
         record.set_phase(Phase::Is(State::Terminated));
+        let how = record.status.result.clone();
+        let how = how.unwrap_or_else(|| cause(&ending).to_owned());
+        let line = format!("{} has ended: {how}, error {}", record.title, ending.error);
+        self.journal.note(format_args!("{line}"));
         self.unload_if_abandoned(id);
     }
 

@@ -33,6 +33,8 @@ impl Desk {
             watchers: Vec::new(),
         };
         self.sessions.insert(number, session);
+        self.journal
+            .note(format_args!("session s{number} of {name} is opened"));
         Ok(format!("s{number}"))
     }
 
@@ -55,6 +57,8 @@ impl Desk {
         let Some(number) = number_of(name, 's') else {
             return;
         };
+        self.journal
+            .note(format_args!("the client of session {name} is gone"));
         if let Some(session) = self.sessions.get_mut(&number) {
             session.closed = true;
             let on_loss = session.on_loss;

@@ -2,6 +2,7 @@
 
 mod eval;
 mod form;
+mod net;
 mod pages;
 mod response;
 mod xml;

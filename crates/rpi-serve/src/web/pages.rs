@@ -1,8 +1,11 @@
 //! What the server tells about itself: modules, types, devices, sessions, nets.
 
+use std::collections::BTreeMap;
+
 use rpi_image::{PortType, PrimDesc, Scalar};
 use rpi_prims::registry;
 
+use super::net;
 use super::response::Response;
 use super::xml::Xml;
 use crate::desk::{Failure, Office};
@@ -13,7 +16,9 @@ const INDEX: &str = "RPI control core\n\n\
     /types     the types of values\n\
     /devices   the devices; POST makes and removes simulated ones\n\
     /sessions  who is there\n\
-    /nets      the commands; /nets/<name>/dio for the text of one\n\
+    /nets      the commands; of one /nets/<name>/dio (its text), /xml (its parts), /debug (what it takes and tells), /stats\n\
+    /extensions  groups of primitives\n\
+    /log       what has happened lately\n\
     /eval      POST: one cycle of a net\n\
     /DirectIO  websocket: the DirectIO protocol 2.0\n\
     /rpc       websocket: JSON-RPC 2.0\n";
@@ -27,7 +32,11 @@ pub(crate) fn page(office: &Office, parts: &[&str]) -> Response {
         ["devices"] => Response::xml(devices(office)),
         ["sessions"] => Response::xml(sessions(office)),
         ["nets"] => Response::xml(nets(office)),
+        ["extensions"] => Response::xml(extensions()),
+        ["log"] => Response::text(office.desk().log()),
         ["nets", name, "dio"] => found(text(office, name), Response::text),
+        ["nets", name, "xml"] => found(parts_of(office, name), Response::xml),
+        ["nets", name, "debug"] => found(debug(office, name), Response::xml),
         ["nets", name, "stats"] => found(stats(office, name), Response::xml),
         _ => Response::refused(404, "there is no such page"),
     }
@@ -138,7 +147,46 @@ fn nets(office: &Office) -> String {
 fn text(office: &Office, name: &str) -> Result<String, Failure> {
     let desk = office.desk();
     let (_, record) = desk.find(name)?;
-    Ok(record.text.to_string())
+    Ok(record.origin.text.to_string())
+}
+
+/// The parts of a net. It is taken apart again, beside everything else.
+fn parts_of(office: &Office, name: &str) -> Result<String, Failure> {
+    let origin = office.desk().find(name)?.1.origin.clone();
+    let page = origin.net(|net| Ok(net::page(net)));
+    page.map_err(Failure::Rejected)
+}
+
+/// What a command takes from outside, and what it told in its latest cycle.
+fn debug(office: &Office, name: &str) -> Result<String, Failure> {
+    let desk = office.desk();
+    let (_, record) = desk.find(name)?;
+    let mut xml = Xml::new("debug");
+    xml.leaf("state", &[], &format!("{:?}", record.status.phase));
+    xml.leaf("cycles", &[], &record.cycles().to_string());
+    for input in record.image.iter().flat_map(|image| &image.inputs) {
+        let ty = input.value.ty.to_string();
+        xml.leaf("input", &[("key", &input.key), ("type", &ty)], "");
+    }
+    for (key, value) in record.values() {
+        xml.leaf("export", &[("key", &key)], &value);
+    }
+    Ok(xml.finish())
+}
+
+/// The groups of primitives, and how many there are of each.
+fn extensions() -> String {
+    let mut groups: BTreeMap<&str, usize> = BTreeMap::new();
+    for prim in registry() {
+        let group = prim.desc.name.split_once("::");
+        *groups.entry(group.map_or("", |g| g.0)).or_default() += 1;
+    }
+    let mut xml = Xml::new("extensions");
+    for (name, count) in groups {
+        let about = [("name", name), ("modules", &count.to_string())];
+        xml.leaf("extension", &about, "");
+    }
+    xml.finish()
 }
 
 fn stats(office: &Office, name: &str) -> Result<String, Failure> {

@@ -80,6 +80,36 @@ fn the_server_tells_what_there_is() {
 }
 
 #[test]
+fn a_net_and_what_has_happened_can_be_looked_at() {
+    let server = open();
+    let address = server.address();
+    let mut client = Client::dio(address);
+    let session = client.ask("nse(\"a client\")").unwrap();
+    let net = client.load(&session, ECHO);
+    let parts = get(address, &format!("/nets/{net}/xml"));
+    for part in [
+        "<module id=\"two\" type=\"Core::DoubleMultiply\">",
+        "<port name=\"inFirst\" from=\"in.outValue\"/>",
+        "<parameter name=\"Key\" value=\"gain\"/>",
+    ] {
+        assert!(parts.contains(part), "{part}: {parts}");
+    }
+    client.ask(&format!("nest(\"{net}\")")).unwrap();
+    client.ask(&format!("gne(\"{net}\",0.001)")).unwrap();
+    client.wait("a value", |text| text.contains("outtwice").then_some(()));
+    let told = get(address, &format!("/nets/{net}/debug"));
+    assert!(told.contains("<export key=\"twice\">2"), "{told}");
+    assert!(told.contains("<input key=\"gain\""), "{told}");
+    client.ask(&format!("neab(\"{net}\")")).unwrap();
+    client.wait("its end", |text| text.contains("TERMINATED").then_some(()));
+    let log = get(address, "/log");
+    assert!(log.contains("of a client is opened") && log.contains("test has ended: aborted"));
+    let groups = get(address, "/extensions");
+    assert!(groups.contains("<extension name=\"Core\" modules="));
+    assert!(get(address, "/nets/n99/xml").contains("404"));
+}
+
+#[test]
 fn devices_come_and_go_and_take_their_commands_along() {
     let server = open();
     let address = server.address();

@@ -5,6 +5,7 @@ mod client;
 mod deaf;
 mod exchange;
 mod guard;
+mod limits;
 mod native;
 mod nets;
 mod order;

@@ -136,3 +136,76 @@ fn a_unix_socket_takes_a_message_per_line() {
     drop(server);
     assert!(!path.exists());
 }
+
+/// A command that ends by the result `left` or `right`, as its name says.
+fn turn(side: &str) -> String {
+    format!(
+        "command Turn ()
+let
+  n = 1 -> pre n + 1;
+  finish left when n >= 50 and {};
+  finish right when n >= 50;
+tel",
+        side == "left"
+    )
+}
+
+/// Two successors are sent ahead; the result decides between two cycles, and the other is given up.
+#[test]
+fn a_task_branches_by_result() {
+    for side in ["left", "right"] {
+        let server = open();
+        let mut client = Client::rpc(server.address());
+        let opened = call(&mut client, 1, "session.open", &json!({"name": "test"}));
+        let session = &opened["result"]["session"];
+        let count = PROGRAM
+            .replace("(limit: int)", "()")
+            .replace("limit", "100");
+        let mut load = |id: u64, text: &str| {
+            let load = json!({"session": session, "text": text});
+            call(&mut client, id, "command.load", &load)["result"]["command"].clone()
+        };
+        let commands = [load(2, &turn(side)), load(3, &count), load(4, &count)];
+        let [turn, left, right] = &commands;
+        for (id, command, result) in [(5, left, "left"), (6, right, "right")] {
+            let after = json!({"command": command, "after": turn, "results": [result]});
+            let made = call(&mut client, id, "command.schedule", &after);
+            assert!(made["result"]["rule"].is_string(), "{made}");
+        }
+        for (id, command) in (7..).zip(&commands) {
+            call(
+                &mut client,
+                id,
+                "watch.command",
+                &json!({"command": command}),
+            );
+        }
+        call(&mut client, 10, "command.start", &json!({"command": turn}));
+        let (winner, loser) = if side == "left" {
+            (left, right)
+        } else {
+            (right, left)
+        };
+        client.wait("the end of the winner", |text| {
+            let update: Value = serde_json::from_str(text).ok()?;
+            let params = &update["params"];
+            (params["command"] == *winner && params["state"] == "terminated").then_some(())
+        });
+        let mut describe = |id: u64, command: &Value| {
+            let told = call(
+                &mut client,
+                id,
+                "command.describe",
+                &json!({"command": command}),
+            );
+            told["result"].clone()
+        };
+        assert_eq!(describe(11, turn)["ending"]["result"], side);
+        assert_eq!(describe(12, winner)["ending"]["cycles"], 100);
+        let given_up = describe(13, loser);
+        assert_eq!(
+            (&given_up["state"], &given_up["cycles"]),
+            (&json!("ready"), &json!(0))
+        );
+    }
+}

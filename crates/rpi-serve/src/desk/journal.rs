@@ -1,0 +1,63 @@
+//! What has happened, for people: the latest lines.
+
+use std::collections::VecDeque;
+use std::fmt;
+use std::time::Instant;
+
+/// Lines that are kept.
+const LINES: usize = 1000;
+/// Characters of a line: what clients call themselves may be long.
+const WIDTH: usize = 300;
+
+/// The latest lines, each with the seconds since the server was opened.
+pub(super) struct Journal {
+    begin: Instant,
+    lines: VecDeque<String>,
+}
+
+impl Journal {
+    pub(super) fn new() -> Journal {
+        Journal {
+            begin: Instant::now(),
+            lines: VecDeque::new(),
+        }
+    }
+
+    /// Writes a line.
+    pub(super) fn note(&mut self, what: fmt::Arguments<'_>) {
+        let seconds = self.begin.elapsed().as_secs_f64();
+        let line = format!("{seconds:12.3} {what}");
+        let plain = line.chars().take(WIDTH);
+        let plain = plain.map(|c| if c.is_control() { ' ' } else { c });
+        self.lines.push_back(plain.collect());
+        if self.lines.len() > LINES {
+            self.lines.pop_front();
+        }
+    }
+
+    /// All lines that are kept, the oldest first.
+    pub(super) fn text(&self) -> String {
+        self.lines
+            .iter()
+            .flat_map(|line| [line.as_str(), "\n"])
+            .collect()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn it_keeps_the_latest_lines_and_each_in_a_line() {
+        let mut journal = Journal::new();
+        for number in 0..LINES + 5 {
+            journal.note(format_args!("line {number}\nforged"));
+        }
+        let text = journal.text();
+        assert_eq!(text.lines().count(), LINES);
+        assert!(text.lines().next().unwrap().ends_with("line 5 forged"));
+        journal.note(format_args!("{}", "x".repeat(10_000)));
+        assert!(journal.text().lines().all(|l| l.chars().count() <= WIDTH));
+    }
+}
