@@ -4,40 +4,81 @@
 /// change for every three characters (two for five), and fewer changes than characters. Equally near ones are
 /// decided by the alphabet, so that the answer does not depend on the order of the candidates.
 pub fn suggest<'a>(name: &str, candidates: impl Iterator<Item = &'a str>) -> Option<String> {
-    let wanted: Vec<char> = name.to_lowercase().chars().collect();
-    let limit = ((wanted.len() + 1) / 3).min(wanted.len().saturating_sub(1));
-    candidates
-        .filter(|candidate| *candidate != name)
-        .map(|candidate| (distance(&wanted, &lower(candidate)), candidate))
-        .filter(|(far, _)| *far <= limit)
-        .min()
-        .map(|(_, candidate)| candidate.to_owned())
+    let mut wanted = Wanted::new(name);
+    let mut best: Option<(usize, &str)> = None;
+    for candidate in candidates.filter(|candidate| *candidate != name) {
+        let found = wanted.distance(candidate).map(|far| (far, candidate));
+        best = best.into_iter().chain(found).min();
+    }
+    best.map(|(_, candidate)| candidate.to_owned())
 }
 
-fn lower(text: &str) -> Vec<char> {
-    text.to_lowercase().chars().collect()
+/// A name that others are compared with, and the tables for it, which all comparisons share.
+struct Wanted {
+    name: Vec<char>,
+    /// The largest distance that counts.
+    limit: usize,
+    other: Vec<char>,
+    /// The row being filled, the one before and the one before that.
+    rows: [Vec<usize>; 3],
 }
 
-/// Damerau-Levenshtein distance in its "optimal string alignment" form: the least number of
-/// insertions, deletions, substitutions and swaps of neighbours that make `a` into `b`, no place
-/// changed twice.
-fn distance(a: &[char], b: &[char]) -> usize {
-    let mut two_ago = Vec::new();
-    let mut last: Vec<usize> = (0..=b.len()).collect();
-    for i in 1..=a.len() {
-        let mut row = vec![i];
+impl Wanted {
+    fn new(name: &str) -> Wanted {
+        let name: Vec<char> = lower(name).collect();
+        let limit = ((name.len() + 1) / 3).min(name.len().saturating_sub(1));
+        Wanted {
+            name,
+            limit,
+            other: Vec::new(),
+            rows: Default::default(),
+        }
+    }
+
+    /// Damerau-Levenshtein distance in its "optimal string alignment" form, letters of either case alike: the least
+    /// number of insertions, deletions, substitutions and swaps of neighbours that make one into the other, no place
+    /// changed twice. None if it is beyond the limit.
+    fn distance(&mut self, other: &str) -> Option<usize> {
+        self.other.clear();
+        self.other.extend(lower(other));
+        if self.name.len().abs_diff(self.other.len()) > self.limit {
+            return None;
+        }
+        self.rows[1].clear();
+        self.rows[1].extend(0..=self.other.len());
+        for i in 1..=self.name.len() {
+            self.fill(i);
+            let nearest = |row: &Vec<usize>| row.iter().min().copied();
+            if self.rows[..2].iter().filter_map(nearest).min() > Some(self.limit) {
+                return None;
+            }
+            self.rows.rotate_right(1);
+        }
+        self.rows[1]
+            .last()
+            .copied()
+            .filter(|far| *far <= self.limit)
+    }
+
+    /// The distances of the first `i` letters from each beginning of the other name.
+    fn fill(&mut self, i: usize) {
+        let (a, b) = (&self.name, &self.other);
+        let [row, last, two_ago] = &mut self.rows;
+        row.clear();
+        row.push(i);
         for j in 1..=b.len() {
             let same = usize::from(a[i - 1] != b[j - 1]);
             let mut best = (last[j] + 1).min(row[j - 1] + 1).min(last[j - 1] + same);
             if i > 1 && j > 1 && a[i - 1] == b[j - 2] && a[i - 2] == b[j - 1] {
-                let before: &Vec<usize> = &two_ago;
-                best = best.min(before[j - 2] + 1);
+                best = best.min(two_ago[j - 2] + 1);
             }
             row.push(best);
         }
-        two_ago = std::mem::replace(&mut last, row);
     }
-    last[b.len()]
+}
+
+fn lower(text: &str) -> impl Iterator<Item = char> {
+    text.chars().flat_map(char::to_lowercase)
 }
 
 #[cfg(test)]
@@ -50,12 +91,18 @@ mod tests {
 
     #[test]
     fn distances() {
-        let far = |a: &str, b: &str| distance(&lower(a), &lower(b));
-        assert_eq!(far("", "abc"), 3);
-        assert_eq!(far("abc", ""), 3);
-        assert_eq!(far("pose", "psoe"), 1);
-        assert_eq!(far("kitten", "sitting"), 3);
-        assert_eq!(far("ca", "abc"), 3);
+        let within = |limit: usize, a: &str, b: &str| {
+            let mut wanted = Wanted::new(a);
+            wanted.limit = limit;
+            wanted.distance(b)
+        };
+        assert_eq!(within(9, "", "abc"), Some(3));
+        assert_eq!(within(9, "abc", ""), Some(3));
+        assert_eq!(within(9, "pose", "psoe"), Some(1));
+        assert_eq!(within(9, "Kitten", "sitting"), Some(3));
+        assert_eq!(within(9, "ca", "abc"), Some(3));
+        assert_eq!(within(3, "kitten", "sitting"), Some(3));
+        assert_eq!(within(2, "kitten", "sitting"), None);
     }
 
     #[test]

@@ -2,6 +2,7 @@
 
 use crate::catalogue;
 use crate::cx::Cx;
+use core::cmp::Ordering;
 use rpi_image::{PrimDesc, SizeArgs};
 
 /// Runs a row of equal primitives: `operands` holds one group of words per primitive.
@@ -43,19 +44,25 @@ impl PrimId {
         &self.prim().desc
     }
 
-    /// The primitive of this registered name.
+    /// The primitive of this registered name. In a constant, the compiler refuses a name that is not registered.
     #[must_use]
-    pub fn of(name: &str) -> Option<PrimId> {
-        registry()
-            .binary_search_by(|p| p.desc.name.cmp(name))
-            .ok()
-            .and_then(|i| u16::try_from(i).ok())
-            .map(PrimId)
+    pub const fn of(name: &str) -> Option<PrimId> {
+        let all = registry();
+        let (mut from, mut to) = (0, all.len());
+        while from < to {
+            let middle = usize::midpoint(from, to);
+            match catalogue::order(all[middle].desc.name, name) {
+                Ordering::Less => from = middle + 1,
+                Ordering::Equal => return Some(PrimId(middle as u16)),
+                Ordering::Greater => to = middle,
+            }
+        }
+        None
     }
 }
 
 /// All primitives, sorted by registered name.
 #[must_use]
-pub fn registry() -> &'static [Prim] {
+pub const fn registry() -> &'static [Prim] {
     &catalogue::SORTED
 }

@@ -7,8 +7,11 @@ use crate::lexer::{Lexed, Lexeme};
 use crate::name::Interner;
 use crate::phrase;
 use rpi_diag::{FileId, Finding, Span};
-use std::cell::RefCell;
+use std::cell::{Cell, RefCell};
 use std::collections::BTreeMap;
+
+/// How many faults of a file are mended. Whoever has more gets to know of the first one of each declaration.
+const PATIENCE: usize = 10_000;
 
 /// The text being parsed, with what is found on the way.
 pub(crate) struct Context<'t> {
@@ -20,6 +23,8 @@ pub(crate) struct Context<'t> {
     lexemes: &'t [Lexeme],
     has_docs: bool,
     findings: RefCell<Vec<Finding>>,
+    /// How many faults may still be mended.
+    patience: Cell<usize>,
     /// The names that a broken phrase seems to define, by the offset where it starts.
     broken: RefCell<BTreeMap<u32, Vec<Ident>>>,
 }
@@ -35,6 +40,7 @@ impl<'t> Context<'t> {
             lexemes: &lexed.lexemes,
             has_docs: lexed.comments.has_docs(),
             findings: RefCell::default(),
+            patience: Cell::new(PATIENCE),
             broken: RefCell::default(),
         }
     }
@@ -87,6 +93,13 @@ impl<'t> Context<'t> {
     /// What has been found so far, which is then forgotten.
     pub(crate) fn take_findings(&self) -> Vec<Finding> {
         self.findings.take()
+    }
+
+    /// Whether one more fault may be mended, which costs reading a declaration again.
+    pub(crate) fn may_mend(&self) -> bool {
+        let left = self.patience.get().checked_sub(1);
+        self.patience.set(left.unwrap_or(0));
+        left.is_some()
     }
 
     pub(crate) fn set_broken(&self, start: u32, names: Vec<Ident>) {

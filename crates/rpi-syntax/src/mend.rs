@@ -137,7 +137,7 @@ impl<'c, 't, 'f> Mender<'c, 't, 'f> {
     /// Mends one fault after the other, until the declaration parses. [`None`] if its head does not.
     fn mend_all(&mut self, mut fault: Fault) -> Option<Item> {
         for _ in 0..MAX_FAULTS {
-            if !self.mend(&fault) {
+            if !self.mend(&fault) || !self.cx.may_mend() {
                 return None;
             }
             self.patience = self.patience.checked_sub(self.lexemes.len())?;

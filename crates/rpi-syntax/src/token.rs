@@ -6,6 +6,8 @@
 
 use crate::Mode;
 use logos::Logos;
+use std::collections::BTreeMap;
+use std::sync::OnceLock;
 
 /// Where a word is a keyword. Everywhere else it is a name, like any other.
 ///
@@ -237,10 +239,13 @@ impl Token {
 
     /// The word or sign that is always written like this.
     pub(crate) fn of_spelling(text: &str) -> Option<Token> {
-        let word = KEYWORDS.iter().find(|word| word.text == text);
-        let sign = || SIGNS.iter().find(|(_, sign)| *sign == text);
-        word.map(|word| word.token)
-            .or_else(|| sign().map(|(token, _)| *token))
+        static SPELLED: OnceLock<BTreeMap<&str, Token>> = OnceLock::new();
+        let spelled = SPELLED.get_or_init(|| {
+            let signs = SIGNS.iter().map(|(token, sign)| (*sign, *token));
+            let words = KEYWORDS.iter().map(|word| (word.text, word.token));
+            signs.chain(words).collect()
+        });
+        spelled.get(text).copied()
     }
 
     /// How the token is always written, if it is.

@@ -45,7 +45,10 @@ const OWNERS: &[(&str, &[&str])] = &[
             "xtask",
         ],
     ),
-    ("smallvec", &["rpi-image", "rpi-lower", "rpi-net"]),
+    (
+        "smallvec",
+        &["rpi-image", "rpi-lower", "rpi-net", "rpi-sema"],
+    ),
     ("tempfile", &["xtask"]),
     ("thread-priority", &["rpi-host"]),
     ("toml", &["rpi-driver", "rpi-sim"]),

@@ -33,6 +33,7 @@ mod twist;
 mod vector;
 
 use crate::registry::Prim;
+use core::cmp::Ordering;
 
 /// The families. A new file is one line here.
 const FAMILIES: &[&[Prim]] = &[
@@ -163,17 +164,34 @@ const fn merged(
 
 /// True if `a` sorts before `b`; equal names are refused.
 const fn before(a: &str, b: &str) -> bool {
+    let order = order(a, b);
+    assert!(
+        !matches!(order, Ordering::Equal),
+        "two primitives have the same registered name"
+    );
+    matches!(order, Ordering::Less)
+}
+
+/// The order of names, byte by byte.
+pub(crate) const fn order(a: &str, b: &str) -> Ordering {
     let (a, b) = (a.as_bytes(), b.as_bytes());
     let mut k = 0;
     while k < a.len() && k < b.len() {
         if a[k] != b[k] {
-            return a[k] < b[k];
+            return less(a[k] < b[k]);
         }
         k += 1;
     }
-    assert!(
-        a.len() != b.len(),
-        "two primitives have the same registered name"
-    );
-    a.len() < b.len()
+    match a.len() == b.len() {
+        true => Ordering::Equal,
+        false => less(a.len() < b.len()),
+    }
+}
+
+const fn less(is_less: bool) -> Ordering {
+    if is_less {
+        Ordering::Less
+    } else {
+        Ordering::Greater
+    }
 }

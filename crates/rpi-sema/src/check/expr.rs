@@ -3,6 +3,7 @@
 use super::body::Body;
 use super::quantity::plain_angle;
 use super::report::Wanted;
+use crate::prims::prim;
 use crate::ty::{Ty, join};
 use crate::typed::{Each, ExprId, Kind, Leaf};
 use crate::units::Base;
@@ -185,12 +186,13 @@ impl<'a> Body<'_, 'a> {
 
     fn none_of(&mut self, operands: &[ExprId], span: Span) -> ExprId {
         let any = self.any_of(operands, span);
-        self.logic("Core::BooleanNot", &[any], span)
+        self.logic(prim!("Core::BooleanNot"), &[any], span)
     }
 
     fn any_of(&mut self, operands: &[ExprId], span: Span) -> ExprId {
         let first = self.add(Kind::Literal(Leaf::bool(false)), Ty::Bool, span);
-        let or = |any: ExprId, next: &ExprId| self.logic("Core::BooleanOr", &[any, *next], span);
+        let or =
+            |any: ExprId, next: &ExprId| self.logic(prim!("Core::BooleanOr"), &[any, *next], span);
         operands.iter().fold(first, or)
     }
 
@@ -201,15 +203,15 @@ impl<'a> Body<'_, 'a> {
         };
         let (mut any, mut two) = (*first, None);
         for next in rest {
-            let both = self.logic("Core::BooleanAnd", &[any, *next], span);
+            let both = self.logic(prim!("Core::BooleanAnd"), &[any, *next], span);
             two = Some(match two {
-                Some(two) => self.logic("Core::BooleanOr", &[two, both], span),
+                Some(two) => self.logic(prim!("Core::BooleanOr"), &[two, both], span),
                 None => both,
             });
-            any = self.logic("Core::BooleanOr", &[any, *next], span);
+            any = self.logic(prim!("Core::BooleanOr"), &[any, *next], span);
         }
         match two {
-            Some(two) => self.logic("Core::BooleanNot", &[two], span),
+            Some(two) => self.logic(prim!("Core::BooleanNot"), &[two], span),
             None => self.add(Kind::Literal(Leaf::bool(true)), Ty::Bool, span),
         }
     }

@@ -5,6 +5,7 @@ use super::args::Given;
 use super::body::Body;
 use super::call::Callable;
 use super::report::Wanted;
+use crate::prims::prim;
 use crate::ty::{Member, Ty};
 use crate::typed::{Activation, ExprId, Kind, Leaf};
 use rpi_diag::{Code, Finding, Span};
@@ -266,7 +267,7 @@ impl<'a> Body<'_, 'a> {
             let bound = self.add(Kind::Literal(Leaf::int(bound)), Ty::Int, span);
             self.binary_prim(op, total, bound, span)
         });
-        self.logic("Core::BooleanAnd", &[at_least, at_most], span)
+        self.logic(prim!("Core::BooleanAnd"), &[at_least, at_most], span)
     }
 
     fn one_more_if(&mut self, condition: ExprId, total: ExprId, span: Span) -> ExprId {

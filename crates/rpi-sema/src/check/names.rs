@@ -5,42 +5,44 @@ use super::body::Body;
 use super::locals::Local;
 use super::report::{listed, not_a};
 use super::statics::Static;
+use crate::prims::prim;
 use crate::program::{Decl, DeclId, DeclKind, Lookup};
 use crate::ty::Ty;
 use crate::typed::{ExprId, FlowId, Kind, Leaf, UnitKind};
 use rpi_diag::{Code, Finding, Span};
+use rpi_prims::PrimId;
 use rpi_syntax::Name;
 use rpi_syntax::ast::{self, CommandDecl, ExprKind};
 
 /// A flow that is there without being declared: its name, primitive, and whether only commands have it.
 pub(super) struct Predeclared {
     pub(super) name: &'static str,
-    pub(super) prim: &'static str,
+    pub(super) prim: PrimId,
     pub(super) ty: Ty,
     of_command: bool,
 }
 
 /// The predeclared flows.
 pub(super) const PREDECLARED: &[Predeclared] = &[
-    flow("cancel", "Cancel", Ty::Bool, true),
-    flow("takeover", "Takeover", Ty::Bool, true),
-    flow("predecessor", "Rpi::Predecessor", Ty::Result, true),
-    flow("first", "Rpi::First", Ty::Bool, false),
+    flow("cancel", prim!("Cancel"), Ty::Bool, true),
+    flow("takeover", prim!("Takeover"), Ty::Bool, true),
+    flow("predecessor", prim!("Rpi::Predecessor"), Ty::Result, true),
+    flow("first", prim!("Rpi::First"), Ty::Bool, false),
     flow(
         "time",
-        "Rpi::Time",
+        prim!("Rpi::Time"),
         Ty::Real(crate::units::Dim::TIME),
         false,
     ),
     flow(
         "dt",
-        "Core::CycleTime",
+        prim!("Core::CycleTime"),
         Ty::Real(crate::units::Dim::TIME),
         false,
     ),
 ];
 
-const fn flow(name: &'static str, prim: &'static str, ty: Ty, of_command: bool) -> Predeclared {
+const fn flow(name: &'static str, prim: PrimId, ty: Ty, of_command: bool) -> Predeclared {
     Predeclared {
         name,
         prim,
@@ -51,7 +53,9 @@ const fn flow(name: &'static str, prim: &'static str, ty: Ty, of_command: bool) 
 
 /// The name of the predeclared flow that a primitive gives.
 pub(crate) fn predeclared_name(prim: &str) -> Option<&'static str> {
-    let flow = PREDECLARED.iter().find(|flow| flow.prim == prim);
+    let flow = PREDECLARED
+        .iter()
+        .find(|flow| flow.prim.desc().name == prim);
     flow.map(|flow| flow.name)
 }
 

@@ -3,11 +3,13 @@
 use super::body::Body;
 use super::quantity;
 use super::report::{Wanted, listed};
+use crate::prims::prim;
 use crate::ty::{Geometry, Ty, join};
 use crate::typed::{Each, ExprId, Kind, Leaf, Unit, UnitKind};
 use crate::units::{Dim, Ratio};
 use rpi_diag::{Code, Finding, Span};
 use rpi_image::Scalar;
+use rpi_prims::PrimId;
 use rpi_syntax::ast::{self, Binary, ExprKind};
 use rpi_syntax::ops::{BinaryOp, Grouping, UnaryOp};
 use std::rc::Rc;
@@ -38,7 +40,7 @@ struct Row {
     op: BinaryOp,
     left: Scalar,
     right: Scalar,
-    prim: &'static str,
+    prim: PrimId,
     /// Whether the primitive takes the right operand first.
     swapped: bool,
     rule: Rule,
@@ -47,7 +49,7 @@ struct Row {
 const fn row(
     op: BinaryOp,
     (left, right): (Scalar, Scalar),
-    prim: &'static str,
+    prim: PrimId,
     swapped: bool,
     rule: Rule,
 ) -> Row {
@@ -67,57 +69,57 @@ use Scalar::{Bool, Int, Pose, Real, Rotation, Time, Twist, Vector, Wrench};
 /// Every operator that is one primitive.
 #[rustfmt::skip]
 const BINARY: &[Row] = &[
-    row(And,     (Bool, Bool),         "Core::BooleanAnd",        false, Rule::Test),
-    row(Or,      (Bool, Bool),         "Core::BooleanOr",         false, Rule::Test),
-    row(Xor,     (Bool, Bool),         "Rpi::BooleanXor",         false, Rule::Test),
-    row(Implies, (Bool, Bool),         "Rpi::BooleanImplies",     false, Rule::Test),
-    row(Add,     (Int, Int),           "Core::IntAdd",            false, Rule::Same),
-    row(Sub,     (Int, Int),           "Rpi::IntSubtract",        false, Rule::Same),
-    row(Mul,     (Int, Int),           "Core::IntMultiply",       false, Rule::Same),
-    row(Div,     (Int, Int),           "Core::IntDivide",         false, Rule::Same),
-    row(IntDiv,  (Int, Int),           "Core::IntDivide",         false, Rule::Same),
-    row(Mod,     (Int, Int),           "Rpi::IntModulo",          false, Rule::Same),
-    row(Pow,     (Int, Int),           "Rpi::IntPower",           false, Rule::Same),
-    row(Add,     (Real, Real),         "Core::DoubleAdd",         false, Rule::Same),
-    row(Sub,     (Real, Real),         "Rpi::DoubleSubtract",     false, Rule::Same),
-    row(Mul,     (Real, Real),         "Core::DoubleMultiply",    false, Rule::Times),
-    row(Div,     (Real, Real),         "Core::DoubleDivide",      false, Rule::Over),
-    row(Mod,     (Real, Real),         "Core::DoubleModulo",      false, Rule::Same),
-    row(Pow,     (Real, Real),         "Core::DoublePower",       false, Rule::Power),
-    row(Lt,      (Int, Int),           "Core::IntGreater",        true,  Rule::Test),
-    row(Gt,      (Int, Int),           "Core::IntGreater",        false, Rule::Test),
-    row(Le,      (Int, Int),           "Rpi::IntGreaterOrEqual",  true,  Rule::Test),
-    row(Ge,      (Int, Int),           "Rpi::IntGreaterOrEqual",  false, Rule::Test),
-    row(Lt,      (Real, Real),         "Core::DoubleGreater",     true,  Rule::Test),
-    row(Gt,      (Real, Real),         "Core::DoubleGreater",     false, Rule::Test),
-    row(Le,      (Real, Real),         "Rpi::DoubleGreaterOrEqual", true,  Rule::Test),
-    row(Ge,      (Real, Real),         "Rpi::DoubleGreaterOrEqual", false, Rule::Test),
-    row(Add,     (Vector, Vector),     "World::VectorAdd",        false, Rule::Same),
-    row(Sub,     (Vector, Vector),     "Rpi::VectorSubtract",     false, Rule::Same),
-    row(Mul,     (Vector, Real),       "World::VectorScale",      false, Rule::Times),
-    row(Mul,     (Real, Vector),       "World::VectorScale",      true,  Rule::Times),
-    row(Add,     (Twist, Twist),       "World::TwistAdd",         false, Rule::Same),
-    row(Add,     (Wrench, Wrench),     "Rpi::WrenchAdd",          false, Rule::Same),
-    row(Mul,     (Rotation, Rotation), "World::RotationTransform", false, Rule::Compose),
-    row(Mul,     (Rotation, Vector),   "World::VectorRotate",     true,  Rule::Compose),
-    row(Mul,     (Pose, Pose),         "World::FrameTransform",   false, Rule::Compose),
-    row(Mul,     (Pose, Vector),       "Rpi::FrameApply",         false, Rule::Compose),
-    row(Add,     (Time, Real),         "Core::TimeAdd",           false, Rule::Moment),
-    row(Sub,     (Time, Time),         "Core::TimeDiff",          false, Rule::Seconds),
+    row(And,     (Bool, Bool),         prim!("Core::BooleanAnd"),        false, Rule::Test),
+    row(Or,      (Bool, Bool),         prim!("Core::BooleanOr"),         false, Rule::Test),
+    row(Xor,     (Bool, Bool),         prim!("Rpi::BooleanXor"),         false, Rule::Test),
+    row(Implies, (Bool, Bool),         prim!("Rpi::BooleanImplies"),     false, Rule::Test),
+    row(Add,     (Int, Int),           prim!("Core::IntAdd"),            false, Rule::Same),
+    row(Sub,     (Int, Int),           prim!("Rpi::IntSubtract"),        false, Rule::Same),
+    row(Mul,     (Int, Int),           prim!("Core::IntMultiply"),       false, Rule::Same),
+    row(Div,     (Int, Int),           prim!("Core::IntDivide"),         false, Rule::Same),
+    row(IntDiv,  (Int, Int),           prim!("Core::IntDivide"),         false, Rule::Same),
+    row(Mod,     (Int, Int),           prim!("Rpi::IntModulo"),          false, Rule::Same),
+    row(Pow,     (Int, Int),           prim!("Rpi::IntPower"),           false, Rule::Same),
+    row(Add,     (Real, Real),         prim!("Core::DoubleAdd"),         false, Rule::Same),
+    row(Sub,     (Real, Real),         prim!("Rpi::DoubleSubtract"),     false, Rule::Same),
+    row(Mul,     (Real, Real),         prim!("Core::DoubleMultiply"),    false, Rule::Times),
+    row(Div,     (Real, Real),         prim!("Core::DoubleDivide"),      false, Rule::Over),
+    row(Mod,     (Real, Real),         prim!("Core::DoubleModulo"),      false, Rule::Same),
+    row(Pow,     (Real, Real),         prim!("Core::DoublePower"),       false, Rule::Power),
+    row(Lt,      (Int, Int),           prim!("Core::IntGreater"),        true,  Rule::Test),
+    row(Gt,      (Int, Int),           prim!("Core::IntGreater"),        false, Rule::Test),
+    row(Le,      (Int, Int),           prim!("Rpi::IntGreaterOrEqual"),  true,  Rule::Test),
+    row(Ge,      (Int, Int),           prim!("Rpi::IntGreaterOrEqual"),  false, Rule::Test),
+    row(Lt,      (Real, Real),         prim!("Core::DoubleGreater"),     true,  Rule::Test),
+    row(Gt,      (Real, Real),         prim!("Core::DoubleGreater"),     false, Rule::Test),
+    row(Le,      (Real, Real),         prim!("Rpi::DoubleGreaterOrEqual"), true,  Rule::Test),
+    row(Ge,      (Real, Real),         prim!("Rpi::DoubleGreaterOrEqual"), false, Rule::Test),
+    row(Add,     (Vector, Vector),     prim!("World::VectorAdd"),        false, Rule::Same),
+    row(Sub,     (Vector, Vector),     prim!("Rpi::VectorSubtract"),     false, Rule::Same),
+    row(Mul,     (Vector, Real),       prim!("World::VectorScale"),      false, Rule::Times),
+    row(Mul,     (Real, Vector),       prim!("World::VectorScale"),      true,  Rule::Times),
+    row(Add,     (Twist, Twist),       prim!("World::TwistAdd"),         false, Rule::Same),
+    row(Add,     (Wrench, Wrench),     prim!("Rpi::WrenchAdd"),          false, Rule::Same),
+    row(Mul,     (Rotation, Rotation), prim!("World::RotationTransform"), false, Rule::Compose),
+    row(Mul,     (Rotation, Vector),   prim!("World::VectorRotate"),     true,  Rule::Compose),
+    row(Mul,     (Pose, Pose),         prim!("World::FrameTransform"),   false, Rule::Compose),
+    row(Mul,     (Pose, Vector),       prim!("Rpi::FrameApply"),         false, Rule::Compose),
+    row(Add,     (Time, Real),         prim!("Core::TimeAdd"),           false, Rule::Moment),
+    row(Sub,     (Time, Time),         prim!("Core::TimeDiff"),          false, Rule::Seconds),
 ];
 
 /// Those that have no result for a right operand of 0.
-const DIVISIONS: &[&str] = &["Core::IntDivide", "Rpi::IntModulo"];
+const DIVISIONS: &[PrimId] = &[prim!("Core::IntDivide"), prim!("Rpi::IntModulo")];
 
 /// Unary operators that are one primitive.
 #[rustfmt::skip]
-const UNARY: &[(UnaryOp, Scalar, &str)] = &[
-    (UnaryOp::Not,    Bool,   "Core::BooleanNot"),
-    (UnaryOp::Neg,    Int,    "Rpi::IntNegate"),
-    (UnaryOp::Neg,    Real,   "Rpi::DoubleNegate"),
-    (UnaryOp::Neg,    Vector, "Rpi::VectorNegate"),
-    (UnaryOp::ToInt,  Real,   "Core::IntFromDouble"),
-    (UnaryOp::ToReal, Int,    "Core::DoubleFromInt"),
+const UNARY: &[(UnaryOp, Scalar, PrimId)] = &[
+    (UnaryOp::Not,    Bool,   prim!("Core::BooleanNot")),
+    (UnaryOp::Neg,    Int,    prim!("Rpi::IntNegate")),
+    (UnaryOp::Neg,    Real,   prim!("Rpi::DoubleNegate")),
+    (UnaryOp::Neg,    Vector, prim!("Rpi::VectorNegate")),
+    (UnaryOp::ToInt,  Real,   prim!("Core::IntFromDouble")),
+    (UnaryOp::ToReal, Int,    prim!("Core::DoubleFromInt")),
 ];
 
 impl<'a> Body<'_, 'a> {
@@ -160,7 +162,7 @@ impl<'a> Body<'_, 'a> {
                 } else {
                     unary_guess(op)
                 };
-                self.prim_typed(prim, &[operand], ty, span)
+                self.prim_typed(*prim, &[operand], ty, span)
             }
             None => {
                 let finding = Finding::new(
@@ -259,7 +261,7 @@ impl<'a> Body<'_, 'a> {
     }
 
     /// Logic on checked Booleans.
-    pub(super) fn logic(&mut self, prim: &str, operands: &[ExprId], span: Span) -> ExprId {
+    pub(super) fn logic(&mut self, prim: PrimId, operands: &[ExprId], span: Span) -> ExprId {
         self.prim_typed(prim, operands, Ty::Bool, span)
     }
 

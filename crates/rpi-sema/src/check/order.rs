@@ -11,6 +11,7 @@ use crate::ty::Ty;
 use crate::typed::{BlockId, ExprId, FlowId};
 use rpi_diag::Span;
 use rpi_syntax::ast;
+use smallvec::SmallVec;
 
 /// An equation that is waiting to be checked.
 pub(super) struct Pending<'a> {
@@ -19,7 +20,7 @@ pub(super) struct Pending<'a> {
     pub(super) value: &'a ast::Expr,
     pub(super) span: Span,
     /// The flows that it introduces, by target.
-    pub(super) introduces: Vec<Option<FlowId>>,
+    pub(super) introduces: SmallVec<[Option<FlowId>; 1]>,
     pub(super) state: State,
 }
 
@@ -184,14 +185,14 @@ impl<'a> Body<'_, 'a> {
 }
 
 /// The types of so many targets: of the parts if the value is a tuple.
-pub(super) fn spread(ty: &Ty, targets: usize) -> Vec<Ty> {
+pub(super) fn spread(ty: &Ty, targets: usize) -> SmallVec<[Ty; 1]> {
     if targets == 1 {
-        return vec![ty.clone()];
+        return SmallVec::from([ty.clone()]);
     }
     let mut parts = Vec::new();
     flatten(ty, &mut parts);
     parts.resize(targets.max(parts.len()), Ty::Unknown);
-    parts
+    parts.into()
 }
 
 /// The elements of a tuple, tuples in it taken apart.

@@ -75,16 +75,15 @@ impl<'a> Body<'_, 'a> {
     /// A primitive whose operands are known to fit, with a result of known type.
     pub(super) fn prim_typed(
         &mut self,
-        name: &str,
+        prim: PrimId,
         inputs: &[ExprId],
         ty: Ty,
         span: Span,
     ) -> ExprId {
-        let Some(prim) = PrimId::of(name) else {
-            return self.fault(span);
-        };
-        let mut all: Vec<Option<ExprId>> = inputs.iter().copied().map(Some).collect();
-        all.resize(prim.desc().inputs.len(), None);
+        let mut all = vec![None; prim.desc().inputs.len()];
+        for (slot, input) in all.iter_mut().zip(inputs) {
+            *slot = Some(*input);
+        }
         let call = PrimCall {
             prim,
             inputs: all.into(),
@@ -94,8 +93,8 @@ impl<'a> Body<'_, 'a> {
     }
 
     /// A primitive without in-ports.
-    pub(super) fn nullary(&mut self, name: &str, ty: Ty, span: Span) -> ExprId {
-        self.prim_typed(name, &[], ty, span)
+    pub(super) fn nullary(&mut self, prim: PrimId, ty: Ty, span: Span) -> ExprId {
+        self.prim_typed(prim, &[], ty, span)
     }
 
     fn slots(&mut self, desc: &'static PrimDesc, given: &[Given<'a>], span: Span) -> Option<Slots> {

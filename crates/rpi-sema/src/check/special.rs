@@ -4,6 +4,7 @@ use super::args::Given;
 use super::body::Body;
 use super::report::Wanted;
 use super::statement::counted;
+use crate::prims::prim;
 use crate::ty::Ty;
 use crate::typed::{Activation, Each, ExprId, Kind};
 use crate::units::{Dim, Ratio};
@@ -126,7 +127,7 @@ impl<'a> Body<'_, 'a> {
             }
         };
         let ty = dim.power(Ratio::HALF).map_or(Ty::Unknown, Ty::Real);
-        self.prim_typed("Core::DoubleSquareRoot", &[x], ty, span)
+        self.prim_typed(prim!("Core::DoubleSquareRoot"), &[x], ty, span)
     }
 
     /// `condact(c, f(x), d)`

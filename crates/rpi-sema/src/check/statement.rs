@@ -11,6 +11,7 @@ use crate::typed::{self, BlockId, End, Equation, ExprId, FlowId, FlowRole, Optio
 use rpi_diag::{Code, Finding, Span};
 use rpi_syntax::Mode;
 use rpi_syntax::ast::{self, FragmentDecl, Ident, Locals, Statement, StatementKind, VarDecl};
+use smallvec::SmallVec;
 
 /// What is checked when the types of all flows are known.
 pub(super) enum Later<'a> {
@@ -81,7 +82,7 @@ impl<'a> Body<'_, 'a> {
                     goal: Goal::Var(flow),
                     value,
                     span: var.span,
-                    introduces: vec![None],
+                    introduces: SmallVec::from([None]),
                     state: State::Open,
                 });
             }

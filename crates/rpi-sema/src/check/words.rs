@@ -9,7 +9,7 @@ use rpi_image::Scalar;
 pub(crate) fn predeclared() -> impl Iterator<Item = (&'static str, &'static str, &'static Ty)> {
     PREDECLARED
         .iter()
-        .map(|flow| (flow.name, flow.prim, &flow.ty))
+        .map(|flow| (flow.name, flow.prim.desc().name, &flow.ty))
 }
 
 /// The names of the operators that are written as calls.

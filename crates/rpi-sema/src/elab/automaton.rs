@@ -5,6 +5,7 @@ use super::families::Family;
 use super::scope::Scope;
 use super::signal::Signal;
 use super::{At, Elab};
+use crate::prims::prim;
 use crate::typed::{Automaton, Shared, Transition};
 use rpi_diag::Span;
 use rpi_image::{Scalar, Value};
@@ -131,7 +132,12 @@ impl<'u> Elab<'u> {
     }
 
     fn is_state(&mut self, state: &Signal, k: usize, at: At, span: Span) -> Signal {
-        self.named("Core::IntEquals", &[state.clone(), number(k)], at, span)
+        self.simple(
+            prim!("Core::IntEquals"),
+            &[state.clone(), number(k)],
+            at,
+            span,
+        )
     }
 
     fn state_fragment(

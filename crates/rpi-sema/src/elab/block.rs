@@ -76,7 +76,7 @@ impl<'u> Elab<'u> {
         let content = unit.block(block);
         let around = std::mem::replace(&mut scope.base, at.fragment);
         for equation in &content.equations {
-            self.equation(scope, block, equation, at);
+            self.equation(scope, equation, at);
         }
         for claim in &content.claims {
             self.claim(scope, block, claim, at);
@@ -94,9 +94,9 @@ impl<'u> Elab<'u> {
         self.top = None;
     }
 
-    fn equation(&mut self, scope: &mut Scope<'u>, block: BlockId, equation: &'u Equation, at: At) {
-        let name = target_name(scope.unit, block, equation);
-        self.begin(&format!("{}{name}", scope.prefix));
+    fn equation(&mut self, scope: &mut Scope<'u>, equation: &'u Equation, at: At) {
+        self.begin(&scope.prefix);
+        push_target_name(&mut self.name, scope.unit, equation);
         self.top = Some(equation.value);
         let before = self.net.nodes.len();
         let taken = equation.targets.iter().map(|t| t.ty.leaf_count());
@@ -105,8 +105,9 @@ impl<'u> Elab<'u> {
         if self.mode == Mode::Steps {
             wire = self.steps(&wire, scope.unit.expr(equation.value), at);
         }
-        let path = self.name.clone();
+        let path = std::mem::take(&mut self.name);
         self.name_results(&path, equation, &wire, before);
+        self.name = path;
         self.define_all(scope, equation, &wire);
         let mut first = 0;
         for target in &equation.targets {
@@ -138,23 +139,15 @@ impl<'u> Elab<'u> {
 
     /// The nodes that compute a flow's leaves bear its name.
     fn name_results(&mut self, path: &str, equation: &Equation, wire: &Wire, before: usize) {
-        let mut suffixes: Vec<String> = Vec::new();
-        if let [Target { ty, .. }] = &equation.targets[..] {
-            ty.leaves(&mut |suffix, _| suffixes.push(suffix.to_owned()));
-        }
-        for (k, signal) in wire.iter().enumerate() {
-            let Signal::Port(port) = signal else {
-                continue;
-            };
-            let fresh = alias_of(*port).is_none() && port.node.index() >= before;
-            let name = format!("{path}{}", suffixes.get(k).map_or("", String::as_str));
-            if fresh && suffixes.len() == wire.len() {
-                let node = &mut self.net.nodes[port.node.index()];
-                if node.origin.flow.is_none() && node.outputs.len() == 1 {
-                    node.name.clone_from(&name);
-                    node.origin.flow = Some(name);
+        if let [Target { ty, .. }] = &equation.targets[..]
+            && ty.leaf_count() == wire.len()
+        {
+            let mut leaves = wire.iter();
+            ty.leaves(&mut |suffix, _| {
+                if let Some(Signal::Port(port)) = leaves.next() {
+                    self.name_result(*port, path, suffix, before);
                 }
-            }
+            });
         }
         if let ([_], Some(node)) = (&equation.targets[..], self.whole_node(wire))
             && node.index() >= before
@@ -162,6 +155,19 @@ impl<'u> Elab<'u> {
             let node = &mut self.net.nodes[node.index()];
             path.clone_into(&mut node.name);
             node.origin.flow.get_or_insert_with(|| path.to_owned());
+        }
+    }
+
+    /// A node that was made for a leaf bears its name, unless it has one.
+    fn name_result(&mut self, port: PortRef, path: &str, suffix: &str, before: usize) {
+        if alias_of(port).is_some() || port.node.index() < before {
+            return;
+        }
+        let node = &mut self.net.nodes[port.node.index()];
+        if node.origin.flow.is_none() && node.outputs.len() == 1 {
+            path.clone_into(&mut node.name);
+            node.name.push_str(suffix);
+            node.origin.flow = Some(node.name.clone());
         }
     }
 
@@ -178,25 +184,32 @@ impl<'u> Elab<'u> {
     }
 }
 
-fn target_name(unit: &Unit, _block: BlockId, equation: &Equation) -> String {
-    let name = |target: &Target| match &target.place {
-        Place::Flow { flow, at } => {
-            let flow = unit.flow(*flow);
-            match (*at, target.ty.leaf_count() == flow.ty.leaf_count()) {
-                (0, true) => Some(flow.name.to_string()),
-                _ => Some(format!("{}@{at}", flow.name)),
+/// The name of the first target that has one.
+fn push_target_name(text: &mut String, unit: &Unit, equation: &Equation) {
+    let (start, targets) = (text.len(), equation.targets.iter());
+    for target in targets {
+        match &target.place {
+            Place::Flow { flow, at } => {
+                let flow = unit.flow(*flow);
+                text.push_str(&flow.name);
+                if *at != 0 || target.ty.leaf_count() != flow.ty.leaf_count() {
+                    text.push_str(&format!("@{at}"));
+                }
+                return;
             }
+            Place::Port { device, port } => {
+                let ports = unit.device(*device).map(|device| &device.ports);
+                if let Some(port) = ports.and_then(|ports| ports.get(*port as usize)) {
+                    for part in [&unit.flow(*device).name, ".", &port.name] {
+                        text.push_str(part);
+                    }
+                    return;
+                }
+            }
+            Place::Nowhere => {}
         }
-        Place::Port { device, port } => {
-            let ports = unit.device(*device)?;
-            let port = ports.ports.get(*port as usize)?;
-            Some(format!("{}.{}", unit.flow(*device).name, port.name))
-        }
-        Place::Nowhere => None,
-    };
-    equation
-        .targets
-        .iter()
-        .find_map(name)
-        .unwrap_or_else(|| "_".to_owned())
+    }
+    if text.len() == start {
+        text.push('_');
+    }
 }

@@ -4,6 +4,7 @@ use super::families::Family;
 use super::scope::Scope;
 use super::signal::{Signal, Wire};
 use super::{At, Elab, Mode, Sampled};
+use crate::prims::prim;
 use crate::typed::{ClockOn, ExprId, FlowId};
 use rpi_diag::Span;
 use rpi_image::{Scalar, Value};
@@ -129,11 +130,13 @@ impl<'u> Elab<'u> {
         let wire = self.flow(scope, on.flow, span);
         let deciding = wire.first().cloned().unwrap_or(Signal::Absent);
         match (scope.unit.flow(on.flow).ty.scalar(), on.value) {
-            (Some(Scalar::Bool), 0) => self.named("Core::BooleanNot", &[deciding], at, span),
+            (Some(Scalar::Bool), 0) => {
+                self.simple(prim!("Core::BooleanNot"), &[deciding], at, span)
+            }
             (Some(Scalar::Bool), _) => deciding,
             _ => {
                 let value = Signal::Const(Value::int(on.value.into()));
-                self.named("Core::IntEquals", &[deciding, value], at, span)
+                self.simple(prim!("Core::IntEquals"), &[deciding, value], at, span)
             }
         }
     }
@@ -158,8 +161,8 @@ impl<'u> Elab<'u> {
         for (value, case) in others.iter().rev() {
             let wire = self.wide(scope, *case, scalars.len(), at);
             let here = match (is_truth, value) {
-                (true, 0) => self.named(
-                    "Core::BooleanNot",
+                (true, 0) => self.simple(
+                    prim!("Core::BooleanNot"),
                     std::slice::from_ref(&deciding),
                     at,
                     span,
@@ -167,7 +170,12 @@ impl<'u> Elab<'u> {
                 (true, _) => deciding.clone(),
                 _ => {
                     let value = Signal::Const(Value::int((*value).into()));
-                    self.named("Core::IntEquals", &[deciding.clone(), value], at, span)
+                    self.simple(
+                        prim!("Core::IntEquals"),
+                        &[deciding.clone(), value],
+                        at,
+                        span,
+                    )
                 }
             };
             for ((slot, signal), scalar) in chosen.iter_mut().zip(wire.iter()).zip(&scalars) {
@@ -237,7 +245,7 @@ impl<'u> Elab<'u> {
                 span,
             );
         }
-        let off = self.named("Core::BooleanNot", &[active], At::ROOT, span);
+        let off = self.simple(prim!("Core::BooleanNot"), &[active], At::ROOT, span);
         let scalars = super::expr::leaf_scalars(&scope.unit.flow(flow).ty);
         let leaves = wire.iter().zip(scalars).map(|(signal, scalar)| {
             let inputs = [signal.clone(), off.clone()];

@@ -67,7 +67,7 @@ impl<'u> Elab<'u> {
             prim,
             Vec::new(),
             params,
-            vec![Type::One(scalar)],
+            rpi_net::Types::from([Type::One(scalar)]),
             FragmentId::ROOT,
             span,
         );

@@ -5,10 +5,11 @@ use super::families::{Family, member};
 use super::scope::Scope;
 use super::signal::{Signal, Wire};
 use super::{At, Elab, Mode, NotConstant};
+use crate::prims::prim;
 use crate::typed::{Each, ExprId, Kind};
 use rpi_diag::Span;
 use rpi_image::{Scalar, Type, Value};
-use rpi_net::{FragmentId, Input, PortRef};
+use rpi_net::{FragmentId, Input, PortRef, Types};
 
 impl<'u> Elab<'u> {
     pub(super) fn each(
@@ -126,17 +127,20 @@ impl<'u> Elab<'u> {
             }
             let here = match k {
                 0 => condition.clone(),
-                _ => self.named(
-                    "Core::BooleanNot",
+                _ => self.simple(
+                    prim!("Core::BooleanNot"),
                     std::slice::from_ref(condition),
                     at,
                     span,
                 ),
             };
             let here = match at.guard {
-                Some(outer) => {
-                    self.named("Core::BooleanAnd", &[Signal::Port(outer), here], at, span)
-                }
+                Some(outer) => self.simple(
+                    prim!("Core::BooleanAnd"),
+                    &[Signal::Port(outer), here],
+                    at,
+                    span,
+                ),
                 None => here,
             };
             guards[k] = self.port_of(&here, Scalar::Bool, at, span);
@@ -216,7 +220,7 @@ impl<'u> Elab<'u> {
             prim,
             vec![input],
             Vec::new(),
-            vec![Type::One(scalar)],
+            Types::from([Type::One(scalar)]),
             at.fragment,
             span,
         );

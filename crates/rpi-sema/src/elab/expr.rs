@@ -3,11 +3,13 @@
 use super::families::Family;
 use super::pack::natural;
 use super::scope::Scope;
-use super::signal::{Signal, Wire, nothing, single};
+use super::signal::{Given, Signal, Wire, nothing, single};
 use super::{At, Elab, Mode, NotConstant};
+use crate::prims::prim;
 use crate::typed::{Activation, ExprId, Kind, PrimCall};
 use rpi_diag::Span;
 use rpi_image::{ParamType, PortType, Scalar, Type, Value};
+use smallvec::SmallVec;
 
 /// Calls in one another that may be elaborated from outside.
 const NESTED: usize = 30;
@@ -163,7 +165,7 @@ impl<'u> Elab<'u> {
         let mut chosen = wire.get(..size).unwrap_or_default().to_vec();
         for k in 1..count {
             let place = Signal::Const(Value::int(k as i64));
-            let here = self.named("Core::IntEquals", &[index.clone(), place], at, span);
+            let here = self.simple(prim!("Core::IntEquals"), &[index.clone(), place], at, span);
             for (leaf, scalar) in chosen
                 .iter_mut()
                 .zip(&scalars)
@@ -180,17 +182,27 @@ impl<'u> Elab<'u> {
 
     fn check_index(&mut self, index: &Signal, count: usize, at: At, span: Span) {
         let [first, last] = [0, count as i64 - 1].map(|k| Signal::Const(Value::int(k)));
-        let from = self.named("Rpi::IntGreaterOrEqual", &[index.clone(), first], at, span);
-        let to = self.named("Rpi::IntGreaterOrEqual", &[last, index.clone()], at, span);
-        let inside = self.named("Core::BooleanAnd", &[from, to], at, span);
+        let from = self.simple(
+            prim!("Rpi::IntGreaterOrEqual"),
+            &[index.clone(), first],
+            at,
+            span,
+        );
+        let to = self.simple(
+            prim!("Rpi::IntGreaterOrEqual"),
+            &[last, index.clone()],
+            at,
+            span,
+        );
+        let inside = self.simple(prim!("Core::BooleanAnd"), &[from, to], at, span);
         self.assert(&inside, at, span);
     }
 
     /// A condition that matters only in the cycles in which the branch around it is chosen.
     pub(super) fn where_chosen(&mut self, condition: &Signal, at: At, span: Span) -> Signal {
         match at.guard {
-            Some(guard) => self.named(
-                "Rpi::BooleanImplies",
+            Some(guard) => self.simple(
+                prim!("Rpi::BooleanImplies"),
                 &[Signal::Port(guard), condition.clone()],
                 at,
                 span,
@@ -206,7 +218,7 @@ impl<'u> Elab<'u> {
         }
         let condition = self.where_chosen(condition, at, span);
         if self.mode != Mode::Constant {
-            self.named("Rpi::Assert", &[condition], at, span);
+            self.simple(prim!("Rpi::Assert"), &[condition], at, span);
         } else {
             self.fail(NotConstant::Fault(
                 span,
@@ -231,12 +243,12 @@ impl<'u> Elab<'u> {
             let same = self.family(Family::Equals, scalar, &[a.clone(), b.clone()], at, span);
             all = Some(match all {
                 None => same,
-                Some(all) => self.named("Core::BooleanAnd", &[all, same], at, span),
+                Some(all) => self.simple(prim!("Core::BooleanAnd"), &[all, same], at, span),
             });
         }
         let all = all.unwrap_or(Signal::Const(Value::bool(true)));
         single(match negated {
-            true => self.named("Core::BooleanNot", &[all], at, span),
+            true => self.simple(prim!("Core::BooleanNot"), &[all], at, span),
             false => all,
         })
     }
@@ -258,7 +270,7 @@ impl<'u> Elab<'u> {
                         at,
                         span,
                     );
-                    self.named("Core::BooleanNot", &[absent], at, span)
+                    self.simple(prim!("Core::BooleanNot"), &[absent], at, span)
                 }
             };
             all = self.both(&all, &there, at, span);
@@ -276,7 +288,7 @@ impl<'u> Elab<'u> {
             (Some(true), _) => b.clone(),
             (_, Some(true)) => a.clone(),
             (Some(false), _) | (_, Some(false)) => Signal::Const(Value::bool(false)),
-            _ => self.named("Core::BooleanAnd", &[a.clone(), b.clone()], at, span),
+            _ => self.simple(prim!("Core::BooleanAnd"), &[a.clone(), b.clone()], at, span),
         }
     }
 
@@ -295,7 +307,7 @@ impl<'u> Elab<'u> {
         let [scalar] = leaf_scalars(&scope.unit.expr(tested).ty)[..] else {
             return None;
         };
-        if call.prim.desc().name != "Core::BooleanNot" {
+        if call.prim != prim!("Core::BooleanNot") {
             return None;
         }
         let wire = self.expr(scope, tested, at);
@@ -307,7 +319,7 @@ impl<'u> Elab<'u> {
         if let Some(test) = self.absent_test(scope, call, at, span) {
             return test;
         }
-        let mut inputs = Vec::with_capacity(call.inputs.len());
+        let mut inputs = Given::new();
         for (port, input) in call.prim.desc().inputs.iter().zip(&call.inputs) {
             inputs.push(input.map(|id| self.given(scope, id, port.ty, at)));
         }
@@ -381,9 +393,12 @@ pub(super) fn part(wire: &Wire, at: usize, count: usize) -> Wire {
     }
 }
 
+/// The machine types of some leaves.
+pub(super) type Scalars = SmallVec<[Scalar; 4]>;
+
 /// The machine types of a type's leaves.
-pub(super) fn leaf_scalars(ty: &crate::ty::Ty) -> Vec<Scalar> {
-    let mut scalars = Vec::new();
+pub(super) fn leaf_scalars(ty: &crate::ty::Ty) -> Scalars {
+    let mut scalars = Scalars::new();
     ty.leaves(&mut |_, leaf| scalars.push(leaf.scalar().unwrap_or(Scalar::Bool)));
     scalars
 }

@@ -2,6 +2,7 @@
 
 use rpi_image::Scalar;
 use rpi_prims::PrimId;
+use std::sync::OnceLock;
 
 /// The operations.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
@@ -55,7 +56,18 @@ enum Prefix {
 
 /// The primitive of an operation for a value type, if there is one.
 pub(super) fn member(family: Family, scalar: Scalar) -> Option<PrimId> {
-    let (_, prefix, suffix) = NAMES.iter().find(|row| row.0 == family)?;
+    static MEMBERS: OnceLock<Vec<Option<PrimId>>> = OnceLock::new();
+    let members = MEMBERS.get_or_init(|| {
+        let rows = NAMES.iter();
+        let all = rows.flat_map(|row| Scalar::ALL.map(|scalar| registered(row, scalar)));
+        all.collect()
+    });
+    let row = NAMES.iter().position(|row| row.0 == family)?;
+    let column = Scalar::ALL.iter().position(|one| *one == scalar)?;
+    members[row * Scalar::ALL.len() + column]
+}
+
+fn registered((_, prefix, suffix): &(Family, Prefix, &str), scalar: Scalar) -> Option<PrimId> {
     let ty = type_name(scalar);
     let reference = match scalar {
         Scalar::Bool | Scalar::Int | Scalar::Real | Scalar::Time => "Core::",

@@ -61,7 +61,10 @@ impl<'u> Elab<'u> {
         for target in &equation.targets {
             let count = target.ty.leaf_count();
             let end = (at + count).min(wire.len());
-            let part: Wire = wire[at.min(end)..end].into();
+            let part: Wire = match (at, end) == (0, wire.len()) {
+                true => wire.clone(),
+                false => wire[at.min(end)..end].into(),
+            };
             if let Place::Flow { flow, at: offset } = target.place {
                 self.define(scope, flow, offset as usize, &part);
             }

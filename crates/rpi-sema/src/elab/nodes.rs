@@ -2,13 +2,15 @@
 
 use super::families::{Family, member};
 use super::pack::natural;
-use super::signal::{Signal, Wire, alias, alias_of, single};
+use super::signal::{Given, Signal, Wire, alias, alias_of, single};
 use super::{At, Elab, MAX_NODES, Mode, NotConstant};
+use crate::prims::prim;
 use crate::typed::Leaf;
 use rpi_diag::{Code, Finding, Span};
 use rpi_image::{InPort, Need, PortDefault, PortType, Scalar, ShapeArgs, Type, Value};
-use rpi_net::{FragmentId, Input, Node, NodeId, Origin, PortRef};
+use rpi_net::{FragmentId, Input, Node, NodeId, Origin, PortRef, Types};
 use rpi_prims::{FaultCode, PrimId, fold};
+use std::fmt::Write;
 
 impl Elab<'_> {
     /// A primitive with its in-ports connected, `None` where they are open, and all its parameters. Gives the leaves of
@@ -32,7 +34,7 @@ impl Elab<'_> {
     pub(super) fn prim_shaped(
         &mut self,
         prim: PrimId,
-        inputs: Vec<Option<(Type, Wire)>>,
+        inputs: Given,
         params: Vec<Value>,
         at: At,
         span: Span,
@@ -45,6 +47,18 @@ impl Elab<'_> {
             };
             connected.push(input);
         }
+        self.connected(prim, connected, params, at, span)
+    }
+
+    /// A primitive of which is known what its in-ports read: its result if that is constant, else a node.
+    fn connected(
+        &mut self,
+        prim: PrimId,
+        connected: Vec<Input>,
+        params: Vec<Value>,
+        at: At,
+        span: Span,
+    ) -> Wire {
         let Some(outputs) = self.out_types(prim, &connected, &params) else {
             return self.no_sizes(prim, span);
         };
@@ -60,20 +74,13 @@ impl Elab<'_> {
 
     /// A primitive with one-leaf in-ports and one out-port.
     pub(super) fn simple(&mut self, prim: PrimId, inputs: &[Signal], at: At, span: Span) -> Signal {
-        let inputs = inputs
-            .iter()
-            .map(|signal| Some(single(signal.clone())))
-            .collect();
-        let wire = self.prim(prim, inputs, default_params(prim), at, span);
-        wire.first().cloned().unwrap_or(Signal::Absent)
-    }
-
-    /// A registered primitive by name, with one-leaf in-ports and one out-port.
-    pub(super) fn named(&mut self, name: &str, inputs: &[Signal], at: At, span: Span) -> Signal {
-        match PrimId::of(name) {
-            Some(prim) => self.simple(prim, inputs, at, span),
-            None => Signal::Absent,
+        let mut connected = Vec::with_capacity(inputs.len());
+        for (port, signal) in prim.desc().inputs.iter().zip(inputs) {
+            let ty = natural(port.ty, 1);
+            connected.push(self.input(std::slice::from_ref(signal), ty, at, span));
         }
+        let wire = self.connected(prim, connected, default_params(prim), at, span);
+        wire.first().cloned().unwrap_or(Signal::Absent)
     }
 
     /// The member of a family for a value type.
@@ -107,7 +114,7 @@ impl Elab<'_> {
             Input::Port(port),
             Input::Port(port),
         ];
-        let outputs = vec![Type::One(scalar)];
+        let outputs = Types::from([Type::One(scalar)]);
         let node = self.node(prim, inputs, Vec::new(), outputs, fragment, span);
         Signal::Port(PortRef { node, port: 0 })
     }
@@ -118,7 +125,7 @@ impl Elab<'_> {
         prim: PrimId,
         inputs: Vec<Input>,
         params: Vec<Value>,
-        outputs: Vec<Type>,
+        outputs: Types,
         fragment: FragmentId,
         span: Span,
     ) -> NodeId {
@@ -126,7 +133,9 @@ impl Elab<'_> {
             self.too_large(span);
             return NodeId(0);
         }
-        let name = format!("{}#{}", self.name, self.serial);
+        let mut name = String::with_capacity(self.name.len() + 4);
+        // Writing to a text does not fail.
+        let _ = write!(name, "{}#{}", self.name, self.serial);
         self.serial += 1;
         self.net.add_node(Node {
             name,
@@ -134,7 +143,7 @@ impl Elab<'_> {
             fragment,
             inputs,
             params,
-            outputs: outputs.into(),
+            outputs,
             origin: Origin { span, flow: None },
         })
     }
@@ -154,8 +163,12 @@ impl Elab<'_> {
 
     /// The leaves of a node's out-ports.
     pub(super) fn out_wire(&self, node: NodeId) -> Wire {
+        let outputs = &self.net.node(node).outputs;
+        if let [Type::One(_)] = outputs[..] {
+            return single(Signal::Port(PortRef { node, port: 0 }));
+        }
         let mut wire = Vec::new();
-        for (port, ty) in (0..).zip(&self.net.node(node).outputs) {
+        for (port, ty) in (0..).zip(outputs) {
             let port = PortRef { node, port };
             match ty {
                 Type::One(_) => wire.push(Signal::Port(port)),
@@ -168,13 +181,13 @@ impl Elab<'_> {
         wire.into()
     }
 
-    fn out_types(&self, prim: PrimId, inputs: &[Input], params: &[Value]) -> Option<Vec<Type>> {
+    fn out_types(&self, prim: PrimId, inputs: &[Input], params: &[Value]) -> Option<Types> {
         let desc = prim.desc();
         let simple = desc.outputs.iter().map(|port| match port.ty {
             PortType::One(scalar) => Some(Type::One(scalar)),
             _ => None,
         });
-        if let Some(types) = simple.collect::<Option<Vec<Type>>>() {
+        if let Some(types) = simple.collect::<Option<Types>>() {
             return Some(types);
         }
         let types: Vec<Option<Type>> = inputs.iter().map(|input| self.input_type(input)).collect();
@@ -221,13 +234,15 @@ impl Elab<'_> {
         at: At,
         span: Span,
     ) -> Option<Wire> {
-        let mut values = Vec::with_capacity(inputs.len());
-        for input in inputs {
-            match input {
-                Input::Const(value) => values.push(&**value),
-                _ => return None,
-            }
+        let constant = |input: &Input| matches!(input, Input::Const(_));
+        if !inputs.iter().all(constant) {
+            return None;
         }
+        let values = inputs.iter().filter_map(|input| match input {
+            Input::Const(value) => Some(&**value),
+            _ => None,
+        });
+        let values: Vec<&Value> = values.collect();
         match fold(prim, &values, params, outputs)? {
             Ok(results) => Some(results.iter().flat_map(leaves).map(Signal::Const).collect()),
             Err(fault) => {
@@ -266,7 +281,7 @@ impl Elab<'_> {
         if let Some(port) = self.firsts.get(&fragment) {
             return Signal::Port(*port);
         }
-        let signal = self.named("Rpi::First", &[], At::fragment(fragment), span);
+        let signal = self.simple(prim!("Rpi::First"), &[], At::fragment(fragment), span);
         if let Signal::Port(port) = signal {
             self.firsts.insert(fragment, port);
         }

@@ -1,16 +1,17 @@
 //! Arrays at the ports of primitives: leaves put together, elements taken out, and neither where an array only passes.
 
 use super::families::{Family, member};
-use super::signal::{Signal, Wire, alias_of};
+use super::signal::{Signal, alias_of};
 use super::{At, Elab};
+use crate::prims::prim;
 use rpi_diag::Span;
 use rpi_image::{PortType, Scalar, Type, Value};
-use rpi_net::{Input, PortRef};
+use rpi_net::{Input, PortRef, Types};
 use rpi_prims::PrimId;
 
 impl Elab<'_> {
     /// What an in-port of this type reads to get a value.
-    pub(super) fn input(&mut self, wire: &Wire, ty: Type, at: At, span: Span) -> Input {
+    pub(super) fn input(&mut self, wire: &[Signal], ty: Type, at: At, span: Span) -> Input {
         match (ty, wire.first()) {
             (Type::One(_), None) => Input::Open,
             (Type::One(scalar), Some(signal)) => self.one_input(signal, scalar, at, span),
@@ -40,7 +41,7 @@ impl Elab<'_> {
             prim,
             inputs,
             params,
-            vec![Type::One(scalar)],
+            Types::from([Type::One(scalar)]),
             at.fragment,
             span,
         );
@@ -71,27 +72,27 @@ impl Elab<'_> {
                 let get = member(Family::ArrayGet, scalar)?;
                 (get, scalar, vec![("Size", n)])
             }
-            Type::Matrix(..) => (PrimId::of("Core::MatrixGet")?, Scalar::Real, Vec::new()),
+            Type::Matrix(..) => (prim!("Core::MatrixGet"), Scalar::Real, Vec::new()),
         };
         given.extend(place(ty, k));
         let (inputs, params) = (vec![Input::Port(array)], sized_params(prim, &given));
-        let outputs = vec![Type::One(scalar)];
+        let outputs = Types::from([Type::One(scalar)]);
         let node = self.node(prim, inputs, params, outputs, at.fragment, span);
         Some(PortRef { node, port: 0 })
     }
 
     /// An array as a whole. Where its leaves are not known yet it is promised, and put together at the end: it may turn
     /// out to be one that is there already.
-    fn array_input(&mut self, wire: &Wire, ty: Type, at: At, span: Span) -> Input {
+    fn array_input(&mut self, wire: &[Signal], ty: Type, at: At, span: Span) -> Input {
         let is_open = |signal: &Signal| matches!(signal, Signal::Port(p) if alias_of(*p).is_some());
         if wire.iter().any(is_open) {
-            return Input::Port(self.promise(wire.clone(), ty, at, span));
+            return Input::Port(self.promise(wire.into(), ty, at, span));
         }
         self.settled_array(wire, ty, at, span)
     }
 
     /// An array whose leaves are known.
-    pub(super) fn settled_array(&mut self, wire: &Wire, ty: Type, at: At, span: Span) -> Input {
+    pub(super) fn settled_array(&mut self, wire: &[Signal], ty: Type, at: At, span: Span) -> Input {
         if let Some(port) = self.whole(wire, ty) {
             return Input::Port(port);
         }
@@ -109,7 +110,7 @@ impl Elab<'_> {
     }
 
     /// The port of this type that the leaves are all elements of, in order.
-    fn whole(&self, wire: &Wire, ty: Type) -> Option<PortRef> {
+    fn whole(&self, wire: &[Signal], ty: Type) -> Option<PortRef> {
         let Some(Signal::Element(array, 0)) = wire.first() else {
             return None;
         };
@@ -122,7 +123,7 @@ impl Elab<'_> {
     }
 
     /// A new array, filled element by element.
-    fn array_of(&mut self, wire: &Wire, ty: Type, at: At, span: Span) -> Option<PortRef> {
+    fn array_of(&mut self, wire: &[Signal], ty: Type, at: At, span: Span) -> Option<PortRef> {
         let Maker {
             make,
             sizes,
@@ -130,7 +131,14 @@ impl Elab<'_> {
             scalar,
         } = Maker::of(ty)?;
         let params = sized_params(make, &sizes);
-        let node = self.node(make, Vec::new(), params, vec![ty], at.fragment, span);
+        let node = self.node(
+            make,
+            Vec::new(),
+            params,
+            Types::from([ty]),
+            at.fragment,
+            span,
+        );
         let mut array = PortRef { node, port: 0 };
         for (k, signal) in (0..).zip(wire.iter()) {
             let value = self.one_input(signal, scalar, at, span);
@@ -138,7 +146,7 @@ impl Elab<'_> {
             given.extend(place(ty, k));
             let params = sized_params(set, &given);
             let inputs = vec![Input::Port(array), value];
-            let node = self.node(set, inputs, params, vec![ty], at.fragment, span);
+            let node = self.node(set, inputs, params, Types::from([ty]), at.fragment, span);
             array = PortRef { node, port: 0 };
         }
         Some(array)
@@ -159,7 +167,7 @@ impl Elab<'_> {
                     prim,
                     Vec::new(),
                     vec![value.clone()],
-                    vec![Type::One(scalar)],
+                    Types::from([Type::One(scalar)]),
                     at.fragment,
                     span,
                 );
@@ -194,9 +202,9 @@ impl Maker {
                 scalar,
             }),
             Type::Matrix(rows, cols) => Some(Maker {
-                make: PrimId::of("Core::MatrixCreate")?,
+                make: prim!("Core::MatrixCreate"),
                 sizes: vec![("Rows", rows), ("Cols", cols)],
-                set: PrimId::of("Core::MatrixSet")?,
+                set: prim!("Core::MatrixSet"),
                 scalar: Scalar::Real,
             }),
         }

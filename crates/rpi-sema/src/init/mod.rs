@@ -22,12 +22,13 @@ mod phases;
 mod rules;
 mod solve;
 
-use crate::hash::Set;
+use crate::hash::{Map, Set};
 use known::Known;
 use phases::PHASES;
 use rpi_diag::{Code, Finding, Fix};
 use rpi_image::Role;
 use rpi_net::claim::is_for_claim;
+use rpi_net::passes::Users;
 use rpi_net::{Activation, Driver, FragmentId, Input, Net, NodeId, PortRef};
 use rules::{Rule, rule};
 use solve::Solution;
@@ -44,15 +45,16 @@ pub fn check(net: &Net) -> Vec<Finding> {
     let roots = all_roots(net, &rules, &given);
     let mut findings: Vec<Finding> = Vec::new();
     let mut by_flow: Vec<(Option<&str>, Vec<NodeId>)> = Vec::new();
+    let mut places: Map<&str, usize> = Map::default();
+    let users = Users::new(net);
     for root in roots {
-        let flow = reader(net, root).filter(|_| !holds_itself(net, root));
-        match by_flow
-            .iter_mut()
-            .find(|(other, _)| flow.is_some() && *other == flow)
-        {
-            Some((_, roots)) => roots.push(root),
-            None => by_flow.push((flow, vec![root])),
+        let flow = reader(net, &users, root).filter(|_| !holds_itself(net, root));
+        let new = by_flow.len();
+        let place = flow.map_or(new, |flow| *places.entry(flow).or_insert(new));
+        if place == new {
+            by_flow.push((flow, Vec::new()));
         }
+        by_flow[place].1.push(root);
     }
     for (flow, roots) in by_flow {
         findings.push(finding(net, flow, &roots));
@@ -190,24 +192,18 @@ fn finding(net: &Net, flow: Option<&str>, roots: &[NodeId]) -> Finding {
 }
 
 /// The flow whose equation a node is part of: the first with a name that the way from it leads to.
-fn reader(net: &Net, root: NodeId) -> Option<&str> {
+fn reader<'n>(net: &'n Net, users: &Users, root: NodeId) -> Option<&'n str> {
     let mut seen = vec![root];
     let mut next = 0;
     while let Some(id) = seen.get(next).copied() {
         if let Some(flow) = &net.node(id).origin.flow {
             return Some(flow);
         }
-        let reads = |user: &NodeId| {
-            let inputs = net.node(*user).inputs.iter();
-            inputs.filter_map(Input::port).any(|port| port.node == id)
-        };
-        let users: Vec<NodeId> = net.node_ids().filter(reads).collect();
-        seen.extend(
-            users
-                .into_iter()
-                .filter(|user| !seen.contains(user))
-                .collect::<Vec<_>>(),
-        );
+        for user in users.of(id) {
+            if !seen.contains(user) {
+                seen.push(*user);
+            }
+        }
         next += 1;
     }
     None
