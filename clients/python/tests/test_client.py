@@ -1,7 +1,12 @@
-"""Runs the client against a server: ``RPI=path/to/rpi python -m unittest discover -s tests`` in ``clients/python``."""
+"""Runs the client against a server: ``RPI=path/to/rpi python -m unittest discover -s tests`` in ``clients/python``.
+
+``cargo test -p rpi --test python`` does the same, where there is a Python.
+"""
 
 import asyncio
 import os
+import shutil
+import ssl
 import subprocess
 import tempfile
 import time
@@ -28,17 +33,28 @@ class ClientTest(unittest.IsolatedAsyncioTestCase):
     def setUp(self) -> None:
         self.folder = tempfile.TemporaryDirectory()
         self.path = os.path.join(self.folder.name, "rpi.sock")
-        listen = ["--listen", "127.0.0.1:0", "--socket", self.path]
-        self.server = subprocess.Popen([os.environ["RPI"], "serve", *listen])
+        self.serve("--socket", self.path)
         for _ in range(200):
             if os.path.exists(self.path):
                 return
             time.sleep(0.02)
 
+    def serve(self, *options: str) -> None:
+        """Starts a server and notes where it listens."""
+        command = [os.environ["RPI"], "serve", "--listen", "127.0.0.1:0", *options]
+        self.server = subprocess.Popen(command, stderr=subprocess.PIPE, text=True)
+        assert self.server.stderr is not None
+        self.port = int(self.server.stderr.readline().rpartition(":")[2])
+
     def tearDown(self) -> None:
+        self.stop()
+        self.folder.cleanup()
+
+    def stop(self) -> None:
         self.server.terminate()
         self.server.wait()
-        self.folder.cleanup()
+        assert self.server.stderr is not None
+        self.server.stderr.close()
 
     async def test_goal_feedback_result(self) -> None:
         async with await connect(self.path) as core:
@@ -63,6 +79,58 @@ class ClientTest(unittest.IsolatedAsyncioTestCase):
                     break
             await goal.abort()
             self.assertEqual((await asyncio.wait_for(goal.result(), 10)).cause, "aborted")
+
+    async def test_branches_by_result(self) -> None:
+        async with await connect(f"ws://127.0.0.1:{self.port}") as core:
+            session = await core.open_session("test")
+            turn = await session.load("command Turn () let finish left when time >= 50[ms]; finish right when false; tel")
+            left, right = [await session.load(COUNT) for _ in range(2)]
+            await left.follow(turn, ["left"])
+            await right.follow(turn, ["right"])
+            await turn.start()
+            self.assertEqual((await left.result()).cycles, 300)
+            self.assertEqual((await turn.result()).result, "left")
+            told = await core.call("command.describe", command=right.name)
+            self.assertEqual((told["state"], told["cycles"]), ("ready", 0))
+
+    async def test_preempt_is_seen(self) -> None:
+        async with await connect(self.path) as core:
+            session = await core.open_session("test", on_loss="run-on")
+            goal = await session.load("command Wait () let finish stopped when cancel; finish never when false; tel")
+            await goal.start()
+            await goal.preempt()
+            ending = await asyncio.wait_for(goal.result(), 10)
+            self.assertEqual((ending.result, ending.cancelled), ("stopped", True))
+
+    async def test_a_lost_server_is_told(self) -> None:
+        core = await connect(f"ws://127.0.0.1:{self.port}")
+        goal = await (await core.open_session("test")).load(COUNT)
+        self.server.kill()
+        with self.assertRaises(ConnectionError):
+            await asyncio.wait_for(goal.result(), 10)
+        with self.assertRaises(ConnectionError):
+            await goal.start()
+        await core.close()
+
+    @unittest.skipUnless(shutil.which("openssl"), "there is no openssl to make a certificate")
+    async def test_tls_and_token(self) -> None:
+        self.stop()
+        cert, key, token = [os.path.join(self.folder.name, name) for name in ("cert.pem", "key.pem", "token")]
+        make = ["openssl", "req", "-x509", "-newkey", "ec", "-pkeyopt", "ec_paramgen_curve:prime256v1", "-nodes"]
+        about = ["-days", "2", "-subj", "/CN=localhost", "-addext", "subjectAltName=DNS:localhost"]
+        subprocess.run([*make, *about, "-keyout", key, "-out", cert], check=True, capture_output=True)
+        with open(token, "w") as file:
+            file.write("secret\n")
+        self.serve("--tls-cert", cert, "--tls-key", key, "--token-file", token)
+        trust, address = ssl.create_default_context(cafile=cert), f"wss://localhost:{self.port}"
+        with self.assertRaises(ConnectionError):
+            await connect(address, token="wrong", tls=trust)
+        with self.assertRaises(ssl.SSLError):
+            await connect(address, token="secret")
+        async with await connect(address, token="secret", tls=trust) as core:
+            goal = await (await core.open_session("test")).load(COUNT)
+            await goal.start()
+            self.assertEqual((await goal.result()).cycles, 300)
 
     async def test_every_reason_is_told(self) -> None:
         async with await connect(self.path) as core:
