@@ -1,5 +1,6 @@
 //! Makes the two sides of a run and what lies between them.
 
+use std::io;
 use std::sync::Arc;
 use std::sync::atomic::AtomicU64;
 
@@ -12,15 +13,15 @@ use rpi_sim::SimBank;
 use super::cycle::{Bounds, Cycle, Flows, Watcher};
 use super::devices;
 use super::host::{Books, Desk, Host};
-use super::inputs;
+use super::inputs::{self, Set};
 use super::job::{Failure, Job};
 use super::samples::{Channel, Source, ring};
 use super::sights::Sights;
 use super::task::Task;
-use crate::control::{Options, open};
+use crate::control::{Control, Executive, Options, open};
 use crate::realtime::Beat;
 use crate::recording::{Recorder, Wanted};
-use crate::tape::{Taped, tape};
+use crate::tape::{TapeIn, Taped, tape};
 
 /// The cycle's and the host's side of a job.
 pub(super) fn sides<'a>(
@@ -43,16 +44,9 @@ pub(super) fn sides<'a>(
         ..Options::default()
     };
     let (mut control, mut executive) = open(Taped::new(plant), Box::new(names), options);
-    let device_channels = channels[..taps.len()].to_vec();
-    let recording = recording.map(|wanted| {
-        let (tape_in, tape_out) = tape();
-        executive.plant().begin();
-        let settings = (tick_ns, job.continuity);
-        let about = (job.cell, &device_channels[..]);
-        let recorder = Recorder::begin(wanted, about, settings, tape_out)?;
-        control.write_down(recorder.journal());
-        Ok((recorder, tape_in))
-    });
+    let ends = (&mut control, &mut executive);
+    let recording =
+        recording.map(|wanted| record(job, wanted, tick_ns, &channels[..taps.len()], ends));
     let recording = recording.transpose().map_err(Failure::Recording)?;
     let (recorder, tape) = recording.unzip();
     let sights = tape.is_some().then(|| Sights::new(job.images));
@@ -75,15 +69,7 @@ pub(super) fn sides<'a>(
         bounds,
         tape,
     );
-    let desk = Desk {
-        control,
-        images: job.images,
-        cell: job.cell,
-        sets,
-        now,
-        planning: job.limits.planning_ns / tick_ns,
-        late: 0,
-    };
+    let desk = desk(job, (control, sets), now, tick_ns);
     let host = Host {
         desk,
         tasks: job.plans.iter().map(Task::new).collect(),
@@ -94,6 +80,40 @@ pub(super) fn sides<'a>(
         recorder,
     };
     Ok((cycle, host))
+}
+
+/// What tasks work with.
+fn desk<'a>(
+    job: &Job<'a>,
+    (control, sets): (Control, Vec<Vec<Set>>),
+    now: Arc<AtomicU64>,
+    tick_ns: u64,
+) -> Desk<'a> {
+    Desk {
+        control,
+        images: job.images,
+        cell: job.cell,
+        sets,
+        now,
+        planning: job.limits.planning_ns / tick_ns,
+        late: 0,
+    }
+}
+
+/// The two ends of a recording: the host's, which hears of every request from now on, and the cycle's.
+fn record(
+    job: &Job<'_>,
+    wanted: Wanted,
+    tick_ns: u64,
+    devices: &[Channel],
+    (control, executive): (&mut Control, &mut Executive<Taped<SimBank>>),
+) -> io::Result<(Recorder, TapeIn)> {
+    let (tape_in, tape_out) = tape();
+    executive.plant().begin();
+    let settings = (tick_ns, job.continuity);
+    let recorder = Recorder::begin(wanted, (job.cell, devices), settings, tape_out)?;
+    control.write_down(recorder.journal());
+    Ok((recorder, tape_in))
 }
 
 /// Loads every command once to see that it fits.
