@@ -103,10 +103,7 @@ impl<'u> Elab<'u> {
                 break;
             };
             let inputs = [condition.clone(), yes.clone(), no.clone()];
-            leaves.push(match yes == no {
-                true if matches!(yes, Signal::Const(_)) => yes.clone(),
-                _ => self.family(Family::Conditional, scalar, &inputs, at, span),
-            });
+            leaves.push(self.family(Family::Conditional, scalar, &inputs, at, span));
         }
         leaves.into()
     }
