@@ -69,7 +69,7 @@ impl<'p> Reference<'p> {
             }
             Kind::Each(each, operands) => self.each(here, id, *each, operands, k),
             Kind::Equal { operands, negated } => self.equal(here, *operands, *negated),
-            Kind::Present(operand) => self.present(here, *operand),
+            Kind::Present(operand) => self.present(here, id, *operand),
             Kind::Prim(call) => self.operator(here, id, call),
             Kind::Call(call) => self.result(here, id, call, k),
             Kind::When { value, .. } => self.leaf(here, *value, k),
@@ -132,12 +132,12 @@ impl<'p> Reference<'p> {
                 let side = if self.first(here, id) { a } else { b };
                 self.leaf(here, *side, k)
             }
-            (Each::Coalesce, [a, b]) => match self.leaf(here, *a, k)? {
-                None => self.leaf(here, *b, k),
+            (Each::Coalesce, [a, b]) => match self.read_by(here, id, *a, k)? {
+                None => self.read_by(here, id, *b, k),
                 present => Ok(present),
             },
             (Each::Hold, [x, init]) => {
-                let x = self.leaf(here.unguarded(), *x, k)?;
+                let x = self.read_by(here.unguarded(), id, *x, k)?;
                 self.held(here, id, k, x, Some(*init))
             }
             _ => Err(Stop::Beyond(format!("{each:?}"))),
@@ -221,13 +221,25 @@ impl<'p> Reference<'p> {
     }
 
     /// `present(x)`: all leaves are there.
-    fn present(&mut self, here: Here, operand: ExprId) -> Result<Leaf, Stop> {
+    fn present(&mut self, here: Here, id: ExprId, operand: ExprId) -> Result<Leaf, Stop> {
         let unit = self.instances[here.instance].unit;
         let mut all = true;
         for k in 0..unit.expr(operand).ty.leaf_count() {
-            all &= self.leaf(here, operand, k)?.is_some();
+            all &= self.read_by(here, id, operand, k)?.is_some();
         }
         Ok(Some(Value::Bool(all)))
+    }
+
+    /// An operand of an operator that looks at its presence: absent where its clock does not tick and the operator's does
+    /// (M4.7).
+    fn read_by(&mut self, here: Here, id: ExprId, operand: ExprId, k: usize) -> Result<Leaf, Stop> {
+        let leaf = self.leaf(here, operand, k)?;
+        for on in self.clocks(here).beyond(operand, id) {
+            if self.is_on(here, *on)? != Some(true) {
+                return Ok(None);
+            }
+        }
+        Ok(leaf)
     }
 
     fn operator(&mut self, here: Here, id: ExprId, call: &PrimCall) -> Result<Leaf, Stop> {

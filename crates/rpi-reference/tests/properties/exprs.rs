@@ -114,12 +114,23 @@ impl Exprs<'_> {
             ..ty.kind.total()
         };
         let yes = self.expr(&on(true), total, depth.min(2));
+        let sampled = "(if @ when CLOCK then @ else @)".replace("CLOCK", &clock);
+        let condition = || Tree::form(Role::Rest, "true", Vec::new());
         if ty.optional && self.random.one_in(2) {
             self.counts.add("current");
-            let sampled = self.ticking_leaf(&on(true), total);
-            let form = "(current (if @ when CLOCK then @ else @))".replace("CLOCK", &clock);
-            let condition = Tree::form(Role::Rest, "true", Vec::new());
-            return Some(Tree::expr(ty, &form, vec![condition, yes, sampled]));
+            let no = self.ticking_leaf(&on(true), total);
+            let form = format!("(current {sampled})");
+            return Some(Tree::expr(ty, &form, vec![condition(), yes, no]));
+        }
+        if scope.clock.is_none() && self.random.one_in(3) {
+            self.counts.add("off clock");
+            let no = self.ticking_leaf(&on(true), total);
+            let rest = self.expr(scope, ty.kind.total(), depth.min(2));
+            let form = match self.random.one_in(2) {
+                true => format!("({sampled} ?? @)"),
+                false => format!("hold({sampled}, @)"),
+            };
+            return Some(Tree::expr(ty, &form, vec![condition(), yes, no, rest]));
         }
         self.counts.add("merge");
         let no = self.expr(&on(false), total, depth.min(2));

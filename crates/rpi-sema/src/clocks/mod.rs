@@ -47,6 +47,13 @@ impl Clocks {
         self.values.get(id.0 as usize).map_or(&[], Vec::as_slice)
     }
 
+    /// What the clock of an operand is sampled by beyond the clock of the operator that reads it.
+    #[must_use]
+    pub fn beyond(&self, operand: ExprId, reader: ExprId) -> &[ClockOn] {
+        let outer = self.of_expr(reader).len();
+        self.of_value(operand).get(outer..).unwrap_or(&[])
+    }
+
     /// The clock of a flow.
     #[must_use]
     pub fn of_flow(&self, id: FlowId) -> &[ClockOn] {

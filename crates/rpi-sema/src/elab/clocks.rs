@@ -230,26 +230,50 @@ impl<'u> Elab<'u> {
         let clock = self
             .facts_of(scope)
             .map_or(&[][..], |f| f.clocks.of_flow(flow));
+        let scalars = super::expr::leaf_scalars(&scope.unit.flow(flow).ty);
+        self.absent_beside(scope, clock, (wire, &scalars), At::ROOT, span)
+    }
+
+    /// An operand for an operator that looks at its presence: absent where its clock does not tick and the operator's
+    /// does.
+    pub(super) fn read_by(
+        &mut self,
+        scope: &mut Scope<'u>,
+        [reader, operand]: [ExprId; 2],
+        scalars: &[Scalar],
+        at: At,
+    ) -> Wire {
+        let wire = self.wide(scope, operand, scalars.len(), at);
+        let clock = self
+            .facts_of(scope)
+            .map_or(&[][..], |f| f.clocks.beyond(operand, reader));
+        let span = scope.unit.expr(operand).span;
+        self.absent_beside(scope, clock, (&wire, scalars), at, span)
+    }
+
+    /// A value, absent where one of these clocks, each within the one before, does not tick.
+    fn absent_beside(
+        &mut self,
+        scope: &mut Scope<'u>,
+        clock: &[ClockOn],
+        (wire, scalars): (&Wire, &[Scalar]),
+        at: At,
+        span: Span,
+    ) -> Wire {
         if clock.is_empty() {
             return wire.clone();
         }
         let mut active = Signal::Const(Value::bool(true));
         for on in clock.iter().rev() {
-            let ticks = self.ticks(scope, *on, At::ROOT, span);
+            let ticks = self.ticks(scope, *on, at, span);
             let no = Signal::Const(Value::bool(false));
-            active = self.family(
-                Family::Conditional,
-                Scalar::Bool,
-                &[ticks, active, no],
-                At::ROOT,
-                span,
-            );
+            let inputs = [ticks, active, no];
+            active = self.family(Family::Conditional, Scalar::Bool, &inputs, at, span);
         }
-        let off = self.simple(prim!("Core::BooleanNot"), &[active], At::ROOT, span);
-        let scalars = super::expr::leaf_scalars(&scope.unit.flow(flow).ty);
+        let off = self.simple(prim!("Core::BooleanNot"), &[active], at, span);
         let leaves = wire.iter().zip(scalars).map(|(signal, scalar)| {
             let inputs = [signal.clone(), off.clone()];
-            self.family(Family::SetNull, scalar, &inputs, At::ROOT, span)
+            self.family(Family::SetNull, *scalar, &inputs, at, span)
         });
         leaves.collect()
     }

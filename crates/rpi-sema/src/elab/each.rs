@@ -33,8 +33,8 @@ impl<'u> Elab<'u> {
             (Each::Arrow, [a, b]) => self.arrow(scope, *a, *b, id, at),
             (Each::Coalesce, [a, b]) => {
                 let scalars = leaf_scalars(ty);
-                let a = self.wide(scope, *a, scalars.len(), at);
-                let b = self.wide(scope, *b, scalars.len(), at);
+                let a = self.read_by(scope, [id, *a], &scalars, at);
+                let b = self.read_by(scope, [id, *b], &scalars, at);
                 let leaves = a.iter().zip(b.iter()).zip(scalars);
                 leaves
                     .map(|((a, b), scalar)| self.coalesce(a.clone(), b.clone(), scalar, at, span))
@@ -42,8 +42,8 @@ impl<'u> Elab<'u> {
             }
             (Each::Hold, [x, init]) => {
                 let (at, scalars) = (at.unguarded(), leaf_scalars(ty));
-                let x = self.wide(scope, *x, scalars.len(), at);
-                let init = self.wide(scope, *init, scalars.len(), at);
+                let x = self.read_by(scope, [id, *x], &scalars, at);
+                let init = self.read_by(scope, [id, *init], &scalars, at);
                 let leaves = x.iter().zip(init.iter()).zip(scalars);
                 leaves
                     .map(|((x, init), scalar)| {

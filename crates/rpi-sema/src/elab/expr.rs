@@ -101,7 +101,7 @@ impl<'u> Elab<'u> {
             }
             Kind::Each(each, operands) => self.each(scope, *each, operands, id, at),
             Kind::Equal { operands, negated } => self.equal(scope, *operands, *negated, at, span),
-            Kind::Present(operand) => self.present(scope, *operand, at, span),
+            Kind::Present(operand) => self.present(scope, [id, *operand], at, span),
             Kind::Prim(call) => self.prim_call(scope, call, at, span),
             Kind::Call(call) => self.call(scope, call, id, at),
             Kind::When { value, .. } => self.expr(scope, *value, at),
@@ -254,9 +254,15 @@ impl<'u> Elab<'u> {
     }
 
     /// `present(x)`: all leaves are there.
-    fn present(&mut self, scope: &mut Scope<'u>, operand: ExprId, at: At, span: Span) -> Wire {
+    fn present(
+        &mut self,
+        scope: &mut Scope<'u>,
+        [id, operand]: [ExprId; 2],
+        at: At,
+        span: Span,
+    ) -> Wire {
         let scalars = leaf_scalars(&scope.unit.expr(operand).ty);
-        let wire = self.expr(scope, operand, at);
+        let wire = self.read_by(scope, [id, operand], &scalars, at);
         let mut all = Signal::Const(Value::bool(true));
         for (signal, scalar) in wire.iter().zip(scalars) {
             let there = match signal {

@@ -13,7 +13,7 @@ pub(super) fn demand(inference: &Inference<'_>, reads: &Reads<'_>, findings: &mu
         match &inference.unit.expr(id).kind {
             Kind::Call(call) => arguments(inference, call, findings),
             Kind::Each(crate::typed::Each::Coalesce, operands) => {
-                needless(inference, operands[0], operands[1], findings);
+                needless(inference, id, [operands[0], operands[1]], findings);
             }
             _ => {}
         }
@@ -102,9 +102,14 @@ fn arguments(inference: &Inference<'_>, call: &Call, findings: &mut Vec<Finding>
 }
 
 /// `x ?? y` where x is always present.
-fn needless(inference: &Inference<'_>, first: ExprId, second: ExprId, findings: &mut Vec<Finding>) {
+fn needless(
+    inference: &Inference<'_>,
+    id: ExprId,
+    [first, second]: [ExprId; 2],
+    findings: &mut Vec<Finding>,
+) {
     let unit = inference.unit;
-    let sure = !inference.exprs[first.0 as usize].any() && unit.expr(first).ty.leaf_count() > 0;
+    let sure = !inference.read_by(id, first).any() && unit.expr(first).ty.leaf_count() > 0;
     if sure && !matches!(unit.expr(first).kind, Kind::Fault) {
         let finding = Finding::new(Code::RPI3002, "the right side of `??` is never used")
             .at(unit.expr(second).span, "never used")

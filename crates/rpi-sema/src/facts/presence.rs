@@ -49,14 +49,15 @@ pub fn find(units: &[Unit]) -> (Vec<Facts>, Vec<Finding>) {
     for unit in units {
         let (clocks, mut apart) = clocks::find(units, unit);
         findings.append(&mut apart);
-        let mut inference = Inference::new(units, unit);
+        let mut inference = Inference::new(units, unit, &clocks);
         if inference.has_source() {
             let reads = Reads::new(unit);
             inference.solve(&reads);
             super::demand::demand(&inference, &reads, &mut findings);
+            let (exprs, flows) = (inference.exprs, inference.flows);
             facts.push(Facts {
-                exprs: inference.exprs,
-                flows: inference.flows,
+                exprs,
+                flows,
                 clocks,
             });
         } else {
@@ -73,6 +74,7 @@ pub fn find(units: &[Unit]) -> (Vec<Facts>, Vec<Finding>) {
 pub(super) struct Inference<'u> {
     pub(super) units: &'u [Unit],
     pub(super) unit: &'u Unit,
+    clocks: &'u Clocks,
     pub(super) exprs: Vec<Absence>,
     flows: Vec<Absence>,
     /// For each block whether it may be inactive while its parent is active.
@@ -80,7 +82,7 @@ pub(super) struct Inference<'u> {
 }
 
 impl<'u> Inference<'u> {
-    fn new(units: &'u [Unit], unit: &'u Unit) -> Self {
+    fn new(units: &'u [Unit], unit: &'u Unit, clocks: &'u Clocks) -> Self {
         let declared = |optional: Optional| match optional {
             Optional::Declared(optional) => Absence::All(optional),
             Optional::Inferred => Absence::NEVER,
@@ -99,6 +101,7 @@ impl<'u> Inference<'u> {
         Inference {
             units,
             unit,
+            clocks,
             exprs: vec![Absence::NEVER; unit.exprs.len()],
             flows: unit
                 .flows
@@ -273,7 +276,7 @@ impl<'u> Inference<'u> {
                 self.of(*base)
                     .replaced(count, *at as usize, &part, self.count(*value))
             }
-            Kind::Each(each, operands) => self.each(*each, operands, count),
+            Kind::Each(each, operands) => self.each(*each, operands, id),
             Kind::Equal { operands, .. } => {
                 Absence::All(operands.iter().any(|id| self.of(*id).any()))
             }
@@ -300,7 +303,8 @@ impl<'u> Inference<'u> {
         }
     }
 
-    fn each(&self, each: Each, operands: &[ExprId], count: usize) -> Absence {
+    fn each(&self, each: Each, operands: &[ExprId], id: ExprId) -> Absence {
+        let count = self.count(id);
         let or = |a: bool, b: bool| a || b;
         match (each, operands) {
             (Each::If, [condition, yes, no]) => match self.of(*condition).any() {
@@ -311,9 +315,18 @@ impl<'u> Inference<'u> {
             (Each::Arrow, [a, b]) => self.of(*a).with(&self.of(*b), count, or),
             (Each::Coalesce, [a, b]) if self.covers(*a, *b) => Absence::NEVER,
             (Each::Coalesce | Each::Hold, [a, b]) => {
-                self.of(*a).with(&self.of(*b), count, |a, b| a && b)
+                let [a, b] = [a, b].map(|operand| self.read_by(id, *operand));
+                a.with(&b, count, |a, b| a && b)
             }
             _ => Absence::MAYBE,
+        }
+    }
+
+    /// An operand for an operator that looks at its presence: one of a slower clock is absent when that does not tick.
+    pub(super) fn read_by(&self, reader: ExprId, operand: ExprId) -> Absence {
+        match self.clocks.beyond(operand, reader).is_empty() {
+            true => self.of(operand),
+            false => Absence::MAYBE,
         }
     }
 
