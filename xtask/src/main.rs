@@ -25,7 +25,7 @@ const CHORES: &[Chore] = &[
     ),
     (
         "lustre-corpus",
-        "run Lustre programs written elsewhere: --programs DIR, with --traces FILE.json, --reject or neither",
+        "run Lustre programs written elsewhere: --programs DIR, with --traces FILE.json, --reject, --kinds FILE.json or none",
         lustre::corpus,
     ),
     (

@@ -78,6 +78,7 @@ codes! {
     RPI0014 Note "contract in a comment";
     RPI0015 Warning "`when` read as in Lustre V6";
     RPI0016 Error "spelling of another language";
+    RPI0017 Error "construct of Kind 2 that is not run";
     RPI0101 Error "unexpected sign in a net";
     RPI0102 Error "text without end in a net";
     RPI0103 Error "net nested too deeply";
@@ -93,6 +94,7 @@ codes! {
     RPI1011 Error "recursion without end";
     RPI1012 Error "defined outside";
     RPI1013 Note "value that is left open";
+    RPI1014 Error "parts that do not belong together";
     RPI1101 Error "unknown primitive";
     RPI1102 Warning "unknown in-port";
     RPI1103 Error "unknown parameter";
@@ -111,8 +113,10 @@ codes! {
     RPI2008 Error "constant needed";
     RPI2009 Error "sizes that do not fit";
     RPI2010 Error "constant that can not be worked out";
-    RPI2011 Error "merge with a missing case";
+    RPI2011 Error "cases that are not complete";
     RPI2012 Error "division by zero";
+    RPI2013 Error "array defined by its elements the wrong way";
+    RPI2014 Error "variable that stands for many values";
     RPI2101 Error "link between ports of different types";
     RPI2102 Error "text is no value of the parameter's type";
     RPI2103 Error "in-port not connected";
@@ -152,6 +156,7 @@ codes! {
     RPI9021 Error "recording that cannot be run again";
     RPI9101 Error "primitive without a form in C";
     RPI9102 Warning "part of a program that a net cannot hold";
+    RPI9103 Warning "primitive without a form in Lustre";
     RPI9201 Error "server that others can reach";
     RPI9901 Error "fault of the compiler";
 }

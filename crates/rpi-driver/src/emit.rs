@@ -3,6 +3,7 @@
 use rpi_diag::{Finding, SourceMap};
 use rpi_lower::LowerOptions;
 use rpi_net::Net;
+use rpi_net::lustre::Boundary;
 use rpi_net::passes::{Item, Schedule, analyse};
 use rpi_sema::program::Program;
 use rpi_syntax::{Mode, Parens};
@@ -112,4 +113,14 @@ pub fn c(net: &Net, period_ns: u64) -> Result<String, Vec<Finding>> {
         Some(plan) => rpi_lower::emit_c(&analysis.net, &plan, &options),
         None => Err(Vec::new()),
     }
+}
+
+/// A net as a Lustre node, and what of it became an input there.
+///
+/// # Errors
+/// Why there is no order in the net.
+pub fn lustre(net: &Net, boundary: &Boundary<'_>) -> Result<(String, Vec<Finding>), String> {
+    let analysis = analyse(net.clone(), |_| false).map_err(|violation| violation.to_string())?;
+    let made = rpi_net::lustre::write(&analysis, boundary);
+    Ok((made.text, made.findings))
 }

@@ -7,6 +7,7 @@
 pub mod claim;
 mod column;
 pub mod literal;
+pub mod lustre;
 pub mod net;
 pub mod passes;
 pub mod rpinet;

@@ -3,7 +3,7 @@
 //! The grammar hands over `a + b * c` piece by piece. Operators whose right operand may still grow
 //! wait on a stack; one is applied as soon as an operator arrives that binds less strongly.
 
-use crate::ast::{Binary, Clock, Expr, ExprKind, If, When};
+use crate::ast::{Binary, Clock, Expr, ExprKind, If, Quantified, VarDecl, When};
 use crate::context::Context;
 use crate::ops::{BinaryOp, Grouping, LEVEL_IF, LEVEL_WHEN, Level, UnaryOp};
 use rpi_diag::Span;
@@ -13,6 +13,8 @@ pub(crate) enum Prefix {
     Unary(UnaryOp),
     /// `if c then x else`: whether it is static, the condition, the first branch.
     If(Box<(bool, Expr, Expr)>),
+    /// `forall (x: int)`: whether for all, and over what.
+    Quantifier(bool, Vec<VarDecl>),
 }
 
 /// An operand with what stands before it, outermost last.
@@ -53,7 +55,7 @@ impl Waiting {
         match self {
             Waiting::Binary { op, .. } => op.level(),
             Waiting::Prefix(Prefix::Unary(op), _) => op.level(),
-            Waiting::Prefix(Prefix::If(_), _) => LEVEL_IF,
+            Waiting::Prefix(Prefix::If(_) | Prefix::Quantifier(..), _) => LEVEL_IF,
         }
     }
 }
@@ -159,6 +161,11 @@ fn applied(cx: &Context<'_>, waiting: Waiting, rhs: Expr) -> Expr {
 fn prefixed(prefix: Prefix, operand: Expr) -> ExprKind {
     match prefix {
         Prefix::Unary(op) => ExprKind::Unary(op, Box::new(operand)),
+        Prefix::Quantifier(for_all, vars) => ExprKind::Quantified(Box::new(Quantified {
+            for_all,
+            vars,
+            condition: operand,
+        })),
         Prefix::If(parts) => {
             let (is_static, condition, yes) = *parts;
             ExprKind::If(Box::new(If {

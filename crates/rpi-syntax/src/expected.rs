@@ -42,18 +42,18 @@ const GROUPS: &[Group] = &[
         words: "an argument",
         needs: &[Int, Not, Const, Node, BoolType],
         covers: &[
-            Int, Real, Str, True, False, Ident, Path, LParen, LBracket, Hash, Nor, Merge, Not,
-            Minus, Pre, Current, Last, If, With, IntType, RealType, BoolType, Const, Node,
-            Function, Type, Arrow, Plus, Star, Slash, Div, Mod, Pow, Hat, Bar, Coalesce, Implies,
-            Or, Xor, And, Eq, Ne, Lt, Le, Gt, Ge, Fby,
+            LBrace, When, In, Int, Real, Str, True, False, Ident, Path, LParen, LBracket, Hash,
+            Nor, Merge, Not, Minus, Pre, Current, Last, If, With, IntType, RealType, BoolType,
+            Const, Node, Function, Type, Arrow, Plus, Star, Slash, Div, Mod, Pow, Hat, Bar,
+            Coalesce, Implies, Or, Xor, And, Eq, Ne, Lt, Le, Gt, Ge, Fby,
         ],
     },
     Group {
         words: "an expression",
         needs: &[Int, Not, LParen],
         covers: &[
-            Int, Real, Str, True, False, Ident, Path, LParen, LBracket, Hash, Nor, Merge, Not,
-            Minus, Pre, Current, Last, If, With, IntType, RealType,
+            LBrace, When, Int, Real, Str, True, False, Ident, Path, LParen, LBracket, Hash, Nor,
+            Merge, Not, Minus, Pre, Current, Last, If, With, IntType, RealType,
         ],
     },
     Group {
@@ -72,7 +72,7 @@ const GROUPS: &[Group] = &[
         words: "a type",
         needs: &[BoolType, IntType],
         covers: &[
-            BoolType, IntType, RealType, Ident, Path, Enum, Struct, LBrace,
+            BoolType, IntType, RealType, Ident, Path, Enum, Struct, LBrace, LBracket,
         ],
     },
     Group {
@@ -84,8 +84,8 @@ const GROUPS: &[Group] = &[
         words: "an operator",
         needs: &[Arrow, Plus],
         covers: &[
-            Arrow, Plus, Minus, Star, Slash, Div, Mod, Pow, Hat, Bar, Coalesce, Implies, Or, Xor,
-            And, Eq, Ne, Lt, Le, Gt, Ge, Fby, When, Dot, LBracket, LBrace, LParen, LStatic,
+            In, Arrow, Plus, Minus, Star, Slash, Div, Mod, Pow, Hat, Bar, Coalesce, Implies, Or,
+            Xor, And, Eq, Ne, Lt, Le, Gt, Ge, Fby, When, Dot, LBracket, LBrace, LParen, LStatic,
             Percent,
         ],
     },
@@ -159,7 +159,8 @@ const LISTED: usize = 4;
 
 /// The set in words: "`;` or an operator".
 pub(crate) fn in_words(expected: &[Token], before: Option<Token>) -> String {
-    let mut left: Vec<Token> = expected.iter().copied().filter(|t| *t != Broken).collect();
+    let meant = |token: &Token| *token != Broken && !is_of_kind2(*token);
+    let mut left: Vec<Token> = expected.iter().copied().filter(meant).collect();
     let mut words = Vec::new();
     for group in GROUPS {
         if group.needs.iter().all(|token| left.contains(token)) {
@@ -176,6 +177,26 @@ pub(crate) fn in_words(expected: &[Token], before: Option<Token>) -> String {
         .map(|token| one(*token, before))
         .collect::<Vec<_>>();
     listed(single.into_iter().chain(words))
+}
+
+/// Whether only programs of Kind 2 have it, which is never what somebody lacks.
+fn is_of_kind2(token: Token) -> bool {
+    let word = token.keyword().is_some_and(|word| !word.in_rpi);
+    word || matches!(
+        token,
+        BitAnd
+            | BitOr
+            | BitNot
+            | IfBlock
+            | WhenBlock
+            | CondBlock
+            | FrameBlock
+            | ElsIf
+            | ElseBlock
+            | EndBlock
+            | Case
+            | Asks
+    )
 }
 
 fn one(token: Token, before: Option<Token>) -> String {

@@ -2,7 +2,7 @@
 
 use crate::comments::{Comment, CommentKind, Comments};
 use crate::token::Token;
-use crate::{Mode, habits, lexical, units, words};
+use crate::{Mode, blocks, habits, lexical, units, words};
 use logos::Logos;
 use rpi_diag::{FileId, Finding, Span};
 use std::collections::BTreeSet;
@@ -40,10 +40,17 @@ pub(crate) fn lex_skipping(file: FileId, text: &str, mode: Mode, skipped: &BTree
     }
     lexer.stretch(0, text.len());
     lexer.report_unknown();
-    words::settle(&mut lexer.out.lexemes);
+    words::settle(&mut lexer.out.lexemes, mode);
     words::mark_types(&mut lexer.out.lexemes);
+    if mode == Mode::Lustre {
+        words::part_closing(&mut lexer.out.lexemes);
+        blocks::mark(text, &mut lexer.out.lexemes);
+    }
     lexer.out
 }
+
+/// Kind 2's implication whose right side is only computed where the left holds.
+const LAZY_IMPLICATION: &str = "==>";
 
 /// How a contract in a comment begins.
 const CONTRACT: &str = "@contract";
@@ -109,6 +116,17 @@ impl<'t> Lexer<'t> {
             NumberWord => self.number_word(lexeme),
             OpenStr => self.open_str(lexeme),
             Foreign => self.foreign(lexeme),
+            BitAnd | BitOr | BitNot if self.mode == Mode::Rpi => self.foreign(lexeme),
+            TickParen if self.mode == Mode::Lustre => self.push(LParen, lexeme),
+            TickParen => {
+                self.unknown(lexeme.start, lexeme.start + 1);
+                let start = lexeme.start + 1;
+                self.token(Lexeme {
+                    token: LParen,
+                    start,
+                    ..lexeme
+                });
+            }
             Percent if self.mode == Mode::Lustre => self.push(Mod, lexeme),
             Ampersand => self.push(And, lexeme),
             token => self.word_or_sign(token, lexeme),
@@ -185,6 +203,9 @@ impl<'t> Lexer<'t> {
 
     /// `==`: reported, and read as what is meant.
     fn foreign(&mut self, lexeme: Lexeme) {
+        if self.mode == Mode::Lustre && self.slice(lexeme) == LAZY_IMPLICATION {
+            return self.push(Token::Implies, lexeme);
+        }
         let Some(sign) = habits::sign(self.slice(lexeme)) else {
             return self.unknown(lexeme.start, lexeme.end);
         };

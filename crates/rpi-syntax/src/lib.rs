@@ -9,6 +9,7 @@
 //! lexer crosses its interface.
 
 pub mod ast;
+mod blocks;
 mod chain;
 mod comments;
 mod context;
@@ -21,6 +22,7 @@ mod habits;
 mod lexer;
 mod lexical;
 mod make;
+mod make_blocks;
 mod make_expr;
 mod mend;
 mod name;
@@ -31,6 +33,7 @@ mod parse;
 mod phrase;
 mod pieces;
 mod print;
+mod sizes;
 mod split;
 mod structure;
 mod text;

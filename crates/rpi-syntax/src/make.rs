@@ -50,16 +50,18 @@ pub(crate) fn signature(
 }
 
 pub(crate) fn node(
-    is_unsafe: bool,
+    modifier: Modifier,
     kind: NodeKind,
     signature: Signature,
     contract: Option<Box<Contract>>,
     definition: NodeDef,
     outside: Outside,
 ) -> Box<NodeDecl> {
+    let sizes = crate::sizes::of(&signature, &definition);
     Box::new(NodeDecl {
         kind,
-        is_unsafe,
+        sizes,
+        modifier,
         signature,
         contract: contract.map(|c| *c),
         definition,
@@ -119,10 +121,62 @@ pub(crate) fn run(
 /// One part of a contract, before the parts are sorted by kind.
 pub(crate) enum ContractPart {
     Locals(Locals),
+    Together(Together),
     Claim(Box<Claim>),
     Mode(ContractMode),
     Import(ContractImport),
     Broken,
+}
+
+/// `var x, y: int = e;`: what has several names gets its values together.
+pub(crate) fn ghosts(mut vars: Vec<VarDecl>) -> ContractPart {
+    let value = match &mut vars[..] {
+        [one] if one.names.len() > 1 => one.default.take(),
+        _ => None,
+    };
+    match value {
+        Some(value) => together_of(vars, value),
+        None => ContractPart::Locals(Locals::Var(vars)),
+    }
+}
+
+/// `var x: int, y: bool = e;`
+pub(crate) fn together(first: Box<VarDecl>, rest: Vec<VarDecl>, value: Expr) -> ContractPart {
+    together_of(extended(vec![*first], rest), value)
+}
+
+fn together_of(vars: Vec<VarDecl>, value: Expr) -> ContractPart {
+    let names = vars.iter().flat_map(|var| &var.names);
+    let targets = names.map(|name| Target {
+        name: name.clone(),
+        path: Vec::new(),
+        span: name.span,
+    });
+    let equation = Equation {
+        targets: targets.collect(),
+        value,
+    };
+    let first = vars.first().map_or(Span::NONE, |var| var.span);
+    let span = first.merge(equation.value.span);
+    ContractPart::Together(Together {
+        vars,
+        equation,
+        span,
+    })
+}
+
+pub(crate) fn claim(
+    kind: ClaimKind,
+    label: Option<Ident>,
+    condition: Expr,
+    provided: Option<Expr>,
+) -> Box<Claim> {
+    Box::new(Claim {
+        kind,
+        label,
+        condition,
+        provided,
+    })
 }
 
 /// A contract by itself has no body.
@@ -168,10 +222,24 @@ impl Context<'_> {
         })
     }
 
+    pub(crate) fn generic_type(
+        &self,
+        l: u32,
+        name: Ident,
+        statics: Vec<StaticParam>,
+        ty: Type,
+        r: u32,
+    ) -> Box<TypeDef> {
+        let mut def = self.type_def(l, name, Some(ty), r);
+        def.statics = statics;
+        def
+    }
+
     pub(crate) fn type_def(&self, l: u32, name: Ident, ty: Option<Type>, r: u32) -> Box<TypeDef> {
         Box::new(TypeDef {
             doc: self.doc(l),
             name,
+            statics: Vec::new(),
             ty,
             span: self.span(l, r),
         })
@@ -231,6 +299,7 @@ impl Context<'_> {
     pub(crate) fn contract(&self, l: u32, parts: Vec<ContractPart>, r: u32) -> Box<Contract> {
         let mut contract = Contract {
             locals: Vec::new(),
+            together: Vec::new(),
             claims: Vec::new(),
             modes: Vec::new(),
             imports: Vec::new(),
@@ -239,6 +308,7 @@ impl Context<'_> {
         for part in parts {
             match part {
                 ContractPart::Locals(locals) => contract.locals.push(locals),
+                ContractPart::Together(together) => contract.together.push(together),
                 ContractPart::Claim(claim) => contract.claims.push(*claim),
                 ContractPart::Mode(mode) => contract.modes.push(mode),
                 ContractPart::Import(import) => contract.imports.push(import),

@@ -150,12 +150,62 @@ impl Context<'_> {
         &self,
         l: u32,
         ty: Ident,
+        statics: Vec<StaticArg>,
         base: Option<Expr>,
         fields: Vec<FieldValue>,
         r: u32,
     ) -> Expr {
-        let value = StructExpr { ty, base, fields };
+        let value = StructExpr {
+            ty,
+            statics,
+            base,
+            fields,
+        };
         self.expr(l, ExprKind::Struct(Box::new(value)), r)
+    }
+
+    /// `(x: T)`
+    pub(crate) fn ascribed(&self, l: u32, value: Expr, ty: Type, r: u32) -> Expr {
+        self.expr(l, ExprKind::Ascribed(Box::new(Ascribed { value, ty })), r)
+    }
+
+    /// `(int8 x)`: a call of the conversion.
+    pub(crate) fn converted(&self, l: u32, to: Ident, value: Expr, r: u32) -> Expr {
+        let callee = self.callee(to.span.start, to.clone(), Vec::new(), to.span.end);
+        let args = vec![Arg { name: None, value }];
+        self.call(l, crate::make::call(*callee, Activation::Always, args), r)
+    }
+
+    /// `any { x: T | c }`, whose first word begins at `l` and ends before `p`.
+    pub(crate) fn any_of(&self, l: u32, p: u32, refined: Box<Refined>, r: u32) -> Expr {
+        let word = self.slice(l, p).trim_end().len() as u32;
+        let name = self.ident(l, l + word);
+        let ty = self.ty(p, TypeKind::Refined(refined), r);
+        let of = *self.static_arg(p, None, StaticValue::Type(ty), r);
+        let callee = self.callee(l, name, vec![of], r);
+        let call = crate::make::call(*callee, Activation::Always, Vec::new());
+        self.call(l, call, r)
+    }
+
+    /// `A?(x)`
+    pub(crate) fn is_a(&self, l: u32, constructor: Ident, value: Expr, r: u32) -> Expr {
+        self.expr(l, ExprKind::IsA(Box::new(IsA { constructor, value })), r)
+    }
+
+    pub(crate) fn match_expr(&self, l: u32, value: Expr, arms: Vec<Arm>, r: u32) -> Expr {
+        self.expr(l, ExprKind::Match(Box::new(Match { value, arms })), r)
+    }
+
+    /// `{}@<T>`
+    pub(crate) fn empty_set(&self, l: u32, types: Vec<StaticArg>, r: u32) -> Expr {
+        self.expr(l, ExprKind::EmptySet(types.into()), r)
+    }
+
+    /// A number among types: `uint<32>`.
+    pub(crate) fn static_number(&self, l: u32, r: u32) -> Box<StaticArg> {
+        let number = self.number(l, r);
+        let value = self.expr(l, ExprKind::Number(number), r);
+        self.static_arg(l, None, StaticValue::Expr(value), r)
     }
 
     pub(crate) fn call(&self, l: u32, call: Box<Call>, r: u32) -> Expr {

@@ -36,6 +36,8 @@ pub struct BinaryRow {
     pub level: Level,
     /// How equals group.
     pub grouping: Grouping,
+    /// Whether it is only an operator in `.lus` files.
+    pub only_lustre: bool,
     /// What it does, in a few words.
     pub doc: &'static str,
 }
@@ -49,12 +51,23 @@ pub struct UnaryRow {
     pub spelling: &'static str,
     /// How strongly it binds.
     pub level: Level,
+    /// Whether it is only an operator in `.lus` files.
+    pub only_lustre: bool,
     /// What it does, in a few words.
     pub doc: &'static str,
 }
 
+macro_rules! only_lustre {
+    () => {
+        false
+    };
+    (Lustre) => {
+        true
+    };
+}
+
 macro_rules! binary_ops {
-    ($($op:ident $spelling:literal $level:literal $grouping:ident $doc:literal;)*) => {
+    ($($op:ident $spelling:literal $level:literal $grouping:ident $doc:literal $($mode:ident)?;)*) => {
         /// An operator between two operands.
         #[derive(Clone, Copy, PartialEq, Eq, Hash, Debug, PartialOrd, Ord)]
         pub enum BinaryOp {
@@ -67,13 +80,14 @@ macro_rules! binary_ops {
             spelling: $spelling,
             level: $level,
             grouping: Grouping::$grouping,
+            only_lustre: only_lustre!($($mode)?),
             doc: $doc,
         },)*];
     };
 }
 
 macro_rules! unary_ops {
-    ($($op:ident $spelling:literal $level:literal $doc:literal;)*) => {
+    ($($op:ident $spelling:literal $level:literal $doc:literal $($mode:ident)?;)*) => {
         /// An operator before its operand.
         #[derive(Clone, Copy, PartialEq, Eq, Hash, Debug, PartialOrd, Ord)]
         pub enum UnaryOp {
@@ -85,6 +99,7 @@ macro_rules! unary_ops {
             op: UnaryOp::$op,
             spelling: $spelling,
             level: $level,
+            only_lustre: only_lustre!($($mode)?),
             doc: $doc,
         },)*];
     };
@@ -104,13 +119,18 @@ binary_ops! {
     Le       "<="  8  None  "at most";
     Gt       ">"   8  None  "greater";
     Ge       ">="  8  None  "at least";
+    In       "in"  8  None  "whether a set holds a value" Lustre;
     Add      "+"   10 Left  "sum";
     Sub      "-"   10 Left  "difference";
+    BitOr    "||"  10 Left  "machine integers: bits of either" Lustre;
     Mul      "*"   11 Left  "product";
     Div      "/"   11 Left  "quotient";
     IntDiv   "div" 11 Left  "integer quotient, towards zero";
     Mod      "mod" 11 Left  "remainder, with the sign of the left operand";
+    BitAnd   "&&"  11 Left  "machine integers: bits of both" Lustre;
     Pow      "**"  12 Left  "power";
+    ShiftLeft  "lsh" 12 Left "machine integers: bits moved to the left" Lustre;
+    ShiftRight "rsh" 12 Left "machine integers: bits moved to the right" Lustre;
     Repeat   "^"   15 Left  "array of so many equal elements";
     Fby      "fby" 16 Right "left in the first cycle, then right one cycle late";
 }
@@ -123,6 +143,7 @@ unary_ops! {
     Current "current" 14 "latest value of a sampled flow";
     ToInt   "int"     14 "real to integer";
     ToReal  "real"    14 "integer to real";
+    BitNot  "!"       14 "machine integers: bits turned over" Lustre;
 }
 
 impl BinaryOp {

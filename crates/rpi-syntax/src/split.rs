@@ -156,10 +156,13 @@ impl Splitter<'_> {
             }
     }
 
-    /// `node` after `unsafe` or `extern`
+    /// `node` after `unsafe`, `extern`, `opaque` or `transparent`
     fn continues_prefix(&self, at: usize) -> bool {
         let before = at.checked_sub(1).and_then(|i| self.token_at(i));
-        matches!(before, Some(Token::Unsafe | Token::Extern))
+        matches!(
+            before,
+            Some(Token::Unsafe | Token::Extern | Token::Opaque | Token::Transparent)
+        )
     }
 
     /// Whether a `const` belongs to the declaration before it, whose body is still to come.
@@ -255,6 +258,9 @@ pub(crate) fn begins_declaration(token: Token) -> bool {
 
 /// Whether what begins with the word may have local declarations before its `let`.
 fn takes_locals(head: Token) -> bool {
-    use Token::{Command, Fragment, Function, Node, Test, Unsafe};
-    matches!(head, Command | Fragment | Function | Node | Test | Unsafe)
+    use Token::{Command, Fragment, Function, Node, Opaque, Test, Transparent, Unsafe};
+    matches!(
+        head,
+        Command | Fragment | Function | Node | Opaque | Test | Transparent | Unsafe
+    )
 }

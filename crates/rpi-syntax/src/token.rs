@@ -32,6 +32,10 @@ pub enum Place {
     Alternative,
     /// Before a name, where an operator could stand or after `|`.
     Branch,
+    /// Before a bracket in which variables are declared: `(x: int`, `{ x: int`.
+    Binder,
+    /// After `(`, before what a conversion converts.
+    Conversion,
 }
 
 /// One row of the table of words.
@@ -39,8 +43,10 @@ pub enum Place {
 pub struct Keyword {
     /// How it is written.
     pub text: &'static str,
-    /// Whether `.lus` files know it too.
+    /// Whether `.lus` files know it.
     pub in_lustre: bool,
+    /// Whether `.rpi` files know it.
+    pub in_rpi: bool,
     /// Where it is a keyword.
     pub place: Place,
     /// What it is for, in a few words.
@@ -52,7 +58,10 @@ pub struct Keyword {
 impl Keyword {
     /// Whether the word is a keyword in files of this mode.
     pub fn is_in(&self, mode: Mode) -> bool {
-        self.in_lustre || mode == Mode::Rpi
+        match mode {
+            Mode::Rpi => self.in_rpi,
+            Mode::Lustre => self.in_lustre,
+        }
     }
 
     /// Whether it can never be a name in files of this mode.
@@ -73,6 +82,7 @@ macro_rules! tokens {
             #[regex(r"[A-Za-z_][A-Za-z0-9_']*")]
             Ident,
             #[regex(r"[A-Za-z_][A-Za-z0-9_']*(::[A-Za-z_][A-Za-z0-9_']*)+")]
+            #[regex(r"::[A-Za-z_][A-Za-z0-9_']*(::[A-Za-z_][A-Za-z0-9_']*)*")]
             Path,
             #[regex(r"[0-9]+")]
             #[regex(r"0[xX][0-9a-fA-F]+")]
@@ -101,8 +111,29 @@ macro_rules! tokens {
             /// A text that names a claim: `assume "sensor range" x < 5.0`.
             Label,
             /// A sign of another language; the lexer puts in ours, see [`crate::habits::SIGNS`].
-            #[regex(r"==>?|===|!==?|~=|&&|\|\||:=|!|~")]
+            #[regex(r"==>?|===|!==?|~=|:=|~")]
             Foreign,
+            /// `'(`: a tuple of Kind 2.
+            #[token("'(")]
+            TickParen,
+            /// Marks of [`crate::blocks`]: where a statement of Kind 2 that holds equations begins, goes on and ends.
+            IfBlock,
+            /// `when c then ... end` as a statement.
+            WhenBlock,
+            /// `cond | c: ... end`.
+            CondBlock,
+            /// `frame (x) ... let ... tel`.
+            FrameBlock,
+            /// `elsif` between the branches of a block.
+            ElsIf,
+            /// `else` and `otherwise` before the last branch of a block.
+            ElseBlock,
+            /// `fi`, or `end` of a block or `match`.
+            EndBlock,
+            /// `|` before an alternative.
+            Case,
+            /// `?` of `A?(x)`.
+            Asks,
             /// Stands for a phrase with a fault that has been reported.
             Broken,
         }
@@ -111,6 +142,7 @@ macro_rules! tokens {
         pub const KEYWORDS: &[Keyword] = &[$(Keyword {
             text: $text,
             in_lustre: tokens!(@in_lustre $mode),
+            in_rpi: tokens!(@in_rpi $mode),
             place: Place::$place,
             doc: $doc,
             token: Token::$word,
@@ -120,6 +152,9 @@ macro_rules! tokens {
     };
     (@in_lustre Both) => { true };
     (@in_lustre Rpi) => { false };
+    (@in_lustre Lustre) => { true };
+    (@in_rpi Lustre) => { false };
+    (@in_rpi $mode:ident) => { true };
 }
 
 /// How the signs of the language are written.
@@ -203,14 +238,14 @@ tokens! {
         Yield     "yield"     Rpi  Statement    "ends a command, maybe in motion, into a successor";
 
         Actuator  "actuator"  Rpi  BeforeName   "ports that a command writes";
-        Last      "last"      Rpi  BeforeName   "the value in the previous cycle, whatever the state";
+        Last      "last"      Both BeforeName   "the value in the previous cycle, whatever the state";
         Sensor    "sensor"    Rpi  BeforeName   "ports that a command reads";
         Status    "status"    Rpi  BeforeName   "ports about the device itself";
 
         Budget    "budget"    Rpi  AfterOperand "the time that something may take";
         Continue  "continue"  Rpi  AfterOperand "the next state, resumed where it was left";
         Given     "given"     Rpi  AfterOperand "before the values taken over from the predecessor";
-        In        "in"        Rpi  AfterOperand "the frame of the coordinates";
+        In        "in"        Both AfterOperand "the frame of the coordinates; whether a set holds a value";
         On        "on"        Rpi  Branch       "what follows a result";
         Times     "times"     Rpi  AfterOperand "after the count of `repeat`";
 
@@ -219,6 +254,27 @@ tokens! {
         Until     "until"     Rpi  Clause       "a weak transition";
 
         Otherwise "otherwise" Rpi  Alternative  "a transition taken if none before it is";
+
+        AnyOf       "any"         Lustre Binder       "a value that the program leaves open, within a condition";
+        Choose      "choose"      Lustre Binder       "a value that only depends on what its condition reads";
+        Datatype    "datatype"    Lustre Declaration  "declares a type of alternatives";
+        Exists      "exists"      Lustre Binder       "whether a condition holds for some value";
+        Forall      "forall"      Lustre Binder       "whether a condition holds for all values";
+        Match       "match"       Lustre BeforeName   "a value by alternatives";
+        Opaque      "opaque"      Lustre Declaration  "a node of which callers only know the contract";
+        Provided    "provided"    Lustre AfterOperand "when a property has to hold";
+        ShiftLeft   "lsh"         Lustre AfterOperand "machine integers: bits moved to the left";
+        ShiftRight  "rsh"         Lustre AfterOperand "machine integers: bits moved to the right";
+        Subtype     "subtype"     Lustre Binder       "the values of a type for which a condition holds";
+        Transparent "transparent" Lustre Declaration  "a node that callers look into";
+        Int8        "int8"        Lustre Conversion   "a machine integer";
+        Int16       "int16"       Lustre Conversion   "a machine integer";
+        Int32       "int32"       Lustre Conversion   "a machine integer";
+        Int64       "int64"       Lustre Conversion   "a machine integer";
+        UInt8       "uint8"       Lustre Conversion   "a machine integer without sign";
+        UInt16      "uint16"      Lustre Conversion   "a machine integer without sign";
+        UInt32      "uint32"      Lustre Conversion   "a machine integer without sign";
+        UInt64      "uint64"      Lustre Conversion   "a machine integer without sign";
     }
     signs {
         Arrow "->"; Implies "=>"; Coalesce "??"; Question "?";
@@ -228,6 +284,7 @@ tokens! {
         Hash "#"; Ampersand "&"; At "@";
         LParen "("; RParen ")"; LBracket "["; RBracket "]"; LBrace "{"; RBrace "}";
         Comma ","; Semi ";"; Colon ":"; Dot "."; DotDot "..";
+        BitAnd "&&"; BitOr "||"; BitNot "!";
     }
 }
 

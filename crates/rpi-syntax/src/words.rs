@@ -3,12 +3,13 @@
 //! One pass over the tokens, left to right, by the row of the word table and the tokens on both
 //! sides. So few words need to be reserved, and the grammar never sees the question.
 
+use crate::Mode;
 use crate::lexer::Lexeme;
 use crate::token::{Keyword, Place, Token};
 
 /// Turns every contextual word that stands where it is a name into a name, and every text that
 /// names a claim into a label.
-pub(crate) fn settle(lexemes: &mut [Lexeme]) {
+pub(crate) fn settle(lexemes: &mut [Lexeme], mode: Mode) {
     for at in 0..lexemes.len() {
         let token = lexemes[at].token;
         if token == Token::Str {
@@ -16,6 +17,7 @@ pub(crate) fn settle(lexemes: &mut [Lexeme]) {
         } else if let Some(word) = token.keyword()
             && word.place != Place::Reserved
             && !Around::new(lexemes, at).makes_keyword(word)
+            && !(mode == Mode::Lustre && Around::new(lexemes, at).begins_check(word))
         {
             lexemes[at].token = Token::Ident;
         }
@@ -63,6 +65,56 @@ pub(crate) fn mark_types(lexemes: &mut Vec<Lexeme>) {
     *lexemes = marked;
 }
 
+/// Parts the `>>` of `any@<set<int>>` in two: both close a list of types that a `<` opens.
+pub(crate) fn part_closing(lexemes: &mut Vec<Lexeme>) {
+    let mut open: Vec<Token> = Vec::new();
+    let mut parted = Vec::new();
+    for at in 0..lexemes.len() {
+        match lexemes[at].token {
+            Token::Lt if opens_types(lexemes, at, open.last()) => open.push(Token::Lt),
+            Token::LStatic => open.push(Token::LStatic),
+            Token::Gt | Token::RStatic if open.is_empty() => {}
+            Token::Gt => {
+                open.pop_if(|token| *token == Token::Lt);
+            }
+            Token::RStatic if open.pop() == Some(Token::Lt) => {
+                open.pop_if(|token| *token == Token::Lt);
+                parted.push(at);
+            }
+            Token::Let | Token::Tel | Token::Eq => open.clear(),
+            _ => {}
+        }
+    }
+    for at in parted.into_iter().rev() {
+        let whole = lexemes[at];
+        let middle = whole.start + 1;
+        lexemes[at] = Lexeme {
+            token: Token::Gt,
+            end: middle,
+            ..whole
+        };
+        lexemes.insert(
+            at + 1,
+            Lexeme {
+                token: Token::Gt,
+                start: middle,
+                ..whole
+            },
+        );
+    }
+}
+
+/// Whether the `<` opens a list of types: after `@`, after a name where a type stands, or inside such a list.
+fn opens_types(lexemes: &[Lexeme], at: usize, open: Option<&Token>) -> bool {
+    use Token::{At, Colon, Comma, Gt, Ident, Lt, Semi};
+    let token = |back: usize| at.checked_sub(back).map(|at| lexemes[at].token);
+    match (token(1), token(2)) {
+        (Some(At), _) | (Some(Ident), Some(Colon)) => true,
+        (Some(Ident), Some(Lt | Comma | Semi | Gt)) => open == Some(&Lt),
+        _ => false,
+    }
+}
+
 /// How far back the bracket around a type is looked for.
 const NEAR: usize = 200;
 
@@ -94,6 +146,25 @@ struct Around {
     second_before: Option<Token>,
     before: Option<Token>,
     after: Option<Token>,
+    /// Whether a bracket follows in which variables are declared.
+    binds: bool,
+}
+
+/// Whether names with their type follow the bracket at `at`.
+fn declares(lexemes: &[Lexeme], at: usize) -> bool {
+    let token = |i: usize| lexemes.get(i).map(|lexeme| lexeme.token);
+    if !matches!(token(at), Some(Token::LParen | Token::LBrace)) {
+        return false;
+    }
+    let is_name = |token: Token| {
+        let word = token.keyword();
+        token == Token::Ident || word.is_some_and(|word| word.place != Place::Reserved)
+    };
+    let mut next = at + 1;
+    while token(next).is_some_and(is_name) && token(next + 1) == Some(Token::Comma) {
+        next += 2;
+    }
+    token(next).is_some_and(is_name) && token(next + 1) == Some(Token::Colon)
 }
 
 impl Around {
@@ -103,6 +174,7 @@ impl Around {
             second_before: at.checked_sub(2).and_then(token),
             before: at.checked_sub(1).and_then(token),
             after: token(at + 1),
+            binds: declares(lexemes, at + 1),
         }
     }
 
@@ -120,7 +192,15 @@ impl Around {
             Place::Clause => self.is_after_operand() || self.begins_statement(),
             Place::Alternative => self.is_alternative(),
             Place::Branch => self.is_before_name() && self.is_after_operand_or_bar(),
+            Place::Binder => self.binds,
+            Place::Conversion => self.converts(),
         }
+    }
+
+    /// `check (x > 0);`: in Lustre no call stands there.
+    fn begins_check(&self, word: &Keyword) -> bool {
+        let called = self.after == Some(Token::LParen) && self.begins_statement();
+        word.token == Token::Check && called
     }
 
     /// `arm.end`; but a `.` after `tel` ends a declaration.
@@ -184,6 +264,12 @@ impl Around {
 
     fn is_after_operand_or_bar(&self) -> bool {
         self.is_after_operand() || self.before == Some(Token::Bar)
+    }
+
+    /// `(int8 x)`
+    fn converts(&self) -> bool {
+        use Token::{Ident, Int, LParen, Minus};
+        self.before == Some(LParen) && matches!(self.after, Some(Ident | Int | LParen | Minus))
     }
 
     fn is_alternative(&self) -> bool {

@@ -91,3 +91,116 @@ fn bad_tables_are_told_with_their_line() {
     assert_eq!(status, Some(2), "{err}");
     assert!(err.contains("no column is called `x`"), "{err}");
 }
+
+/// A name of a flow as an emitted program has it: `x[2].f` becomes `x_2_f`.
+fn plain(name: &str) -> String {
+    name.replace(']', "").replace(['[', '.'], "_")
+}
+
+/// A program as `--emit lustre` writes it, and its table of inputs with plain names and numbers for the values of enums.
+fn emitted(program: &Path, table: &str) -> (String, String) {
+    let input = rpi_driver::read(program).expect("it is read");
+    let compiled = rpi_driver::compile_node(&input, None, rpi_driver::Claims::Fault, false);
+    let node = compiled
+        .expect("it is a program")
+        .node
+        .expect("it is right");
+    let boundary = rpi_net::lustre::Boundary {
+        inputs: &node.inputs,
+        outputs: &node.outputs,
+    };
+    let (text, left_open) =
+        rpi_driver::emit::lustre(&node.net, &boundary).expect("it has an order");
+    assert!(left_open.is_empty(), "{}: {left_open:?}", program.display());
+    let number = |cell: &str| {
+        let mut values = node
+            .inputs
+            .iter()
+            .flat_map(|column| column.values.iter().zip(0..));
+        let found = values.find(|(value, _)| *value == cell);
+        found.map_or(cell.to_owned(), |(_, k): (_, i32)| k.to_string())
+    };
+    let mut lines = table.lines();
+    let head: Vec<String> = lines
+        .next()
+        .unwrap_or_default()
+        .split(',')
+        .map(plain)
+        .collect();
+    let rows = lines.map(|line| line.split(',').map(number).collect::<Vec<_>>().join(","));
+    let rows: Vec<String> = std::iter::once(head.join(",")).chain(rows).collect();
+    (text, rows.join("\n") + "\n")
+}
+
+/// The columns of a table by plain name.
+fn columns(table: &str) -> Vec<(String, Vec<String>)> {
+    let rows: Vec<Vec<&str>> = table
+        .lines()
+        .map(|line| line.split(',').collect())
+        .collect();
+    let Some((head, rows)) = rows.split_first() else {
+        return Vec::new();
+    };
+    let column = |(k, name): (usize, &&str)| {
+        let cells = rows
+            .iter()
+            .map(|row| row.get(k).copied().unwrap_or_default().to_owned());
+        (plain(name), cells.collect())
+    };
+    head.iter().enumerate().map(column).collect()
+}
+
+#[test]
+fn what_is_emitted_as_lustre_gives_the_same_bits() {
+    let mut wrong = Vec::new();
+    for program in files_below("tests/lustre", &[".lus"]) {
+        let inputs = with(&program, "in.csv");
+        let path = program.display().to_string();
+        let wanted = rpi(&["run", &path, "--inputs", &inputs, "--numbers"]);
+        let table = std::fs::read_to_string(&inputs).expect("a table stands beside it");
+        let (text, table) = emitted(&program, &table);
+        let (found, err, status) = run(&text, &table, &[]);
+        let found = columns(&found);
+        for (name, cells) in columns(&self::text(&wanted.stdout)) {
+            let other = found
+                .iter()
+                // `last` is a word of Kind 2: what is called like one gets a number.
+                .find(|column| column.0 == name || column.0 == format!("{name}_2"))
+                .map(|column| &column.1);
+            let is_same = |(a, b): (&String, &String)| a.is_empty() || a == b;
+            let same = other.is_some_and(|other| {
+                cells.len() == other.len() && cells.iter().zip(other).all(is_same)
+            });
+            if !same || status != Some(0) {
+                wrong.push(format!("{path}: {name}: {cells:?}, {other:?}\n{text}{err}"));
+                break;
+            }
+        }
+    }
+    assert!(wrong.is_empty(), "{}", wrong.join("\n"));
+}
+
+#[test]
+fn what_has_no_form_in_lustre_is_told() {
+    let page = rpi_diag::Code::RPI9103.page();
+    for (fence, told) in [
+        ("```rpi-wrong emit-lustre", 1),
+        ("```rpi-right emit-lustre", 0),
+    ] {
+        let text = page.split(fence).nth(1);
+        let text = text.and_then(|rest| rest.split("```").next());
+        let input = rpi_driver::Input {
+            path: "page.rpi".into(),
+            kind: rpi_driver::Kind::Rpi,
+            bytes: text.expect("the page has both").as_bytes().to_vec(),
+        };
+        let compiled = rpi_driver::compile(&input).expect("a program is text");
+        let [net] = compiled.nets() else {
+            panic!("{:?}", compiled.findings)
+        };
+        let boundary = rpi_net::lustre::Boundary::default();
+        let (text, findings) = rpi_driver::emit::lustre(net, &boundary).expect("it has an order");
+        assert_eq!(findings.len(), told, "{findings:?}");
+        assert!(text.contains("done: bool"), "{text}");
+    }
+}

@@ -130,6 +130,9 @@ pub(crate) struct CompileArgs {
     /// The command, if there are several.
     #[arg(long, value_name = "NAME")]
     pub(crate) command: Option<String>,
+    /// The node that becomes a Lustre node; in a Lustre program the one that `rpi run` would run.
+    #[arg(long, value_name = "NAME")]
+    pub(crate) node: Option<String>,
     /// Assertions and contracts in the image: left out, published for whoever watches, or a fault that ends the command.
     #[arg(long, value_name = "HOW", default_value = "off")]
     pub(crate) contracts: Contracts,
@@ -182,6 +185,8 @@ pub(crate) enum Form {
     Mermaid,
     /// C99 text with one function per cycle.
     C,
+    /// Lustre text for model checkers: a command, or the node that `--node` names.
+    Lustre,
 }
 
 /// Options of `rpic import`.

@@ -3,8 +3,10 @@
 use std::path::{Path, PathBuf};
 
 use rpi_diag::Format;
-use rpi_driver::{Compiled, Input, Kind, emit, graph as draw};
+use rpi_driver::{Claims, Compiled, Input, Kind, emit, graph as draw};
 use rpi_net::Net;
+use rpi_net::lustre::Boundary;
+use rpi_syntax::Mode;
 
 use crate::args::{CompileArgs, Drawing, Form, GraphArgs, ImportArgs};
 use crate::check::{has_errors, show};
@@ -23,6 +25,10 @@ pub(crate) fn compile(args: &CompileArgs) -> Outcome {
         put_result(&args.file, args.output.as_deref(), text.as_bytes())?;
         return Ok(Exit::Good);
     }
+    let is_lustre = Mode::of_path(&input.path.display().to_string()) == Mode::Lustre;
+    if args.emit == Some(Form::Lustre) && (is_lustre || args.node.is_some()) {
+        return node_as_lustre(&input, args);
+    }
     let compiled = rpi_driver::compile_with(&input, args.contracts.into())?;
     show(Format::Human, &compiled.findings, &compiled.sources)?;
     if compiled.has_errors() {
@@ -33,6 +39,23 @@ pub(crate) fn compile(args: &CompileArgs) -> Outcome {
         Some(form) => show_form(form, net, &compiled, args),
         None => write_image(net, &input, args),
     }
+}
+
+/// A node by itself as Lustre; its claims become properties.
+fn node_as_lustre(input: &Input, args: &CompileArgs) -> Outcome {
+    let compiled = rpi_driver::compile_node(input, args.node.as_deref(), Claims::Fault, false)?;
+    show(Format::Human, &compiled.findings, &compiled.sources)?;
+    let Some(node) = compiled.node else {
+        return Ok(Exit::Found);
+    };
+    let boundary = Boundary {
+        inputs: &node.inputs,
+        outputs: &node.outputs,
+    };
+    let (text, findings) = emit::lustre(&node.net, &boundary)?;
+    show(Format::Human, &findings, &compiled.sources)?;
+    put_result(&args.file, args.output.as_deref(), text.as_bytes())?;
+    Ok(Exit::Good)
 }
 
 fn show_form(form: Form, net: &Net, compiled: &Compiled, args: &CompileArgs) -> Outcome {
@@ -54,6 +77,11 @@ fn show_form(form: Form, net: &Net, compiled: &Compiled, args: &CompileArgs) -> 
                 return Ok(Exit::Found);
             }
         },
+        Form::Lustre => {
+            let (text, findings) = emit::lustre(net, &Boundary::default())?;
+            show(Format::Human, &findings, &compiled.sources)?;
+            text
+        }
         // Shown before there is a net.
         Form::Tokens | Form::Ast | Form::Typed => String::new(),
     };

@@ -37,6 +37,7 @@ pub(crate) struct Case {
 enum Expected {
     Trace(Option<Trace>),
     Refusal,
+    Kinds(Vec<String>),
     Run,
 }
 
@@ -49,6 +50,7 @@ pub(crate) fn cases(options: &Options) -> Result<Vec<Case>, String> {
     let mut cases = match &options.wanted {
         Wanted::Match(traces) => traced(&options.programs, traces)?,
         Wanted::Reject => all(&options.programs, || Expected::Refusal)?,
+        Wanted::Kinds(table) => listed(&options.programs, table)?,
         Wanted::Run => all(&options.programs, || Expected::Run)?,
     };
     cases.retain(|case| case.name.contains(only));
@@ -69,6 +71,21 @@ fn traced(programs: &Path, traces: &Path) -> Result<Vec<Case>, String> {
         wanted: Expected::Trace(Trace::read(entry)),
     };
     Ok(entries.iter().map(case).collect())
+}
+
+/// The programs of a table: a JSON object of lists of codes by file, any of which is right; `RPI2` stands for all that begin
+/// so, and an empty list for a program that is to be accepted.
+fn listed(programs: &Path, table: &Path) -> Result<Vec<Case>, String> {
+    let bad = |e: &dyn std::fmt::Display| format!("{}: {e}", table.display());
+    let text = std::fs::read_to_string(table).map_err(|e| bad(&e))?;
+    let table: std::collections::BTreeMap<String, Vec<String>> =
+        serde_json::from_str(&text).map_err(|e| bad(&e))?;
+    let case = |(name, codes): (String, Vec<String>)| Case {
+        path: programs.join(&name),
+        name,
+        wanted: Expected::Kinds(codes),
+    };
+    Ok(table.into_iter().map(case).collect())
 }
 
 fn all(programs: &Path, wanted: fn() -> Expected) -> Result<Vec<Case>, String> {
@@ -109,9 +126,8 @@ impl Case {
         match &self.wanted {
             Expected::Trace(None) => Fate::Missing("its trace has neither form".to_owned()),
             Expected::Trace(Some(trace)) => against(trace, &path, tools),
-            Expected::Refusal => {
-                refusal(&tools.run("rpic", &["check", "--format", "short", &path]))
-            }
+            Expected::Refusal => refusal(&checked(tools, &path)),
+            Expected::Kinds(codes) => of_kind(codes, &checked(tools, &path)),
             Expected::Run => {
                 let args = ["run", &path, "--random", "1", "--cycles", "12"];
                 let ended = tools.run("rpi", &args);
@@ -217,6 +233,30 @@ fn failure(ended: &Ended) -> Option<Fate> {
         Some(1 | 2) => Some(Fate::Refused(why)),
         _ => Some(Fate::Broken(why)),
     }
+}
+
+fn checked(tools: &Tools, path: &str) -> Ended {
+    tools.run("rpic", &["check", "--format", "short", path])
+}
+
+/// Whether one of the errors is of a kind that is wanted, or there is none if none is.
+fn of_kind(codes: &[String], ended: &Ended) -> Fate {
+    let said = format!("{}{}", ended.out, ended.err);
+    let errors: Vec<&str> = said.lines().filter_map(error).collect();
+    let right = |error: &&&str| codes.iter().any(|code| error.starts_with(code.as_str()));
+    match (ended.status, errors.iter().find(right), errors.first()) {
+        (None, ..) => Fate::Broken(first_error(&said)),
+        (Some(0), ..) if codes.is_empty() => Fate::Good(String::new()),
+        (Some(0), ..) => Fate::Differs(format!("accepted instead of {}", codes.join(", "))),
+        (_, Some(error), _) => Fate::Good((*error).to_owned()),
+        (_, None, Some(error)) => Fate::Refused((*error).to_owned()),
+        (_, None, None) => Fate::Broken(first_error(&said)),
+    }
+}
+
+/// Code and message of a line that tells an error.
+fn error(line: &str) -> Option<&str> {
+    line.split_once(": error ").map(|(_, error)| error)
 }
 
 fn refusal(ended: &Ended) -> Fate {

@@ -9,6 +9,8 @@ pub(crate) enum Wanted {
     Match(PathBuf),
     /// Be refused.
     Reject,
+    /// Be refused for the reason that a table gives, or not at all.
+    Kinds(PathBuf),
     /// Run.
     Run,
 }
@@ -29,7 +31,7 @@ pub(crate) struct Options {
 }
 
 const USAGE: &str =
-    "usage: cargo xtask lustre-corpus --programs DIR [--traces FILE.json | --reject]
+    "usage: cargo xtask lustre-corpus --programs DIR [--traces FILE.json | --reject | --kinds FILE.json]
     [--groups FILE.json] [--only TEXT] [--list]";
 
 impl Options {
@@ -49,6 +51,7 @@ impl Options {
                 "--programs" => programs = Some(value()?),
                 "--traces" => options.wanted = Wanted::Match(value()?.into()),
                 "--reject" => options.wanted = Wanted::Reject,
+                "--kinds" => options.wanted = Wanted::Kinds(value()?.into()),
                 "--groups" => options.groups = Some(value()?.into()),
                 "--only" => options.only = Some(value()?.clone()),
                 "--list" => options.list = true,

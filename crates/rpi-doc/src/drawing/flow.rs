@@ -3,8 +3,8 @@
 use rpi_diag::Span;
 use rpi_sema::query::{DefId, DefKind};
 use rpi_syntax::ast::{
-    Automaton, Body, End as Ending, EndKind, Equation, Expr, ExprKind, FragmentDecl, State,
-    Statement, StatementKind, Target, Transition,
+    Automaton, Body, End as Ending, EndKind, Equation, Expr, ExprKind, FragmentDecl, Meaning,
+    State, Statement, StatementKind, Target, Transition,
 };
 
 use super::links::Traffic;
@@ -110,7 +110,16 @@ impl Builder<'_> {
             StatementKind::Automaton(automaton) => {
                 self.automaton(scene, automaton, statement.span);
             }
+            StatementKind::Choice(choice) => self.meaning(scene, &choice.means),
+            StatementKind::Keep(keep) => self.meaning(scene, &keep.means),
             StatementKind::Claim(_) | StatementKind::Broken(_) => {}
+        }
+    }
+
+    /// The equations that a block stands for.
+    fn meaning(&mut self, scene: SceneId, means: &Meaning) {
+        for (equation, span) in &means.equations {
+            self.equation(scene, equation, *span);
         }
     }
 

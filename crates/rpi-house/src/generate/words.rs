@@ -27,7 +27,11 @@ fn rows(out: &mut String, wanted: impl Fn(&Keyword) -> bool) {
     let mut words: Vec<&Keyword> = KEYWORDS.iter().filter(|word| wanted(word)).collect();
     words.sort_by_key(|word| word.text);
     for word in words {
-        let lustre = if word.in_lustre { "yes" } else { "no" };
+        let lustre = match (word.in_lustre, word.in_rpi) {
+            (true, false) => "only",
+            (true, true) => "yes",
+            (false, _) => "no",
+        };
         // Writing to a string does not fail.
         let _ = writeln!(out, "| `{}` | {lustre} | {} |", word.text, word.doc);
     }
@@ -53,8 +57,10 @@ fn binary(row: &BinaryRow) -> (u8, String) {
     (
         row.level,
         format!(
-            "| {} | `a {spelling} b` | {groups} | {} |\n",
-            row.level, row.doc
+            "| {} | `a {spelling} b` | {groups} | {}{} |\n",
+            row.level,
+            row.doc,
+            only_lustre(row.only_lustre)
         ),
     )
 }
@@ -62,6 +68,16 @@ fn binary(row: &BinaryRow) -> (u8, String) {
 fn unary(row: &UnaryRow) -> (u8, String) {
     (
         row.level,
-        format!("| {} | `{} a` | | {} |\n", row.level, row.spelling, row.doc),
+        format!(
+            "| {} | `{} a` | | {}{} |\n",
+            row.level,
+            row.spelling,
+            row.doc,
+            only_lustre(row.only_lustre)
+        ),
     )
+}
+
+fn only_lustre(only: bool) -> &'static str {
+    if only { " (only in `.lus`)" } else { "" }
 }

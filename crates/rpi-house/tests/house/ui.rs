@@ -18,7 +18,7 @@ const HANG: Duration = Duration::from_secs(30);
 const PROGRAMS: &[&str] = &[".rpi", ".lus", ".rpinet"];
 
 /// Folders of `tests/ui` whose programs say nothing when they are checked: the tests of the tools run them.
-const TOLD_BY_TOOLS: &[&str] = &["emitting", "running", "testing"];
+const TOLD_BY_TOOLS: &[&str] = &["emitting", "emitting_lustre", "running", "testing"];
 
 /// What no program brings about.
 const NO_PROGRAM: &[Code] = &[Code::RPI9021, Code::RPI9201, Code::RPI9901];

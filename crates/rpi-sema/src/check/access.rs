@@ -334,6 +334,12 @@ impl<'a> Body<'_, 'a> {
             &Ty::Int,
             &Wanted::By(Span::NONE, "an index is an integer".into()),
         );
+        if let Ty::Tuple(members) = self.ty_of(base).clone()
+            && !self.is_rpi()
+            && members.iter().all(|member| member.name.is_none())
+        {
+            return self.element_of_tuple(base, at, &members, span);
+        }
         let Ty::Array(element, n) = self.ty_of(base).clone() else {
             return self.not_an_array(base, span);
         };
@@ -347,6 +353,27 @@ impl<'a> Body<'_, 'a> {
             },
             None => self.add(Kind::Select { base, index: at }, (*element).clone(), span),
         }
+    }
+
+    /// `t[0]` of a tuple of Kind 2: which element must be known, for each has a type of its own.
+    fn element_of_tuple(
+        &mut self,
+        base: ExprId,
+        at: ExprId,
+        members: &[crate::ty::Member],
+        span: Span,
+    ) -> ExprId {
+        let Some(k) = self.fold(at).and_then(|leaves| leaves.first()?.as_int()) else {
+            return self.fault(span);
+        };
+        let count = u32::try_from(members.len()).unwrap_or(u32::MAX);
+        let Some(k) = self.in_bounds(k, count, self.span_of(at)) else {
+            return self.fault(span);
+        };
+        let before = &members[..k as usize];
+        let from = before.iter().map(|member| leaves(&member.ty)).sum();
+        let ty = members[k as usize].ty.clone();
+        self.add(Kind::Part { base, at: from }, ty, span)
     }
 
     fn known_int(&mut self, id: ExprId) -> Option<i64> {

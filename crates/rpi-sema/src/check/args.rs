@@ -40,26 +40,26 @@ impl<'a> Given<'a> {
 impl<'a> Body<'_, 'a> {
     /// Checks the arguments of a call.
     pub(super) fn given(&mut self, args: &'a [Arg]) -> Vec<Given<'a>> {
-        let mut given = Vec::with_capacity(args.len());
-        for arg in args {
-            let value = self.expr(&arg.value);
-            given.push(Given {
-                name: arg.name.as_ref(),
-                value,
-                is_static: false,
-            });
+        args.iter().map(|arg| self.given_one(arg)).collect()
+    }
+
+    fn given_one(&mut self, arg: &'a Arg) -> Given<'a> {
+        let value = self.expr(&arg.value);
+        Given {
+            name: arg.name.as_ref(),
+            value,
+            is_static: false,
         }
-        given
     }
 
     /// Checks the arguments of a call of a declaration; false if one is named by `=`, which has then been reported.
-    pub(super) fn given_to(&mut self, id: DeclId, args: &'a [Arg]) -> (Vec<Given<'a>>, bool) {
+    pub(super) fn given_to(&mut self, id: DeclId, args: &[&'a Arg]) -> (Vec<Given<'a>>, bool) {
         let named = args.iter().filter(|arg| arg.name.is_none());
         let wrong = named.filter(|arg| self.named_by_eq(id, &arg.value)).count();
         if wrong > 0 {
             return (Vec::new(), false);
         }
-        (self.given(args), true)
+        (args.iter().map(|arg| self.given_one(arg)).collect(), true)
     }
 
     /// Whether `x = e` names the argument `x`; reported if so.

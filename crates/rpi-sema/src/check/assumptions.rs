@@ -25,6 +25,7 @@ impl<'a> Body<'_, 'a> {
     /// A contract that is taken up is an instance of its own, which only claims. Gives what goes into it.
     fn import(&mut self, import: &'a ContractImport) -> Vec<ExprId> {
         let span = import.call.span;
+        self.importing = true;
         let value = self.expr(&import.call);
         let targets = Vec::new();
         self.current().equations.push(Equation {

@@ -1,6 +1,7 @@
 //! The state of checking one body, and its course: declare, infer, check.
 
 use super::Checker;
+use super::bound::{Bound, Unwatched};
 use super::locals::{Local, Scope};
 use super::order::Pending;
 use super::statics::Statics;
@@ -41,6 +42,25 @@ pub(super) struct Body<'c, 'a> {
     pub(super) numbers: Set<Span>,
     /// Where state was met first.
     pub(super) state_at: Option<Span>,
+    /// Names that expressions bring in, innermost last.
+    pub(super) bound: Vec<Bound>,
+    /// Equations that define arrays element by element.
+    pub(super) elements: Vec<&'a rpi_syntax::ast::Equation>,
+    /// How many `pre` stand around what is being checked.
+    pub(super) past: u32,
+    /// The names bound before the type of a bound variable: it does not depend on them.
+    pub(super) fixed_before: Option<usize>,
+    /// Whether a condition about a bound variable decides if what is being checked is computed.
+    pub(super) guarded: bool,
+    /// Whether contracts are being looked for, not nodes.
+    pub(super) importing: bool,
+    /// The modes of the contract that is being checked, and those that are being worked out.
+    pub(super) modes: Vec<&'a rpi_syntax::ast::ContractMode>,
+    pub(super) open_modes: Vec<Name>,
+    /// Whether it has been said that modes need themselves.
+    pub(super) ringed_modes: bool,
+    /// Whether a claim is being checked, and whether it needs more than a run can show.
+    pub(super) claim: Option<Unwatched>,
     pub(super) findings: Vec<Finding>,
 }
 
@@ -68,6 +88,16 @@ impl<'c, 'a> Body<'c, 'a> {
             in_signature: false,
             numbers: Set::default(),
             state_at: None,
+            bound: Vec::new(),
+            elements: Vec::new(),
+            past: 0,
+            fixed_before: None,
+            guarded: false,
+            importing: false,
+            modes: Vec::new(),
+            open_modes: Vec::new(),
+            ringed_modes: false,
+            claim: None,
             findings: Vec::new(),
         }
     }

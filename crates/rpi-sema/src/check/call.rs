@@ -11,7 +11,7 @@ use super::report::not_a;
 use super::special::{SPECIALS, Special};
 use super::statics::{Static, Statics, missing};
 use super::unit::is_callable;
-use crate::program::{DeclId, DeclKind, Lookup};
+use crate::program::{DeclId, DeclKind, Lookup, Space};
 use crate::ty::{Subst, Ty};
 use crate::typed::{
     self, Activation, Equation, ExprId, FlowRole, Kind, Optional, Place, Target, UnitKind,
@@ -82,6 +82,8 @@ enum Callee<'a> {
     Special(Special),
     Prim(PrimId),
     Iterator(&'static str),
+    /// An alternative of a `datatype`.
+    Constructor(DeclId, u32),
     Nothing(std::marker::PhantomData<&'a ()>),
 }
 
@@ -132,6 +134,11 @@ impl<'a> Body<'_, 'a> {
                 self.apply(&callable, given, activation, span)
             }
             Callee::Prim(prim) => self.registered(prim, call, span),
+            Callee::Constructor(ty, index) => {
+                let given = self.given(&call.args);
+                let values: Vec<ExprId> = given.iter().map(|arg| arg.value).collect();
+                self.construct((ty, index), &values, span)
+            }
             Callee::Decl(id) => self.call_decl(id, call, activation, span),
         }
     }
@@ -144,6 +151,7 @@ impl<'a> Body<'_, 'a> {
         activation: Activation,
         span: Span,
     ) -> ExprId {
+        self.is_looked_into(call, id, span);
         if let DeclKind::Node(node) = self.c.program.decl(id).kind
             && let NodeDef::Alias(callee) = &node.definition
         {
@@ -153,8 +161,9 @@ impl<'a> Body<'_, 'a> {
                 None => self.fault(span),
             };
         }
-        let bound = self.bind(id, &call.callee.statics);
-        let (mut given, all_named) = self.given_to(id, &call.args);
+        let mut bound = self.bind(id, &call.callee.statics);
+        let args = self.bind_sizes(id, &call.args, &mut bound);
+        let (mut given, all_named) = self.given_to(id, &args);
         given.extend(bound.ports);
         if bound.faulty || !all_named {
             return self.fault(span);
@@ -207,6 +216,7 @@ impl<'a> Body<'_, 'a> {
     }
 
     fn callee(&mut self, name: &Name, span: Span) -> Callee<'a> {
+        let importing = std::mem::take(&mut self.importing);
         if let Some(Static::Callee(callable, misfit)) = self.statics.get(name).cloned() {
             if let Some(misfit) = misfit {
                 self.report((*misfit).clone());
@@ -214,7 +224,22 @@ impl<'a> Body<'_, 'a> {
             }
             return Callee::Known(callable);
         }
-        match self.c.program.lookup(self.module, name) {
+        if let Lookup::Found(id) = self.c.program.lookup_in(Space::Value, self.module, name)
+            && let DeclKind::Constructor { ty, index } = self.c.program.decl(id).kind
+        {
+            return Callee::Constructor(ty, index);
+        }
+        if let Lookup::Found(id) = self.c.program.lookup_in(Space::Value, self.module, name)
+            && let DeclKind::EnumValue { ty, index } = self.c.program.decl(id).kind
+            && self.is_datatype(ty)
+        {
+            return Callee::Constructor(ty, index);
+        }
+        let space = match importing {
+            true => Space::Contract,
+            false => Space::Callable,
+        };
+        match self.c.program.lookup_in(space, self.module, name) {
             Lookup::Found(id) => self.callee_decl(id, name, span),
             Lookup::Missing => self.callee_predeclared(name, span),
         }
@@ -245,7 +270,9 @@ impl<'a> Body<'_, 'a> {
             return Callee::Iterator(iterator);
         }
         let specials = SPECIALS.iter();
-        let mut specials = specials.filter(|s| **s != Special::Any || !self.is_rpi());
+        let is_kind2 =
+            |s: &&Special| matches!(s, Special::Any | Special::Choose | Special::Machine(_));
+        let mut specials = specials.filter(|s| !is_kind2(s) || !self.is_rpi());
         if let Some(special) = specials.find(|special| special.name() == plain) {
             return Callee::Special(*special);
         }
@@ -299,6 +326,17 @@ impl<'a> Body<'_, 'a> {
     ) -> Option<Callable> {
         match self.callee(name, span) {
             Callee::Nothing(_) => None,
+            Callee::Constructor(..) => {
+                let finding = not_a(
+                    "something to call",
+                    name,
+                    "an alternative of a datatype",
+                    span,
+                    span,
+                );
+                self.report(finding);
+                None
+            }
             Callee::Known(callable) => Some(callable),
             Callee::Special(special) => Some(Callable::Special(special)),
             Callee::Prim(prim) => Some(Callable::Prim(prim)),

@@ -140,8 +140,7 @@ impl<'a> Body<'_, 'a> {
         match cases.iter().find(|(v, _)| *v == value) {
             Some((_, first)) => {
                 let first = self.span_of(*first);
-                let finding = crate::program::twice(&case.value.name, case.value.span, first);
-                self.report(finding);
+                self.report(case_twice(&case.value, first));
             }
             None => cases.push((value, then)),
         }
@@ -204,4 +203,14 @@ impl<'a> Body<'_, 'a> {
         }
         id
     }
+}
+
+/// A case that is given again.
+pub(super) fn case_twice(name: &Ident, first: rpi_diag::Span) -> Finding {
+    Finding::new(
+        Code::RPI2011,
+        format!("the case `{}` is given twice", name.name),
+    )
+    .at(name.span, "given again here")
+    .also(first, "first given here")
 }

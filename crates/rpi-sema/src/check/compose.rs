@@ -3,11 +3,11 @@
 use super::access::leaves;
 use super::body::Body;
 use super::report::{Wanted, no_member, not_a};
-use crate::program::{DeclKind, Lookup};
+use crate::program::{DeclKind, Lookup, Space};
 use crate::ty::{StructTy, Subst, Ty, fit};
 use crate::typed::{ExprId, Kind};
 use rpi_diag::{Code, Finding, Span};
-use rpi_syntax::ast::{self, Binary, Change, FieldValue, Ident, StructExpr, Update};
+use rpi_syntax::ast::{self, Binary, Change, FieldValue, Ident, StaticArg, StructExpr, Update};
 use std::rc::Rc;
 
 /// The most elements of one array.
@@ -84,7 +84,10 @@ impl<'a> Body<'_, 'a> {
 
     /// `T{x = 1; y = 2}`, `T{s with x = 1}`
     pub(super) fn structure(&mut self, value: &'a StructExpr, span: Span) -> ExprId {
-        let Some(ty) = self.struct_ty(&value.ty) else {
+        if let Some(generic) = self.generic_struct(value) {
+            return self.inferred_struct(generic, value, span);
+        }
+        let Some(ty) = self.struct_ty(&value.ty, &value.statics) else {
             for field in &value.fields {
                 self.expr(&field.value);
             }
@@ -102,8 +105,12 @@ impl<'a> Body<'_, 'a> {
         }
     }
 
-    fn struct_ty(&mut self, name: &Ident) -> Option<Rc<StructTy>> {
-        let Lookup::Found(id) = self.c.program.lookup(self.module, &name.name) else {
+    fn struct_ty(&mut self, name: &Ident, statics: &'a [StaticArg]) -> Option<Rc<StructTy>> {
+        let Lookup::Found(id) = self
+            .c
+            .program
+            .lookup_in(Space::Type, self.module, &name.name)
+        else {
             let near = {
                 let is_type = |id| matches!(self.c.program.decl(id).kind, DeclKind::Type(_));
                 let names = self.c.program.visible(self.module, is_type);
@@ -113,10 +120,12 @@ impl<'a> Body<'_, 'a> {
             return None;
         };
         let decl = self.c.program.decl(id).clone();
-        if let DeclKind::Type(_) = decl.kind
-            && let Ty::Struct(ty) = self.c.type_decl(id)
-        {
-            return Some(ty);
+        if let DeclKind::Type(_) = decl.kind {
+            match self.type_of(id, statics, name.span) {
+                Ty::Struct(ty) => return Some(ty),
+                Ty::Unknown => return None,
+                _ => {}
+            }
         }
         let finding = not_a(
             "a struct",
@@ -130,9 +139,19 @@ impl<'a> Body<'_, 'a> {
     }
 
     fn given_fields(&mut self, ty: &Rc<StructTy>, fields: &'a [FieldValue]) -> Vec<Option<ExprId>> {
+        let values = fields.iter().map(|field| (field, self.expr(&field.value)));
+        let values: Vec<(&FieldValue, ExprId)> = values.collect();
+        self.matched_fields(ty, &values)
+    }
+
+    /// For each field the value that is given for it.
+    pub(super) fn matched_fields(
+        &mut self,
+        ty: &Rc<StructTy>,
+        fields: &[(&'a FieldValue, ExprId)],
+    ) -> Vec<Option<ExprId>> {
         let mut given = vec![None; ty.fields.len()];
-        for value in fields {
-            let id = self.expr(&value.value);
+        for (value, id) in fields.iter().copied() {
             let name = &value.field.name;
             let Some(k) = ty.fields.iter().position(|f| f.name.as_ref() == Some(name)) else {
                 let names = ty.fields.iter().filter_map(|f| f.name.as_deref());
@@ -156,7 +175,7 @@ impl<'a> Body<'_, 'a> {
     }
 
     /// Fields that are not given come from the base, or else have their defaults.
-    fn fill_fields(
+    pub(super) fn fill_fields(
         &mut self,
         ty: &Rc<StructTy>,
         given: &[Option<ExprId>],

@@ -16,7 +16,11 @@ impl<'a> Checker<'a> {
     /// The value of a constant declaration.
     pub(super) fn constant(&mut self, id: DeclId) -> Option<Constant> {
         match self.constants.get(&id) {
-            Some(Lazy::Done(constant)) => return constant.clone(),
+            Some(Lazy::Done(constant)) => {
+                let constant = constant.clone();
+                self.findings.extend(self.outside.get(&id).cloned());
+                return constant;
+            }
             Some(Lazy::Busy) => {
                 self.in_circles("constant", id);
                 return None;
@@ -30,6 +34,7 @@ impl<'a> Checker<'a> {
         if !self.may_nest("constant", decl.span) {
             return None;
         }
+        let before = self.findings.len();
         self.constants.insert(id, Lazy::Busy);
         self.open.push(id);
         let constant = self.nested(|checker| {
@@ -39,6 +44,10 @@ impl<'a> Checker<'a> {
             constant
         });
         self.open.pop();
+        let mut found = self.findings[before..].iter();
+        if let Some(outside) = found.find(|finding| finding.code == Code::RPI1012) {
+            self.outside.insert(id, outside.clone());
+        }
         self.constants.insert(id, Lazy::Done(constant.clone()));
         constant
     }
@@ -54,6 +63,8 @@ impl<'a> Checker<'a> {
         if !outside.is_empty() {
             self.constants
                 .retain(|_, constant| !matches!(constant, Lazy::Done(None)));
+            self.outside
+                .extend(outside.into_iter().next().map(|finding| (id, finding)));
         }
     }
 }
@@ -67,7 +78,9 @@ impl<'a> Body<'_, 'a> {
             let name = def.names.first()?;
             let finding = no_value(name, self.is_rpi());
             self.report(finding);
-            return None;
+            let ty = declared.filter(|_| !self.is_rpi())?;
+            let leaves = super::sample::value(&ty)?;
+            return Some(Constant { ty, leaves });
         };
         let id = self.expr(value);
         if let Some(declared) = &declared {

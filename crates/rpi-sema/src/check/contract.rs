@@ -4,9 +4,10 @@
 //! out as a whole. A mode's `ensure` becomes a guarantee under the mode's `require`; and in every cycle some mode applies.
 
 use super::body::Body;
+use super::bound::Unwatched;
 use crate::ty::Ty;
 use crate::typed::{BlockId, Claim, ClaimKind, ExprId, Kind, Leaf};
-use rpi_diag::Span;
+use rpi_diag::{Code, Finding, Severity, Span};
 use rpi_syntax::Name;
 use rpi_syntax::ast::{self, Contract, ContractMode, Locals};
 use rpi_syntax::ops::BinaryOp;
@@ -23,8 +24,75 @@ impl<'a> Body<'_, 'a> {
                     Locals::Const(defs) => defs.iter().for_each(|def| body.declare_const(def)),
                 }
             }
+            for together in &contract.together {
+                together.vars.iter().for_each(|var| body.declare_var(var));
+                body.declare_equation(&together.equation, together.span);
+            }
+            body.name_modes(contract);
         });
         block
+    }
+
+    /// The names of modes are like those of flows.
+    fn name_modes(&mut self, contract: &'a Contract) {
+        for (k, mode) in contract.modes.iter().enumerate() {
+            let name = &mode.name;
+            let twin = contract.modes[..k]
+                .iter()
+                .find(|m| m.name.name == name.name);
+            let flow = self
+                .local_flow(&name.name)
+                .map(|flow| self.unit.flow(flow).span);
+            if let Some(first) = twin.map(|twin| twin.name.span).or(flow) {
+                let finding = crate::program::twice(&name.name, name.span, first);
+                self.report(finding);
+            }
+        }
+        self.modes = contract.modes.iter().collect();
+    }
+
+    /// `::m`: whether a mode of the contract applies. `::c::m`, of a contract that is taken up, is left open.
+    pub(super) fn mode_applies(&mut self, name: &str, span: Span) -> ExprId {
+        if name.contains("::") {
+            return self.add(Kind::Outside, Ty::Bool, span);
+        }
+        let Some(mode) = self
+            .modes
+            .iter()
+            .copied()
+            .find(|mode| mode.name.name == *name)
+        else {
+            let near =
+                rpi_diag::suggest(name, self.modes.iter().map(|mode| mode.name.name.as_str()));
+            let finding = super::report::unknown("mode", name, span, near);
+            return self.fault_with(finding, span);
+        };
+        if self.open_modes.contains(&mode.name.name) {
+            if std::mem::replace(&mut self.ringed_modes, true) {
+                return self.fault(span);
+            }
+            let message = format!("the mode `{name}` needs itself");
+            let finding = Finding::new(Code::RPI1007, message)
+                .at(
+                    span,
+                    format!("to know whether `{name}` applies, it must be known"),
+                )
+                .also(mode.name.span, "declared here");
+            return self.fault_with(finding, span);
+        }
+        self.open_modes.push(mode.name.name.clone());
+        let applies = self.requirements(mode);
+        self.open_modes.pop();
+        applies
+    }
+
+    /// The condition under which a mode applies.
+    fn requirements(&mut self, mode: &'a ContractMode) -> ExprId {
+        let requires = mode.requires.iter();
+        let requires = requires
+            .map(|claim| self.condition(&claim.condition, "a claim"))
+            .collect();
+        self.all(BinaryOp::And, requires, mode.name.span)
     }
 
     /// Checks the claims of a contract, in its block.
@@ -53,14 +121,14 @@ impl<'a> Body<'_, 'a> {
 
     /// Checks a mode; gives the condition under which it applies.
     fn check_mode(&mut self, mode: &'a ContractMode) -> ExprId {
-        let requires = mode.requires.iter();
-        let requires = requires
-            .map(|claim| self.condition(&claim.condition, "a claim"))
-            .collect();
-        let applies = self.all(BinaryOp::And, requires, mode.name.span);
+        self.open_modes.push(mode.name.name.clone());
+        let applies = self.requirements(mode);
+        self.open_modes.pop();
         for ensure in &mode.ensures {
             let (label, span) = (label_of(ensure), ensure.condition.span);
-            let holds = self.condition(&ensure.condition, "a claim");
+            let Some(holds) = self.watched(&ensure.condition) else {
+                continue;
+            };
             let condition = self.binary_prim(BinaryOp::Implies, applies, holds, span);
             self.current().claims.push(Claim {
                 kind: ClaimKind::Guarantee,
@@ -81,9 +149,33 @@ impl<'a> Body<'_, 'a> {
         joined.unwrap_or_else(|| self.add(Kind::Literal(Leaf::bool(true)), Ty::Bool, span))
     }
 
+    /// The condition of a claim; none if no run can show whether it holds.
+    fn watched(&mut self, condition: &'a ast::Expr) -> Option<ExprId> {
+        let before = self.findings.len();
+        self.claim = Some(Unwatched::default());
+        let value = self.condition(condition, "a claim");
+        let Unwatched(Some(span)) = self.claim.take().unwrap_or_default() else {
+            return Some(value);
+        };
+        let is_fault = |finding: &Finding| finding.severity() == Severity::Error;
+        if !self.findings[before..].iter().any(is_fault) {
+            self.report(
+                Finding::new(Code::RPI1013, "this claim is not watched")
+                    .at(span, "it speaks of more values than can be looked at"),
+            );
+        }
+        None
+    }
+
     /// A claim in a body or contract.
     pub(super) fn check_claim(&mut self, claim: &'a ast::Claim, span: Span) {
-        let condition = self.condition(&claim.condition, "a claim");
+        let Some(mut condition) = self.watched(&claim.condition) else {
+            return;
+        };
+        if let Some(provided) = &claim.provided {
+            let provided = self.condition(provided, "what stands after `provided`");
+            condition = self.binary_prim(BinaryOp::Implies, provided, condition, span);
+        }
         self.current().claims.push(Claim {
             kind: kind_of(claim.kind),
             condition,

@@ -47,6 +47,11 @@ impl<'a> Body<'_, 'a> {
             ExprKind::Array(elements) => self.array(elements, span),
             ExprKind::Struct(value) => self.structure(value, span),
             ExprKind::Update(update) => self.update(update, span),
+            ExprKind::Quantified(of) => self.quantified(of, span),
+            ExprKind::Ascribed(of) => self.ascribed(of),
+            ExprKind::IsA(of) => self.is_a(of, span),
+            ExprKind::Match(of) => self.match_of(of, span),
+            ExprKind::EmptySet(types) => self.empty_set(types, span),
         }
     }
 
@@ -112,8 +117,14 @@ impl<'a> Body<'_, 'a> {
             return self.static_choice(choice, span);
         }
         let condition = self.condition(&choice.condition, "what stands after `if`");
+        if let Some(taken) = self.decided(&choice.condition, condition) {
+            return self.expr(if taken { &choice.yes } else { &choice.no });
+        }
+        let guarded = self.guarded;
+        self.guarded |= self.reads_bound(&choice.condition);
         let yes = self.expr(&choice.yes);
         let no = self.expr(&choice.no);
+        self.guarded = guarded;
         let ty = self.common_type(yes, no, "both branches of an `if` have one type");
         self.add(Kind::Each(Each::If, [condition, yes, no].into()), ty, span)
     }

@@ -4,7 +4,7 @@ use super::Checker;
 use super::body::Body;
 use super::statics::{Static, Statics, display, key};
 use super::types::PortTy;
-use crate::program::{DeclId, DeclKind};
+use crate::program::{DeclId, DeclKind, Lookup, Space};
 use crate::ty::Ty;
 use crate::typed::{FlowId, FlowRole, Optional, Unit, UnitKind};
 use rpi_diag::Span;
@@ -128,6 +128,7 @@ impl<'a> Body<'_, 'a> {
     /// Declares the ports of a callable.
     pub(super) fn declare_ports(&mut self, id: DeclId) {
         self.in_signature = true;
+        self.types_are_new(id);
         self.declare_opaque(id);
         match self.c.program.decl(id).kind {
             DeclKind::Node(node) => self.node_ports(node),
@@ -138,6 +139,26 @@ impl<'a> Body<'_, 'a> {
             _ => {}
         }
         self.in_signature = false;
+    }
+
+    /// In Lustre a type parameter is not called like a type of the file.
+    fn types_are_new(&mut self, id: DeclId) {
+        for param in self.c.params_of(id) {
+            let super::statics::Param::Type(name) = param else {
+                continue;
+            };
+            let found = self
+                .c
+                .program
+                .lookup_in(Space::Type, self.module, &name.name);
+            if let Lookup::Found(first) = found
+                && !self.is_rpi()
+                && matches!(self.c.program.decl(first).kind, DeclKind::Type(_))
+            {
+                let first = self.c.program.decl(first).span;
+                self.report(crate::program::twice(&name.name, name.span, first));
+            }
+        }
     }
 
     /// Static values that are not known yet are flows.
@@ -209,6 +230,10 @@ impl<'a> Body<'_, 'a> {
             let port = self.port_ty(&decl.ty);
             let role = if decl.is_const { FlowRole::Param } else { role };
             for name in &decl.names {
+                // What decides about sizes is a static parameter.
+                if decl.is_const && self.statics.contains_key(&name.name) {
+                    continue;
+                }
                 let flow = self.declare_flow(name, &port, role);
                 self.unit.inputs.push(flow);
                 if let Some(default) = &decl.default {

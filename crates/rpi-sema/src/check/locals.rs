@@ -4,7 +4,7 @@ use super::Constant;
 use super::body::Body;
 use super::types::PortTy;
 use crate::hash::Map;
-use crate::program::twice;
+use crate::program::{DeclKind, Lookup, Space, twice};
 use crate::ty::Ty;
 use crate::typed::{Block, BlockId, Flow, FlowId, FlowRole, Optional};
 use rpi_diag::Span;
@@ -72,6 +72,25 @@ impl Body<'_, '_> {
                 scope.names.insert(name.name.clone(), (local, name.span));
                 scope.order.push(name.name.clone());
             }
+        }
+    }
+
+    /// In Lustre a local flow is not called like a constant of the file.
+    pub(super) fn hides_nothing(&mut self, name: &Ident) {
+        if self.is_rpi() {
+            return;
+        }
+        let Lookup::Found(id) = self
+            .c
+            .program
+            .lookup_in(Space::Value, self.module, &name.name)
+        else {
+            return;
+        };
+        let decl = self.c.program.decl(id);
+        if matches!(decl.kind, DeclKind::Const(_)) {
+            let finding = twice(&name.name, name.span, decl.span);
+            self.report(finding);
         }
     }
 

@@ -11,6 +11,9 @@
 //! | `assumptions.rs` | what contracts assume, and which they take up |
 //! | `types.rs`, `device.rs`, `consts.rs` | types and constants |
 //! | `body.rs`, `locals.rs`, `order.rs`, `untold.rs`, `statement.rs`, `contract.rs`, `targets.rs`, `definitions.rs`, `automaton.rs` | bodies, their flows and equations |
+//! | `blocks.rs`, `elements.rs` | blocks of equations, and arrays that are defined element by element |
+//! | `sample.rs` | what needs arguments that nobody gives, checked all the same |
+//! | `bound.rs`, `quantifier.rs`, `data.rs` | names that expressions bring in: quantifiers, conditions of types, alternatives |
 //! | `expr.rs`, `names.rs`, `ops.rs`, `access.rs`, `compose.rs`, `clocked.rs` | expressions |
 //! | `call.rs`, `args.rs`, `applied.rs`, `prim.rs`, `predef.rs`, `special.rs`, `iterate.rs`, `condact.rs` | calls |
 //! | `task.rs` | tasks: steps, branches, results |
@@ -24,15 +27,19 @@ mod applied;
 mod args;
 mod assumptions;
 mod automaton;
+mod blocks;
 mod body;
+mod bound;
 mod call;
 mod clocked;
 mod compose;
 mod condact;
 mod consts;
 mod contract;
+mod data;
 mod definitions;
 mod device;
+mod elements;
 mod expr;
 mod foreign;
 mod frames;
@@ -45,9 +52,11 @@ mod ops;
 mod order;
 mod predef;
 mod prim;
+mod quantifier;
 mod quantity;
 mod recursion;
 mod report;
+mod sample;
 mod special;
 mod statement;
 mod statics;
@@ -126,8 +135,14 @@ pub fn check(program: &Program<'_>) -> Checked {
         runnable.extend(checker.declaration(*id).map(|unit| (*id, unit)));
     }
     checker.check_queued();
+    checker.check_samples();
     checker.findings.extend(recursion::check(&checker.units));
     unknown::once_for_each_fix(&mut checker.findings);
+    if !checker.outside.is_empty() {
+        checker
+            .findings
+            .retain(|finding| !sample::may_be_its_fault(finding));
+    }
     only_what_is_wrong(&mut checker.findings);
     let root = program
         .root()
@@ -147,12 +162,15 @@ pub fn check(program: &Program<'_>) -> Checked {
 
 /// What is defined outside keeps a program from running here, and is no fault of it: that is said if nothing else is wrong.
 fn only_what_is_wrong(findings: &mut Vec<Finding>) {
-    let is_outside = |finding: &Finding| finding.code == Code::RPI1012;
+    let is_outside = |finding: &Finding| matches!(finding.code, Code::RPI0017 | Code::RPI1012);
     let is_fault =
         |finding: &Finding| finding.severity() == Severity::Error && !is_outside(finding);
     if findings.iter().any(is_fault) {
         findings.retain(|finding| !is_outside(finding));
     }
+    // Once for each construct.
+    let mut said = BTreeSet::new();
+    findings.retain(|f| f.code != Code::RPI0017 || said.insert(f.message.clone()));
 }
 
 /// A constant: its type and its leaves.
@@ -195,6 +213,10 @@ struct Checker<'a> {
     ringed: BTreeSet<DeclId>,
     /// How many names may still be looked at for "did you mean".
     patience: Cell<usize>,
+    /// Constants that need others without a value, and what is to be said of that.
+    outside: BTreeMap<DeclId, Finding>,
+    /// Types whose conditions are about earlier cycles.
+    temporal: BTreeSet<DeclId>,
 }
 
 /// Names that are looked at for "did you mean", all findings of a program together: whoever has very many wrong names
@@ -220,6 +242,8 @@ impl<'a> Checker<'a> {
             aliases: Vec::new(),
             ringed: BTreeSet::new(),
             patience: Cell::new(PATIENCE),
+            outside: BTreeMap::new(),
+            temporal: BTreeSet::new(),
         }
     }
 
@@ -251,7 +275,10 @@ impl<'a> Checker<'a> {
             | DeclKind::Command(_)
             | DeclKind::Task(_)
             | DeclKind::Test(_) => return self.unit_alone(id),
-            DeclKind::EnumValue { .. } | DeclKind::Frame(_) | DeclKind::Broken(_) => {}
+            DeclKind::EnumValue { .. }
+            | DeclKind::Constructor { .. }
+            | DeclKind::Frame(_)
+            | DeclKind::Broken(_) => {}
         }
         None
     }

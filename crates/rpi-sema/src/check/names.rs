@@ -6,7 +6,7 @@ use super::locals::Local;
 use super::report::{listed, not_a};
 use super::statics::Static;
 use crate::prims::prim;
-use crate::program::{Decl, DeclId, DeclKind, Lookup};
+use crate::program::{Decl, DeclId, DeclKind, Lookup, Space};
 use crate::ty::Ty;
 use crate::typed::{ExprId, FlowId, Kind, Leaf, UnitKind};
 use rpi_diag::{Code, Finding, Span};
@@ -62,6 +62,12 @@ pub(crate) fn predeclared_name(prim: &str) -> Option<&'static str> {
 impl<'a> Body<'_, 'a> {
     /// A plain or qualified name.
     pub(super) fn name(&mut self, name: &Name, span: Span) -> ExprId {
+        if let Some(bound) = self.bound_name(name, span) {
+            return bound;
+        }
+        if let Some(mode) = name.strip_prefix("::") {
+            return self.mode_applies(mode, span);
+        }
         if let Some(local) = self.find_local(name) {
             return self.local(name, &local, span);
         }
@@ -73,7 +79,7 @@ impl<'a> Body<'_, 'a> {
             Some(_) => return self.not_a_flow(name, "a static parameter", span, span),
             None => {}
         }
-        match self.c.program.lookup(self.module, name) {
+        match self.c.program.lookup_in(Space::Value, self.module, name) {
             Lookup::Found(id) => self.declared(id, span),
             Lookup::Missing => self.predeclared(name, span),
         }
@@ -121,6 +127,7 @@ impl<'a> Body<'_, 'a> {
                 let ty = self.c.type_decl(ty);
                 self.add(Kind::Literal(Leaf::int(index.into())), ty, span)
             }
+            DeclKind::Constructor { ty, index } => self.construct((ty, index), &[], span),
             DeclKind::Broken(_) => self.fault(span),
             kind => self.not_a_flow(&decl.name, kind.what(), span, decl.span),
         }

@@ -3,6 +3,7 @@
 use super::body::Body;
 use super::quantity;
 use super::report::{Wanted, listed};
+use super::types::{FOREIGN, is_foreign};
 use crate::prims::prim;
 use crate::ty::{Geometry, Ty, join};
 use crate::typed::{Each, ExprId, Kind, Leaf, Unit, UnitKind};
@@ -108,6 +109,9 @@ const BINARY: &[Row] = &[
     row(Sub,     (Time, Time),         prim!("Core::TimeDiff"),          false, Rule::Seconds),
 ];
 
+/// Operators whose result is a Boolean.
+const TESTS: &[BinaryOp] = &[Lt, Le, Gt, Ge];
+
 /// Those that have no result for a right operand of 0.
 const DIVISIONS: &[PrimId] = &[prim!("Core::IntDivide"), prim!("Rpi::IntModulo")];
 
@@ -152,6 +156,11 @@ impl<'a> Body<'_, 'a> {
         ) {
             return operand;
         }
+        if is_foreign(&ty, FOREIGN) && matches!(op, UnaryOp::Neg | UnaryOp::BitNot | UnaryOp::ToInt)
+        {
+            let ty = if op == UnaryOp::ToInt { Ty::Int } else { ty };
+            return self.add(Kind::Outside, ty, span);
+        }
         let row = UNARY
             .iter()
             .find(|row| row.0 == op && Some(row.1) == operand_kind(&ty));
@@ -177,7 +186,9 @@ impl<'a> Body<'_, 'a> {
 
     fn pre(&mut self, operand: &'a ast::Expr, span: Span) -> ExprId {
         self.has_state(span);
+        self.past += 1;
         let operand = self.expr(operand);
+        self.past -= 1;
         let ty = self.ty_of(operand).clone();
         self.add(Kind::Each(Each::Pre, [operand].into()), ty, span)
     }
@@ -193,6 +204,7 @@ impl<'a> Body<'_, 'a> {
                 self.each_of_two(Each::Arrow, binary, span)
             }
             BinaryOp::Fby => self.fby(binary, span),
+            BinaryOp::In => self.is_in(&binary.lhs, &binary.rhs, span),
             op => {
                 let (left, right) = (self.expr(&binary.lhs), self.expr(&binary.rhs));
                 if is_chained(binary) {
@@ -240,6 +252,11 @@ impl<'a> Body<'_, 'a> {
         let (a, b) = (self.ty_of(left).clone(), self.ty_of(right).clone());
         if a.is_unknown() || b.is_unknown() {
             return self.add(Kind::Fault, binary_guess(op, &a, &b), span);
+        }
+        let shifts = matches!(op, BinaryOp::ShiftLeft | BinaryOp::ShiftRight) && b == Ty::Int;
+        if is_foreign(&a, FOREIGN) && (a == b || shifts) {
+            let ty = if TESTS.contains(&op) { Ty::Bool } else { a };
+            return self.add(Kind::Outside, ty, span);
         }
         let kinds = (operand_kind(&a), operand_kind(&b));
         let fits = |row: &&Row| row.op == op && (Some(row.left), Some(row.right)) == kinds;

@@ -22,6 +22,8 @@ pub(super) struct Pending<'a> {
     /// The flows that it introduces, by target.
     pub(super) introduces: SmallVec<[Option<FlowId>; 1]>,
     pub(super) state: State,
+    /// The index of the element that is defined, by the names on the left side.
+    pub(super) indices: Vec<(ast::Ident, i64)>,
 }
 
 /// What an equation defines.
@@ -77,12 +79,19 @@ impl<'a> Body<'_, 'a> {
         match self.pending[index].state {
             State::Done(value) => value,
             _ => {
-                let (block, value) = (self.pending[index].block, self.pending[index].value);
-                let value = self.within(block, |body| body.expr(value));
+                let value = self.value_at(index);
                 self.pending[index].state = State::Done(value);
                 value
             }
         }
+    }
+
+    /// Checks an equation's value where it stands.
+    pub(super) fn value_at(&mut self, index: usize) -> ExprId {
+        let (block, value) = (self.pending[index].block, self.pending[index].value);
+        self.within(block, |body| {
+            body.with_indices(index, |body| body.expr(value))
+        })
     }
 
     /// Called when an undeclared flow is read whose type is not known yet.
@@ -117,10 +126,9 @@ impl<'a> Body<'_, 'a> {
 
     /// Checks an equation's value. If it reads what is not known yet nothing of it is kept but a first guess.
     fn attempt(&mut self, index: usize) -> bool {
-        let (block, value) = (self.pending[index].block, self.pending[index].value);
         let mark = self.mark();
         self.missing.clear();
-        let value = self.within(block, |body| body.expr(value));
+        let value = self.value_at(index);
         let ty = self.ty_of(value).clone();
         let complete = self.missing.is_empty();
         if complete {

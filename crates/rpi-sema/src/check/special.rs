@@ -2,8 +2,10 @@
 
 use super::args::Given;
 use super::body::Body;
+use super::quantifier::foreign_ty;
 use super::report::Wanted;
 use super::statement::counted;
+use super::types::{FOREIGN, is_foreign};
 use crate::prims::prim;
 use crate::ty::Ty;
 use crate::typed::{Activation, Each, ExprId, Kind};
@@ -24,6 +26,10 @@ pub(super) enum Special {
     Sqrt,
     /// `any<<t>>()`, `any@<t>` of Kind 2: a value that the program leaves open.
     Any,
+    /// `choose { x: t | c }` of Kind 2: the same, but always the same for the same arguments.
+    Choose,
+    /// `(int8 x)` of Kind 2: as a machine integer.
+    Machine(&'static str),
 }
 
 /// All of them.
@@ -33,6 +39,15 @@ pub(super) const SPECIALS: &[Special] = &[
     Special::Condact,
     Special::Sqrt,
     Special::Any,
+    Special::Choose,
+    Special::Machine("int8"),
+    Special::Machine("int16"),
+    Special::Machine("int32"),
+    Special::Machine("int64"),
+    Special::Machine("uint8"),
+    Special::Machine("uint16"),
+    Special::Machine("uint32"),
+    Special::Machine("uint64"),
 ];
 
 impl Special {
@@ -43,6 +58,8 @@ impl Special {
             Special::Condact => "condact",
             Special::Sqrt => "sqrt",
             Special::Any => "any",
+            Special::Choose => "choose",
+            Special::Machine(name) => name,
         }
     }
 }
@@ -58,6 +75,8 @@ impl Special {
             Special::Condact => "`condact(c, f(x), d)`",
             Special::Sqrt => "`sqrt(x)`",
             Special::Any => "`any<<t>>()`",
+            Special::Choose => "`choose { x: t | c }`",
+            Special::Machine(_) => "`(int8 x)`",
         }
     }
 }
@@ -69,15 +88,20 @@ impl<'a> Body<'_, 'a> {
             return self.condact(call, span);
         }
         let given = self.given(&call.args);
-        if let (Special::Any, [of], []) = (special, &call.callee.statics[..], &given[..]) {
-            return self.any(of, span);
+        if let (Special::Any | Special::Choose, [of], []) =
+            (special, &call.callee.statics[..], &given[..])
+        {
+            return self.any(special, of, span);
         }
         self.apply_special(special, &given, span)
     }
 
     /// A value that the program leaves open, cycle by cycle: no function of what goes in.
-    fn any(&mut self, of: &'a ast::StaticArg, span: Span) -> ExprId {
-        self.has_state(span);
+    fn any(&mut self, special: Special, of: &'a ast::StaticArg, span: Span) -> ExprId {
+        if special == Special::Any {
+            self.has_state(span);
+        }
+        self.open_in_constant(span);
         let Some(ty) = self.static_type(of) else {
             return self.fault(span);
         };
@@ -104,6 +128,7 @@ impl<'a> Body<'_, 'a> {
                 self.add(Kind::Each(Each::Hold, [*x, *init].into()), ty, span)
             }
             (Special::Sqrt, [x]) => self.sqrt(*x, span),
+            (Special::Machine(to), [x]) => self.to_machine(to, *x, span),
             _ => {
                 let message = format!(
                     "`{}` does not take {}",
@@ -116,6 +141,19 @@ impl<'a> Body<'_, 'a> {
                 self.fault_with(finding, span)
             }
         }
+    }
+
+    /// `(int8 x)`
+    fn to_machine(&mut self, to: &str, x: ExprId, span: Span) -> ExprId {
+        let found = self.ty_of(x).clone();
+        let is_number = matches!(found, Ty::Int | Ty::Unknown) || is_foreign(&found, FOREIGN);
+        if !is_number {
+            let finding = Finding::new(Code::RPI2006, format!("`{to}` can not take `{found}`"))
+                .at(self.span_of(x), format!("this is `{found}`"));
+            return self.fault_with(finding, span);
+        }
+        self.machine_integer(span);
+        self.add(Kind::Outside, foreign_ty(to.to_owned()), span)
     }
 
     fn sqrt(&mut self, x: ExprId, span: Span) -> ExprId {

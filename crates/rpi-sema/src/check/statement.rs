@@ -36,6 +36,7 @@ impl<'a> Body<'_, 'a> {
     pub(super) fn check_body(&mut self, body: &'a ast::Body) {
         let mut later = Vec::new();
         self.declare_body(body, &mut later);
+        self.elements_in_order();
         self.check_equations();
         for (block, item) in later {
             self.within(block, |body| body.check_later(item));
@@ -49,7 +50,7 @@ impl<'a> Body<'_, 'a> {
         self.report_unknown_types();
         for index in 0..self.pending.len() {
             let block = self.pending[index].block;
-            self.within(block, |body| body.check_equation(index));
+            self.within(block, |body| body.check_element(index));
         }
     }
 
@@ -75,6 +76,7 @@ impl<'a> Body<'_, 'a> {
     pub(super) fn declare_var(&mut self, var: &'a VarDecl) {
         let port = self.port_ty(&var.ty);
         for name in &var.names {
+            self.hides_nothing(name);
             let flow = self.declare_flow(name, &port, FlowRole::Local);
             if let Some(value) = &var.default {
                 self.pending.push(Pending {
@@ -84,6 +86,7 @@ impl<'a> Body<'_, 'a> {
                     span: var.span,
                     introduces: SmallVec::from([None]),
                     state: State::Open,
+                    indices: Vec::new(),
                 });
             }
         }
@@ -149,6 +152,8 @@ impl<'a> Body<'_, 'a> {
             StatementKind::Automaton(automaton) => {
                 self.declare_automaton(automaton, statement.span, later);
             }
+            StatementKind::Choice(choice) => self.declare_meaning(&choice.means),
+            StatementKind::Keep(keep) => self.declare_meaning(&keep.means),
             StatementKind::Broken(names) => {
                 for name in names {
                     let flow = match self.find_local(&name.name) {
@@ -162,7 +167,10 @@ impl<'a> Body<'_, 'a> {
         }
     }
 
-    fn declare_equation(&mut self, equation: &'a ast::Equation, span: Span) {
+    pub(super) fn declare_equation(&mut self, equation: &'a ast::Equation, span: Span) {
+        if self.defines_elements(equation) {
+            return self.declare_elements(equation, span);
+        }
         let index = self.pending.len();
         let introduces = equation
             .targets
@@ -176,6 +184,7 @@ impl<'a> Body<'_, 'a> {
             span,
             introduces,
             state: State::Open,
+            indices: Vec::new(),
         });
     }
 

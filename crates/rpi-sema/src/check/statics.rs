@@ -11,8 +11,8 @@ use crate::typed::ExprId;
 use rpi_diag::{Code, Finding, Fix, Span};
 use rpi_syntax::Name;
 use rpi_syntax::ast::{
-    ConstDef, Expr, ExprKind, Ident, Signature, StaticArg, StaticParam, StaticParamKind,
-    StaticValue, VarDecl,
+    Arg, ConstDef, Expr, ExprKind, Ident, NodeDecl, Signature, StaticArg, StaticParam,
+    StaticParamKind, StaticValue, VarDecl,
 };
 use std::collections::BTreeMap;
 use std::fmt::Write;
@@ -69,6 +69,14 @@ pub(super) fn params<'a>(statics: &'a [StaticParam]) -> Vec<Param<'a>> {
     all
 }
 
+/// The `const` in-ports of a node that decide about sizes.
+pub(super) fn size_params(node: &NodeDecl) -> Vec<Param<'_>> {
+    let sizes = node.sizes.iter();
+    sizes
+        .flat_map(|def| def.names.iter().map(move |name| Param::Value(name, def)))
+        .collect()
+}
+
 impl<'a> Checker<'a> {
     /// Whether a callable declaration has a parameter or in-port of this name.
     pub(super) fn takes(&self, id: DeclId, name: &Name) -> bool {
@@ -92,7 +100,7 @@ impl<'a> Checker<'a> {
     /// The static parameters of a callable declaration.
     pub(super) fn params_of(&self, id: DeclId) -> Vec<Param<'a>> {
         match self.program.decl(id).kind {
-            DeclKind::Node(d) => params(&d.signature.statics),
+            DeclKind::Node(d) => [params(&d.signature.statics), size_params(d)].concat(),
             DeclKind::Fragment(d) => params(&d.signature.statics),
             DeclKind::Primitive(d) => params(&d.signature.statics),
             DeclKind::Command(d) => params(&d.statics),
@@ -186,6 +194,60 @@ impl<'a> Body<'_, 'a> {
             }
         }
         bound
+    }
+
+    /// Binds the arguments for `const` in-ports that decide about sizes; the others are left over.
+    pub(super) fn bind_sizes(
+        &mut self,
+        id: DeclId,
+        args: &'a [Arg],
+        bound: &mut Bound<'a>,
+    ) -> Vec<&'a Arg> {
+        let DeclKind::Node(node) = self.c.program.decl(id).kind else {
+            return args.iter().collect();
+        };
+        let ports = node
+            .signature
+            .inputs
+            .iter()
+            .flatten()
+            .flat_map(|port| &port.names);
+        let ports: Vec<&'a Ident> = ports.collect();
+        let sizes = size_params(node);
+        let mut left = Vec::new();
+        for (k, arg) in args.iter().enumerate() {
+            let port = match &arg.name {
+                Some(name) => Some(name),
+                None => ports.get(k).copied(),
+            };
+            let size = sizes
+                .iter()
+                .find(|size| port.is_some_and(|port| port.name == size.name().name));
+            match size {
+                Some(Param::Value(name, def)) => self.bind_size(id, name, def, arg, bound),
+                _ => left.push(arg),
+            }
+        }
+        left
+    }
+
+    fn bind_size(
+        &mut self,
+        id: DeclId,
+        name: &Ident,
+        def: &'a ConstDef,
+        arg: &'a Arg,
+        bound: &mut Bound<'a>,
+    ) {
+        let ty = self.c.static_ty(id, def, &bound.statics);
+        match self.constant_of(&arg.value, &ty) {
+            Some(leaves) => {
+                bound
+                    .statics
+                    .insert(name.name.clone(), Static::Value(Constant { ty, leaves }));
+            }
+            None => bound.faulty = true,
+        }
     }
 
     fn bind_port(&mut self, name: &'a Ident, arg: &'a StaticArg, bound: &mut Bound<'a>) {

@@ -57,6 +57,11 @@ impl<'a> Body<'_, 'a> {
         // Which of them lacks its value is not known.
         let introduced = self.pending[index].introduces.iter().flatten();
         self.broken.extend(introduced.copied());
+        if let Goal::Targets(targets) = self.pending[index].goal {
+            let declared = targets.iter().filter_map(|t| self.local_flow(&t.name.name));
+            let declared: Vec<FlowId> = declared.collect();
+            self.broken.extend(declared);
+        }
         self.report(finding);
     }
 

@@ -3,11 +3,12 @@
 use super::body::Body;
 use super::locals::Local;
 use super::nesting::is_workable;
+use super::quantifier::{SETS, foreign_ty};
 use super::quantity::unit_fault;
 use super::report::not_a;
-use super::statics::Static;
+use super::statics::{Static, Statics};
 use super::{Checker, Lazy};
-use crate::program::{DeclId, DeclKind, Lookup};
+use crate::program::{DeclId, DeclKind, Lookup, Space};
 use crate::ty::{EnumTy, Geometry, Member, StructTy, Ty};
 use crate::typed::Leaf;
 use crate::units::{Measure, resolve};
@@ -60,7 +61,17 @@ impl<'a> Body<'_, 'a> {
             TypeKind::Named(named) => self.named_ty(named),
             TypeKind::Array(array) => self.array_ty(array, ty.span),
             TypeKind::Optional(inner) => self.inner_optional(inner, ty.span),
-            TypeKind::Enum(_) | TypeKind::Struct(_) => self.nameless_ty(ty.span),
+            TypeKind::Tuple(types) => {
+                let types: Vec<Ty> = types.iter().map(|ty| self.ty(ty)).collect();
+                match &types[..] {
+                    [one] => one.clone(),
+                    _ => Ty::tuple(types),
+                }
+            }
+            TypeKind::Refined(refined) => self.refined(refined),
+            TypeKind::Enum(_) | TypeKind::Struct(_) | TypeKind::Data(_) => {
+                self.nameless_ty(ty.span)
+            }
             TypeKind::Broken => Ty::Unknown,
         }
     }
@@ -149,7 +160,7 @@ impl<'a> Body<'_, 'a> {
         if let Some(Static::Ty(ty)) = self.statics.get(name) {
             return ty.clone();
         }
-        match self.c.program.lookup(self.module, name) {
+        match self.c.program.lookup_in(Space::Type, self.module, name) {
             Lookup::Found(id) => self.declared_ty(id, named),
             Lookup::Missing => self.builtin_ty(named),
         }
@@ -160,10 +171,10 @@ impl<'a> Body<'_, 'a> {
         if let Some(Static::Ty(ty)) = self.statics.get(name) {
             return Some(ty.clone());
         }
-        if let Lookup::Found(id) = self.c.program.lookup(self.module, name)
+        if let Lookup::Found(id) = self.c.program.lookup_in(Space::Type, self.module, name)
             && let DeclKind::Type(_) = self.c.program.decl(id).kind
         {
-            return Some(self.c.type_decl(id));
+            return Some(self.type_of(id, &[], span));
         }
         let spatial = Scalar::ALL
             .iter()
@@ -179,7 +190,7 @@ impl<'a> Body<'_, 'a> {
     fn declared_ty(&mut self, id: DeclId, named: &'a NamedType) -> Ty {
         let decl = self.c.program.decl(id);
         match decl.kind {
-            DeclKind::Type(_) => self.c.type_decl(id),
+            DeclKind::Type(_) => self.type_of(id, &named.statics, named.name.span),
             DeclKind::Device(device) => self.device_ty(id, device, named),
             DeclKind::Broken(_) => Ty::Unknown,
             kind => {
@@ -204,11 +215,78 @@ impl<'a> Body<'_, 'a> {
             Some(scalar) => Ty::Spatial(scalar, Rc::new(self.geometry(named.frames.as_ref()))),
             None if name == "result" => Ty::Result,
             None if name == "text" => Ty::Text,
+            None if !self.is_rpi() && is_foreign_name(name) => self.foreign_type(named),
             None => {
                 self.unknown_type(&named.name.name, named.name.span);
                 Ty::Unknown
             }
         }
+    }
+
+    /// A type of Kind 2 of which only the name is known here.
+    fn foreign_type(&mut self, named: &'a NamedType) -> Ty {
+        let (name, span) = (named.name.name.as_str(), named.name.span);
+        let args: Vec<String> = named
+            .statics
+            .iter()
+            .map(|arg| self.type_argument(arg))
+            .collect();
+        match name {
+            "set" | "map" => self.foreign(&format!("a {name}"), SETS, span),
+            "history" => self.history(named),
+            _ => self.machine_integer(span),
+        }
+        match &args[..] {
+            _ if args.iter().any(String::is_empty) => Ty::Unknown,
+            _ if name == "history" => Ty::Unknown,
+            [] => foreign_ty(name.to_owned()),
+            args => foreign_ty(format!("{name}<{}>", args.join(", "))),
+        }
+    }
+
+    pub(super) fn machine_integer(&mut self, span: Span) {
+        self.foreign(
+            "a machine integer",
+            "`int` has 64 bits here, and no overflow goes unnoticed",
+            span,
+        );
+    }
+
+    /// An argument of such a type, as text; empty after a fault.
+    fn type_argument(&mut self, arg: &'a rpi_syntax::ast::StaticArg) -> String {
+        match &arg.value {
+            rpi_syntax::ast::StaticValue::Expr(value) => self
+                .integer(value)
+                .map_or_else(String::new, |n| n.to_string()),
+            _ => match self.static_type(arg) {
+                None | Some(Ty::Unknown) => String::new(),
+                Some(ty) => ty.to_string(),
+            },
+        }
+    }
+
+    /// `history(x)`: the values that a flow has had.
+    fn history(&mut self, named: &NamedType) {
+        let of = named
+            .frames
+            .as_ref()
+            .and_then(|frames| frames.in_frame.parts.first());
+        let Some(of) = of else {
+            return self.unknown_type(&named.name.name, named.name.span);
+        };
+        let is_bound = self.bound.iter().any(|bound| bound.name == of.name);
+        if is_bound || self.local_flow(&of.name).is_none() {
+            let message = format!("`{}` has no history", of.name);
+            let finding = Finding::new(Code::RPI2014, message)
+                .at(of.span, "not a flow of the node")
+                .help("`history(x)` are the values that a flow `x` has had");
+            return self.report(finding);
+        }
+        self.foreign(
+            "a history",
+            "a control core keeps no values of earlier cycles but those of `pre`",
+            named.name.span,
+        );
     }
 
     pub(super) fn near_type(&self, name: &str) -> Option<String> {
@@ -290,8 +368,13 @@ impl<'a> Checker<'a> {
     /// Checks a type declaration or device type by itself.
     pub(super) fn type_alone(&mut self, id: DeclId) {
         match self.program.decl(id).kind {
-            DeclKind::Type(_) => {
-                self.type_decl(id);
+            DeclKind::Type(def) => {
+                let params = super::statics::params(&def.statics).into_iter();
+                let open = params.map(|param| {
+                    let name = param.name().name.clone();
+                    (name.clone(), Static::Ty(Ty::Generic(name)))
+                });
+                self.type_instance(id, Rc::new(open.collect()));
             }
             DeclKind::Device(device) => self.device_alone(id, device),
             _ => {}
@@ -300,7 +383,12 @@ impl<'a> Checker<'a> {
 
     /// What a declared type stands for.
     pub(super) fn type_decl(&mut self, id: DeclId) -> Ty {
-        let key = format!("{}", id.0);
+        self.type_instance(id, Rc::default())
+    }
+
+    /// The same with static parameters.
+    pub(super) fn type_instance(&mut self, id: DeclId, statics: Rc<Statics>) -> Ty {
+        let key = super::statics::key(id, &statics);
         match self.types.get(&key) {
             Some(Lazy::Done(ty)) => return ty.clone().unwrap_or(Ty::Unknown),
             Some(Lazy::Busy) => {
@@ -314,20 +402,25 @@ impl<'a> Checker<'a> {
         }
         self.types.insert(key.clone(), Lazy::Busy);
         self.open.push(id);
-        let ty = self.nested(|checker| checker.type_def(id));
+        let ty = self.nested(|checker| checker.type_def(id, statics));
         self.open.pop();
         self.types.insert(key, Lazy::Done(Some(ty.clone())));
         ty
     }
 
-    fn type_def(&mut self, id: DeclId) -> Ty {
+    fn type_def(&mut self, id: DeclId, statics: Rc<Statics>) -> Ty {
         let decl = self.program.decl(id);
         let (DeclKind::Type(def), module) = (decl.kind, decl.module) else {
             return Ty::Unknown;
         };
         let mut body = Body::of_module(self, module);
+        body.statics = statics;
         let ty = body.type_meaning(def);
+        let is_temporal = body.state_at.is_some();
         body.leave();
+        if is_temporal {
+            self.temporal.insert(id);
+        }
         ty
     }
 
@@ -367,7 +460,7 @@ impl<'a> Checker<'a> {
 
 impl<'a> Body<'_, 'a> {
     fn type_meaning(&mut self, def: &'a TypeDef) -> Ty {
-        let name = def.name.name.clone();
+        let name = super::statics::display(&def.name.name, &self.statics);
         match def.ty.as_ref().map(|ty| (&ty.kind, ty)) {
             None => Ty::Struct(Rc::new(StructTy {
                 name,
@@ -378,6 +471,7 @@ impl<'a> Body<'_, 'a> {
                 name,
                 values: values.iter().map(|v| v.name.name.clone()).collect(),
             })),
+            Some((TypeKind::Data(all), _)) => self.data_meaning(def, name, all),
             Some((TypeKind::Struct(fields), _)) => self.struct_meaning(def, fields),
             Some((_, ty)) => self.ty(ty),
         }
@@ -394,13 +488,13 @@ impl<'a> Body<'_, 'a> {
             return Ty::Unknown;
         }
         Ty::Struct(Rc::new(StructTy {
-            name: def.name.name.clone(),
+            name: super::statics::display(&def.name.name, &self.statics),
             fields: known,
             defaults: self.field_defaults(fields),
         }))
     }
 
-    fn fields(&mut self, decls: &'a [VarDecl]) -> Vec<Member> {
+    pub(super) fn fields(&mut self, decls: &'a [VarDecl]) -> Vec<Member> {
         let mut fields: Vec<Member> = Vec::new();
         for decl in decls {
             let ty = self.ty(&decl.ty);
@@ -436,4 +530,29 @@ impl<'a> Body<'_, 'a> {
 fn no_quantity(name: &Ident, ty: &Ty) -> Finding {
     let message = format!("`{}` is `{ty}` here, which has no unit", name.name);
     Finding::new(Code::RPI2003, message).at(name.span, "a type of reals is needed")
+}
+
+/// The words of types of Kind 2 that are read and not run.
+const FOREIGN_TYPES: &[&str] = &[
+    "set", "map", "history", "int8", "int16", "int32", "int64", "uint8", "uint16", "uint32",
+    "uint64", "uint", "sint",
+];
+
+/// How the names of those begin on whose values operators are not checked.
+pub(super) const FOREIGN: &[&str] = &["set<", "map<", "int", "uint", "sint"];
+
+fn is_foreign_name(name: &str) -> bool {
+    FOREIGN_TYPES.contains(&name)
+}
+
+/// Whether a type is one of Kind 2 whose name begins like one of these.
+pub(super) fn is_foreign(ty: &Ty, beginnings: &[&str]) -> bool {
+    let Ty::Struct(of) = ty else {
+        return false;
+    };
+    let base = of.name.split('<').next().unwrap_or_default();
+    is_foreign_name(base)
+        && beginnings
+            .iter()
+            .any(|beginning| of.name.starts_with(beginning))
 }

@@ -7,7 +7,9 @@ use super::statics::{Statics, key};
 use crate::program::{DeclId, DeclKind};
 use crate::typed::{ExprId, Kind, Unit, UnitId};
 use rpi_diag::{Code, Finding, Span};
-use rpi_syntax::ast::{self, CommandDecl, Contract, FragmentDecl, NodeDecl, NodeDef, NodeKind};
+use rpi_syntax::ast::{
+    self, CommandDecl, Contract, FragmentDecl, Modifier, NodeDecl, NodeDef, NodeKind,
+};
 use std::rc::Rc;
 
 /// The most units that a program may have: a recursion over static parameters that does not end makes more.
@@ -197,6 +199,7 @@ impl<'a> Body<'_, 'a> {
     }
 
     fn check_node(&mut self, node: &'a NodeDecl) {
+        self.check_modifier(node);
         match &node.definition {
             NodeDef::Body(body) => {
                 let allowed = match node.kind {
@@ -216,6 +219,22 @@ impl<'a> Body<'_, 'a> {
         if let (NodeKind::Function, Some(span)) = (node.kind, self.state_at) {
             self.state_in_function(span);
         }
+    }
+
+    /// What callers are to see of a node must be there.
+    fn check_modifier(&mut self, node: &NodeDecl) {
+        let has_body = matches!(node.definition, NodeDef::Body(_));
+        let lacks = match node.modifier {
+            Modifier::Opaque if node.contract.is_none() => {
+                "a contract, for callers know nothing else of it"
+            }
+            Modifier::Transparent if !has_body => "a body, for callers look into it",
+            _ => return,
+        };
+        let message = format!("`{}` lacks {lacks}", node.signature.name.name);
+        self.report(
+            Finding::new(Code::RPI1014, message).at(node.signature.name.span, "declared here"),
+        );
     }
 
     fn state_in_function(&mut self, span: Span) {

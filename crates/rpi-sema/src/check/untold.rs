@@ -64,9 +64,8 @@ impl Body<'_, '_> {
 
     /// The flows of unknown type that an equation reads.
     fn links(&mut self, index: usize) -> Vec<Link> {
-        let (block, value) = (self.pending[index].block, self.pending[index].value);
         let mark = self.mark();
-        let value = self.within(block, |body| body.expr(value));
+        let value = self.value_at(index);
         let mut links = Vec::new();
         let mut open: Vec<(ExprId, bool)> = vec![(value, true)];
         while let Some((id, now)) = open.pop() {

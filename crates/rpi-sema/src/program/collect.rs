@@ -1,11 +1,11 @@
 //! From parsed files to the table of declarations.
 
-use super::{Decl, DeclId, DeclKind, Library, Module, ModuleId, Program, Source};
+use super::{Decl, DeclId, DeclKind, Library, Module, ModuleId, Program, Source, Space};
 use crate::check::no_module;
 use crate::hash::Map;
 use rpi_diag::{Code, Finding, Span};
-use rpi_syntax::Name;
 use rpi_syntax::ast::{Doc, File, Ident, Item, ItemKind, TypeDef, TypeKind};
+use rpi_syntax::{Mode, Name};
 
 impl<'a> Program<'a> {
     /// The table of a program's declarations, and what is wrong with their names. The first source is the module that
@@ -66,6 +66,7 @@ impl<'a> Collector<'a> {
             uses: Vec::new(),
             lacks_use: false,
             names: Map::default(),
+            spaces: Default::default(),
         });
         for file in &source.files {
             for item in &file.items {
@@ -105,10 +106,20 @@ impl<'a> Collector<'a> {
     fn type_def(&mut self, def: &'a TypeDef, doc: Option<&'a Doc>) {
         let doc = def.doc.as_ref().or(doc);
         self.one(&def.name, doc, DeclKind::Type(def));
+        let ty = last_id(&self.decls);
+        if let Some(TypeKind::Data(all)) = def.ty.as_ref().map(|ty| &ty.kind) {
+            let is_plain = def.statics.is_empty() && all.iter().all(|c| c.fields.is_empty());
+            for (index, constructor) in (0..).zip(all) {
+                let kind = match is_plain {
+                    true => DeclKind::EnumValue { ty, index },
+                    false => DeclKind::Constructor { ty, index },
+                };
+                self.one(&constructor.name, None, kind);
+            }
+        }
         let Some(TypeKind::Enum(values)) = def.ty.as_ref().map(|ty| &ty.kind) else {
             return;
         };
-        let ty = last_id(&self.decls);
         for (index, value) in (0..).zip(values) {
             let kind = DeclKind::EnumValue { ty, index };
             self.one(&value.name, value.doc.as_ref(), kind);
@@ -124,6 +135,16 @@ impl<'a> Collector<'a> {
     fn one(&mut self, name: &Ident, doc: Option<&'a Doc>, kind: DeclKind<'a>) {
         let id = self.nameless(name, doc, kind);
         let current = self.current();
+        if current.mode == Mode::Lustre {
+            let space = Space::of(&kind) as usize;
+            current.names.entry(name.name.clone()).or_insert(id);
+            let first = *current.spaces[space].entry(name.name.clone()).or_insert(id);
+            if first != id {
+                let first = self.decls[first.0 as usize].span;
+                self.findings.push(twice(&name.name, name.span, first));
+            }
+            return;
+        }
         if let Some(first) = current.names.insert(name.name.clone(), id) {
             current.names.insert(name.name.clone(), first);
             let first = self.decls[first.0 as usize].span;

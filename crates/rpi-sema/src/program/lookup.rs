@@ -1,6 +1,6 @@
 //! Finding a declaration by name.
 
-use super::{DeclId, Module, ModuleId, Program};
+use super::{DeclId, Module, ModuleId, Program, Space};
 use rpi_syntax::{Mode, Name};
 
 /// What a name finds.
@@ -21,6 +21,15 @@ impl Program<'_> {
             Some(id) => Lookup::Found(*id),
             None if name.is_qualified() => self.qualified(module, name),
             None => self.imported(module, name),
+        }
+    }
+
+    /// The same for what a place looks for: in Lustre a name may stand for something else at another place.
+    #[must_use]
+    pub fn lookup_in(&self, space: Space, from: ModuleId, name: &Name) -> Lookup {
+        match self.module(from).spaces[space as usize].get(name) {
+            Some(id) => Lookup::Found(*id),
+            None => self.lookup(from, name),
         }
     }
 

@@ -15,7 +15,7 @@ use crate::hash::Map;
 use rpi_diag::Span;
 use rpi_syntax::ast::{
     CommandDecl, ConstDef, DeclaredKind, DeviceDecl, Doc, File, FragmentDecl, FrameDecl, NodeDecl,
-    PrimitiveDecl, TaskDecl, TestDecl, TypeDef,
+    NodeKind, PrimitiveDecl, TaskDecl, TestDecl, TypeDef,
 };
 use rpi_syntax::{Mode, Name};
 
@@ -69,6 +69,13 @@ pub enum DeclKind<'a> {
         /// Its place among the values.
         index: u32,
     },
+    /// An alternative of a `datatype`.
+    Constructor {
+        /// The type.
+        ty: DeclId,
+        /// Its place among the alternatives.
+        index: u32,
+    },
     /// A node or function.
     Node(&'a NodeDecl),
     /// A fragment.
@@ -97,6 +104,7 @@ impl DeclKind<'_> {
             DeclKind::Const(_) | DeclKind::Broken(DeclaredKind::Const) => "a constant",
             DeclKind::Type(_) | DeclKind::Broken(DeclaredKind::Type) => "a type",
             DeclKind::EnumValue { .. } => "a value of an enum",
+            DeclKind::Constructor { .. } => "an alternative of a datatype",
             DeclKind::Node(_) | DeclKind::Broken(DeclaredKind::Callable) => "a node",
             DeclKind::Fragment(_) => "a fragment",
             DeclKind::Primitive(_) => "a primitive",
@@ -123,6 +131,37 @@ pub struct Module {
     /// Whether it says to use a module that is not there, so that names may be missing for that alone.
     pub lacks_use: bool,
     names: Map<Name, DeclId>,
+    /// In Lustre, what each kind of place looks for: a type and a node may have one name.
+    spaces: [Map<Name, DeclId>; Space::COUNT],
+}
+
+/// What a place in a program looks for. In Lustre each has names of its own.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub enum Space {
+    /// Constants and values of enums.
+    Value,
+    /// Types.
+    Type,
+    /// Nodes and functions.
+    Callable,
+    /// Contracts.
+    Contract,
+}
+
+impl Space {
+    const COUNT: usize = 4;
+
+    /// Where a declaration is looked for.
+    fn of(kind: &DeclKind<'_>) -> Space {
+        match kind {
+            DeclKind::Type(_) | DeclKind::Device(_) | DeclKind::Broken(DeclaredKind::Type) => {
+                Space::Type
+            }
+            DeclKind::Node(node) if node.kind == NodeKind::Contract => Space::Contract,
+            DeclKind::Node(_) | DeclKind::Broken(DeclaredKind::Callable) => Space::Callable,
+            _ => Space::Value,
+        }
+    }
 }
 
 /// All declarations of a program.

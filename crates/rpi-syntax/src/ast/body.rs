@@ -84,8 +84,80 @@ pub enum StatementKind {
     Fragment(Box<FragmentDecl>),
     /// `automaton ... end`
     Automaton(Box<Automaton>),
+    /// `if c then x = 1; else x = 2; fi` (Kind 2)
+    Choice(Box<Choice>),
+    /// `frame (x) x = 0; let ... tel` (Kind 2)
+    Keep(Box<Keep>),
     /// A statement with a fault; the names that it seems to define
     Broken(Vec<Ident>),
+}
+
+/// Equations that hold by conditions.
+#[derive(Clone, PartialEq, Debug)]
+pub struct Choice {
+    /// How it is written.
+    pub word: ChoiceWord,
+    /// The branches in text order, at least one.
+    pub branches: Vec<ChoiceBranch>,
+    /// What holds if no condition does.
+    pub otherwise: Option<Vec<Statement>>,
+    /// What it stands for: an equation for each flow.
+    pub means: Meaning,
+}
+
+/// The ways to write a [`Choice`].
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub enum ChoiceWord {
+    /// `if c then ... elsif d then ... else ... fi`
+    If,
+    /// `when c then ... else ... end`
+    When,
+    /// `cond | c: ... | d: ... otherwise: ... end`
+    Cond,
+}
+
+/// One branch of a [`Choice`].
+#[derive(Clone, PartialEq, Debug)]
+pub struct ChoiceBranch {
+    /// When it is taken.
+    pub condition: Expr,
+    /// What holds then.
+    pub statements: Vec<Statement>,
+}
+
+/// `frame (names) initial let statements tel`
+#[derive(Clone, PartialEq, Debug)]
+pub struct Keep {
+    /// The flows that keep their values where nothing in the block defines them.
+    pub names: Vec<Ident>,
+    /// Their values in the first cycle.
+    pub initial: Vec<Statement>,
+    /// What defines them.
+    pub statements: Vec<Statement>,
+    /// What it stands for: an equation for each flow.
+    pub means: Meaning,
+}
+
+/// The equations that a block stands for.
+#[derive(Clone, PartialEq, Debug, Default)]
+pub struct Meaning {
+    /// The equations with their places.
+    pub equations: Vec<(Equation, Span)>,
+    /// What is wrong with the block.
+    pub faults: Vec<BlockFault>,
+}
+
+/// What can be wrong with a block of equations.
+#[derive(Clone, PartialEq, Debug)]
+pub enum BlockFault {
+    /// A flow without equation in some branch: the flow as it is defined in another, and the branch.
+    MissingIn(Ident, Span),
+    /// Something else than an equation or a block in it, in words.
+    NoEquation(Span, &'static str),
+    /// An equation for a flow that the `frame` does not name.
+    NotNamed(Ident),
+    /// Flows that a branch defines twice: again, and first.
+    Twice(Ident, Span),
 }
 
 /// `x, arm.tcp, a[2] = rhs`
@@ -117,6 +189,8 @@ pub struct Claim {
     pub label: Option<Ident>,
     /// The condition.
     pub condition: Expr,
+    /// `provided c`: when it has to hold (Kind 2).
+    pub provided: Option<Expr>,
 }
 
 /// The kinds of claims.

@@ -31,6 +31,14 @@ impl Expr {
                 let fields = of.fields.iter().map(|field| &field.value);
                 of.base.iter().chain(fields).collect()
             }
+            ExprKind::Quantified(of) => vec![&of.condition],
+            ExprKind::Ascribed(of) => vec![&of.value],
+            ExprKind::IsA(of) => vec![&of.value],
+            ExprKind::EmptySet(_) => Vec::new(),
+            ExprKind::Match(of) => {
+                let arms = of.arms.iter().map(|arm| &arm.then);
+                [&of.value].into_iter().chain(arms).collect()
+            }
             ExprKind::Update(update) => {
                 let changes = update.changes.iter();
                 let parts = changes.flat_map(|c| [of_path(&c.path), vec![&c.value]].concat());

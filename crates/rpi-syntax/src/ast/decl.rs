@@ -82,6 +82,8 @@ pub struct TypeDef {
     pub doc: Option<Doc>,
     /// The name declared.
     pub name: Ident,
+    /// `<T; U>` (Kind 2)
+    pub statics: Vec<StaticParam>,
     /// What it stands for.
     pub ty: Option<Type>,
     /// All of it.
@@ -139,16 +141,32 @@ pub enum NodeKind {
 pub struct NodeDecl {
     /// `node` or `function`.
     pub kind: NodeKind,
-    /// `unsafe`: it may have side effects (Lustre V6).
-    pub is_unsafe: bool,
+    /// What stands before `node` or `function`.
+    pub modifier: Modifier,
     /// Name, parameters, ports. Without ports only in `node f = g<<3>>;`.
     pub signature: Signature,
+    /// Its `const` in-ports that decide about sizes (Kind 2): static parameters in all but their place.
+    pub sizes: Vec<ConstDef>,
     /// `con ... noc`
     pub contract: Option<Contract>,
     /// What it does.
     pub definition: NodeDef,
     /// How it is said that it is defined outside; of no meaning for other definitions.
     pub outside: Outside,
+}
+
+/// What may stand before `node` or `function`.
+#[derive(Clone, Copy, PartialEq, Eq, Debug, Default)]
+pub enum Modifier {
+    /// Nothing.
+    #[default]
+    None,
+    /// `unsafe`: it may have side effects (Lustre V6).
+    Unsafe,
+    /// `opaque`: callers know its contract alone (Kind 2).
+    Opaque,
+    /// `transparent`: callers look into its body (Kind 2).
+    Transparent,
 }
 
 /// The ways to say that a node is defined outside; they mean the same.
@@ -179,12 +197,25 @@ pub enum NodeDef {
 pub struct Contract {
     /// Names for use in it: `var x: int = e;`, `const n = 3;`.
     pub locals: Vec<Locals>,
+    /// Those that get their values together: `var x, y: int = f(z);`.
+    pub together: Vec<Together>,
     /// What holds always.
     pub claims: Vec<Claim>,
     /// What holds in a mode (Kind 2).
     pub modes: Vec<ContractMode>,
     /// Contracts that are taken up.
     pub imports: Vec<ContractImport>,
+    /// All of it.
+    pub span: Span,
+}
+
+/// `var x: int, y: bool = value;`
+#[derive(Clone, PartialEq, Debug)]
+pub struct Together {
+    /// What is declared.
+    pub vars: Vec<VarDecl>,
+    /// The same as what is defined.
+    pub equation: super::Equation,
     /// All of it.
     pub span: Span,
 }

@@ -1,6 +1,6 @@
 //! Expressions and calls.
 
-use super::{Clock, Ident, Name, Number, Type, Unit};
+use super::{Clock, Ident, Name, Number, Type, Unit, VarDecl};
 use crate::ops::{BinaryOp, UnaryOp};
 use rpi_diag::Span;
 
@@ -56,6 +56,16 @@ pub enum ExprKind {
     Struct(Box<StructExpr>),
     /// `(a with [2] = x; .f[1] = y)`
     Update(Box<Update>),
+    /// `forall (x: int) x > y`, `exists (x: int) x > y` (Kind 2)
+    Quantified(Box<Quantified>),
+    /// `(x: T)` (Kind 2)
+    Ascribed(Box<Ascribed>),
+    /// `A?(x)` (Kind 2)
+    IsA(Box<IsA>),
+    /// `match x with A: 1 | B(n): n end` (Kind 2)
+    Match(Box<Match>),
+    /// `{}@<T>` (Kind 2)
+    EmptySet(Box<[StaticArg]>),
 }
 
 impl Expr {
@@ -273,11 +283,62 @@ pub struct MergeCase {
     pub then: Expr,
 }
 
+/// `forall (vars) condition`
+#[derive(Clone, PartialEq, Debug)]
+pub struct Quantified {
+    /// Whether it must hold for all, not only for some.
+    pub for_all: bool,
+    /// What is quantified over.
+    pub vars: Vec<VarDecl>,
+    /// What must hold.
+    pub condition: Expr,
+}
+
+/// `(value: ty)`
+#[derive(Clone, PartialEq, Debug)]
+pub struct Ascribed {
+    /// The value.
+    pub value: Expr,
+    /// The type that it is to have.
+    pub ty: Type,
+}
+
+/// `constructor?(value)`
+#[derive(Clone, PartialEq, Debug)]
+pub struct IsA {
+    /// The alternative that is asked for.
+    pub constructor: Ident,
+    /// Of this.
+    pub value: Expr,
+}
+
+/// `match value with arms end`
+#[derive(Clone, PartialEq, Debug)]
+pub struct Match {
+    /// What is taken apart.
+    pub value: Expr,
+    /// The alternatives in text order, at least one.
+    pub arms: Vec<Arm>,
+}
+
+/// `A(x, y): then`
+#[derive(Clone, PartialEq, Debug)]
+pub struct Arm {
+    /// The alternative; `_` or another name for any.
+    pub constructor: Ident,
+    /// Names for its parts.
+    pub names: Vec<Ident>,
+    /// The value in this case.
+    pub then: Expr,
+}
+
 /// `T{x = 1; y = 2}`, `T{s with x = 1}`
 #[derive(Clone, PartialEq, Debug)]
 pub struct StructExpr {
     /// The struct type.
     pub ty: Ident,
+    /// Its static arguments: `T@<int>{x = 1}`.
+    pub statics: Vec<StaticArg>,
     /// Where the other fields come from.
     pub base: Option<Expr>,
     /// The fields given.

@@ -13,12 +13,13 @@
 //! | `body.rs` | equations, fragments in place, automata |
 //! | `decl.rs` | top-level declarations |
 //! | `task.rs` | tasks |
-//! | `children.rs` | what an expression is made of |
+//! | `children.rs`, `children_mut.rs` | what an expression is made of |
 //! | `build.rs` | short ways to make nodes that have no text |
 
 mod body;
 mod build;
 mod children;
+mod children_mut;
 mod decl;
 mod expr;
 mod literal;

@@ -29,6 +29,12 @@ pub enum TypeKind {
     Optional(Box<Type>),
     /// `subrange [lo, hi] of int`
     Subrange(Box<Subrange>),
+    /// `[T, U]` (Kind 2)
+    Tuple(Vec<Type>),
+    /// `subtype { x: T | x > 0 }` (Kind 2)
+    Refined(Box<Refined>),
+    /// `A | B(x: int)`; only in a declaration of a `datatype` (Kind 2)
+    Data(Vec<Constructor>),
     /// `enum { A, B }`; only in a type declaration
     Enum(Vec<EnumValue>),
     /// `struct { x: real; y: real = 0.0 }`; only in a type declaration
@@ -73,6 +79,26 @@ pub struct Subrange {
     pub from: Option<Expr>,
     /// Greatest value; open if absent (`*`).
     pub to: Option<Expr>,
+}
+
+/// `subtype { name: base | condition }`
+#[derive(Clone, PartialEq, Debug)]
+pub struct Refined {
+    /// What a value is called in the condition.
+    pub name: Ident,
+    /// The type that has more values.
+    pub base: Type,
+    /// What holds for the values.
+    pub condition: Expr,
+}
+
+/// One alternative of a `datatype`.
+#[derive(Clone, PartialEq, Debug)]
+pub struct Constructor {
+    /// Its name.
+    pub name: Ident,
+    /// Its parts.
+    pub fields: Vec<VarDecl>,
 }
 
 /// One value of an enum.

@@ -57,7 +57,10 @@ impl Dumper {
 
     fn type_def(&self, def: &TypeDef) -> Sexp {
         let ty = def.ty.as_ref().map_or(Sexp::Nothing, |ty| self.ty(ty));
-        with_doc(def.doc.as_ref(), node("def", [name(&def.name), ty]))
+        with_doc(
+            def.doc.as_ref(),
+            node("def", [name(&def.name), self.statics(&def.statics), ty]),
+        )
     }
 
     pub(super) fn var(&self, var: &VarDecl) -> Sexp {
@@ -119,7 +122,7 @@ impl Dumper {
         };
         let head = [
             word(decl.kind),
-            flag("unsafe", decl.is_unsafe),
+            decl.modifier.word().map_or(Sexp::Nothing, Sexp::atom),
             self.signature(&decl.signature),
         ];
         let contract = self.contract(decl.contract.as_ref());
@@ -225,9 +228,39 @@ impl Dumper {
             StatementKind::Automaton(automaton) => {
                 nodes("automaton", &automaton.states, |s| self.state(s))
             }
+            StatementKind::Choice(choice) => self.choice(choice),
+            StatementKind::Keep(keep) => node(
+                "frame",
+                [
+                    nodes("names", &keep.names, name),
+                    self.block("initial", &keep.initial),
+                    self.block("then", &keep.statements),
+                ],
+            ),
             StatementKind::Broken(names) => nodes("broken", names, name),
         };
         with_doc(statement.doc.as_ref(), written)
+    }
+
+    fn block(&self, tag: &str, statements: &[Statement]) -> Sexp {
+        nodes(tag, statements, |statement| self.statement(statement))
+    }
+
+    fn choice(&self, choice: &Choice) -> Sexp {
+        let branches = choice.branches.iter().map(|branch| {
+            let condition = self.expr(&branch.condition);
+            node(
+                "branch",
+                [condition, self.block("then", &branch.statements)],
+            )
+        });
+        let otherwise = choice.otherwise.as_ref();
+        let otherwise = otherwise.map_or(Sexp::Nothing, |all| self.block("otherwise", all));
+        let head = Sexp::atom(choice.word.opens().trim_end());
+        node(
+            "choice",
+            [head].into_iter().chain(branches).chain([otherwise]),
+        )
     }
 
     fn claim(&self, claim: &Claim) -> Sexp {
@@ -236,7 +269,12 @@ impl Dumper {
         });
         node(
             "claim",
-            [word(claim.kind), label, self.expr(&claim.condition)],
+            [
+                word(claim.kind),
+                label,
+                self.expr(&claim.condition),
+                option("provided", claim.provided.as_ref(), |when| self.expr(when)),
+            ],
         )
     }
 
@@ -274,12 +312,17 @@ impl Dumper {
             )
         };
         let locals = contract.locals.iter().map(|locals| self.locals(locals));
+        let together = contract.together.iter().map(|together| {
+            let value = self.expr(&together.equation.value);
+            node("together", [self.vars("vars", &together.vars), value])
+        });
         let claims = contract.claims.iter().map(|claim| self.claim(claim));
         let imports = contract.imports.iter();
         let imports = imports.map(|import| node("import", [self.expr(&import.call)]));
         node(
             "contract",
             locals
+                .chain(together)
                 .chain(imports)
                 .chain(claims)
                 .chain(contract.modes.iter().map(mode)),

@@ -66,6 +66,11 @@ impl Dumper {
             ExprKind::Paren(inner) => node("paren", [self.expr(inner)]),
             ExprKind::Tuple(elements) => nodes("tuple", elements, |x| self.expr(x)),
             ExprKind::Array(elements) => nodes("array", elements, |x| self.expr(x)),
+            ExprKind::Quantified(of) => self.quantified(of),
+            ExprKind::Ascribed(of) => node("as", [self.expr(&of.value), self.ty(&of.ty)]),
+            ExprKind::IsA(of) => node("is", [self.expr(&of.value), name(&of.constructor)]),
+            ExprKind::Match(of) => self.match_expr(of),
+            ExprKind::EmptySet(types) => nodes("empty", types, |ty| self.static_arg(ty)),
             ExprKind::Struct(value) => self.struct_expr(value),
             ExprKind::Update(update) => self.update(update),
         }
@@ -96,7 +101,11 @@ impl Dumper {
         let fields = nodes("fields", &value.fields, |f| {
             node(&f.field.name, [self.expr(&f.value)])
         });
-        node("struct", [name(&value.ty), base, fields])
+        let statics = match &value.statics[..] {
+            [] => Sexp::Nothing,
+            all => nodes("statics", all, |arg| self.static_arg(arg)),
+        };
+        node("struct", [name(&value.ty), statics, base, fields])
     }
 
     fn update(&self, update: &Update) -> Sexp {
@@ -186,9 +195,36 @@ impl Dumper {
                     [name(&value.name), super::decl::doc(value.doc.as_ref())],
                 )
             }),
+            TypeKind::Tuple(types) => nodes("tuple", types, |ty| self.ty(ty)),
+            TypeKind::Refined(refined) => self.refined(refined),
+            TypeKind::Data(all) => nodes("data", all, |constructor| {
+                nodes(&constructor.name.name, &constructor.fields, |field| {
+                    self.var(field)
+                })
+            }),
             TypeKind::Struct(fields) => nodes("struct", fields, |field| self.var(field)),
             TypeKind::Broken => Sexp::atom("broken"),
         }
+    }
+
+    fn refined(&self, refined: &Refined) -> Sexp {
+        let parts = [name(&refined.name), self.ty(&refined.base)];
+        let condition = [self.expr(&refined.condition)];
+        node("subtype", parts.into_iter().chain(condition))
+    }
+
+    fn quantified(&self, of: &Quantified) -> Sexp {
+        let tag = if of.for_all { "forall" } else { "exists" };
+        let vars = nodes("vars", &of.vars, |var| self.var(var));
+        node(tag, [vars, self.expr(&of.condition)])
+    }
+
+    fn match_expr(&self, of: &Match) -> Sexp {
+        let arms = of.arms.iter().map(|arm| {
+            let parts = nodes("parts", &arm.names, name);
+            node("arm", [name(&arm.constructor), parts, self.expr(&arm.then)])
+        });
+        node("match", [self.expr(&of.value)].into_iter().chain(arms))
     }
 
     fn named_type(&self, named: &NamedType) -> Sexp {

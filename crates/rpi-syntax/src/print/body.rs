@@ -105,7 +105,7 @@ impl Printer<'_> {
         concat([word(head), indent(concat([Doc::Hard, lines]))])
     }
 
-    fn statements(&mut self, statements: &[Statement], end: u32) -> Doc {
+    pub(super) fn statements(&mut self, statements: &[Statement], end: u32) -> Doc {
         let widths = end_widths(statements);
         self.lines(
             statements,
@@ -135,6 +135,8 @@ impl Printer<'_> {
             }
             StatementKind::Fragment(fragment) => return self.fragment(fragment, span),
             StatementKind::Automaton(automaton) => return self.automaton(automaton, span),
+            StatementKind::Choice(choice) => return self.choice(choice, span),
+            StatementKind::Keep(keep) => return self.keep(keep, span),
             StatementKind::Broken(_) => return nothing(),
         };
         concat([phrase, word(";")])
@@ -155,7 +157,11 @@ impl Printer<'_> {
 
     pub(super) fn claim(&mut self, claim: &Claim) -> Doc {
         let condition = self.condition(claim);
-        concat([word(claim.kind.word()), word(" "), condition])
+        let provided = claim.provided.as_ref();
+        let provided = provided.map_or_else(nothing, |when| {
+            concat([word(" provided "), self.expr(when)])
+        });
+        concat([word(claim.kind.word()), word(" "), condition, provided])
     }
 
     /// Label and condition of a claim.
@@ -282,7 +288,10 @@ impl Body {
 fn has_body(kind: &StatementKind) -> bool {
     matches!(
         kind,
-        StatementKind::Fragment(_) | StatementKind::Automaton(_)
+        StatementKind::Fragment(_)
+            | StatementKind::Automaton(_)
+            | StatementKind::Choice(_)
+            | StatementKind::Keep(_)
     )
 }
 

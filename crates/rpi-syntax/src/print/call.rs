@@ -8,6 +8,20 @@ use rpi_diag::Span;
 
 impl Printer<'_> {
     pub(super) fn call(&mut self, call: &Call) -> Doc {
+        if let [
+            StaticArg {
+                value:
+                    StaticValue::Type(Type {
+                        kind: TypeKind::Refined(refined),
+                        ..
+                    }),
+                ..
+            },
+        ] = &call.callee.statics[..]
+        {
+            let head = format!("{} ", call.callee.name.name);
+            return concat([text(head), self.refined(refined)]);
+        }
         let callee = self.callee(&call.callee);
         let head = match &call.activation {
             Activation::Always => callee,
@@ -47,6 +61,20 @@ impl Printer<'_> {
             let value = p.expr(&arg.value);
             named(arg.name.as_ref(), value)
         })
+    }
+
+    /// `<int; real>` after a name in a `.lus` file.
+    pub(super) fn type_args(&mut self, open: &'static str, args: &[StaticArg]) -> Doc {
+        let mut parts = Vec::new();
+        for (i, arg) in args.iter().enumerate() {
+            parts.push(word(if i == 0 { open } else { "; " }));
+            parts.push(match &arg.value {
+                StaticValue::Type(ty) => self.ty(ty),
+                value => self.static_value(value, false),
+            });
+        }
+        parts.push(word(if args.is_empty() { "" } else { ">" }));
+        concat(parts)
     }
 
     pub(super) fn callee(&mut self, callee: &Callee) -> Doc {

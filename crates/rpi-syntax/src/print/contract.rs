@@ -28,6 +28,11 @@ impl Printer<'_> {
             .iter()
             .flat_map(|l| self.contract_locals(l))
             .collect::<Vec<_>>();
+        let together = contract
+            .together
+            .iter()
+            .flat_map(|together| [Doc::Hard, self.together(together)])
+            .collect::<Vec<_>>();
         let claims = self.claims(&contract.claims);
         let modes = contract
             .modes
@@ -41,12 +46,24 @@ impl Printer<'_> {
             .collect::<Vec<_>>();
         let parts = indent(concat([
             concat(locals),
+            concat(together),
             concat(imports),
             claims,
             concat(modes),
         ]));
         self.trivia.reach(contract.span.end);
         parts
+    }
+
+    /// `var x: int, y: bool = e;`
+    fn together(&mut self, together: &Together) -> Doc {
+        let vars = together.vars.iter().enumerate().flat_map(|(i, var)| {
+            let comma = word(if i == 0 { "" } else { ", " });
+            [comma, self.var_decl(var)]
+        });
+        let vars = concat(vars.collect::<Vec<_>>());
+        let value = self.expr(&together.equation.value);
+        concat([word("var "), vars, word(" = "), value, word(";")])
     }
 
     fn contract_import(&mut self, import: &ContractImport) -> Doc {

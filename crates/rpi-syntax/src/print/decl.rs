@@ -29,6 +29,9 @@ impl Printer<'_> {
             ItemKind::Const(defs) => {
                 self.section("const", defs, |d| (d.span, &d.doc), Self::const_def)
             }
+            ItemKind::Type(defs) if is_datatype(defs) => {
+                self.section("datatype", defs, |d| (d.span, &d.doc), Self::type_def)
+            }
             ItemKind::Type(defs) => {
                 self.section("type", defs, |d| (d.span, &d.doc), Self::type_def)
             }
@@ -52,7 +55,20 @@ impl Printer<'_> {
     }
 
     fn type_def(&mut self, def: &TypeDef) -> Doc {
-        let name = concat([self.doc_lines(def.doc.as_ref()), text(&*def.name.name)]);
+        let names = def.statics.iter().filter_map(|param| match &param.kind {
+            StaticParamKind::Type(name) => Some(name.name.as_str()),
+            _ => None,
+        });
+        let names: Vec<&str> = names.collect();
+        let params = match &names[..] {
+            [] => nothing(),
+            all => text(format!("<{}>", all.join("; "))),
+        };
+        let name = concat([
+            self.doc_lines(def.doc.as_ref()),
+            text(&*def.name.name),
+            params,
+        ]);
         match &def.ty {
             Some(ty) => concat([name, word(" = "), self.ty(ty)]),
             None => name,
@@ -87,7 +103,12 @@ impl Printer<'_> {
             _ => ("", " "),
         };
         let head = concat([
-            word(if node.is_unsafe { "unsafe " } else { "" }),
+            word(node.modifier.word().unwrap_or_default()),
+            word(if node.modifier == Modifier::None {
+                ""
+            } else {
+                " "
+            }),
             word(before),
             word(node.kind.word()),
             word(after),
@@ -248,6 +269,25 @@ impl PortKind {
             PortKind::Actuator => "actuator",
             PortKind::Sensor => "sensor",
             PortKind::Status => "status",
+        }
+    }
+}
+
+/// Whether the definitions are the alternatives of one `datatype`.
+fn is_datatype(defs: &[TypeDef]) -> bool {
+    let is_data =
+        |def: &TypeDef| matches!(def.ty.as_ref().map(|ty| &ty.kind), Some(TypeKind::Data(_)));
+    defs.iter().all(is_data)
+}
+
+impl Modifier {
+    /// The word that stands for it.
+    pub(crate) fn word(self) -> Option<&'static str> {
+        match self {
+            Modifier::None => None,
+            Modifier::Unsafe => Some("unsafe"),
+            Modifier::Opaque => Some("opaque"),
+            Modifier::Transparent => Some("transparent"),
         }
     }
 }

@@ -29,6 +29,25 @@ impl Printer<'_> {
             ExprKind::Paren(inner) => self.paren(inner),
             ExprKind::Tuple(elements) => self.list(PARENS, elements, |e| e.span, Self::expr),
             ExprKind::Array(elements) => self.list(SQUARE, elements, |e| e.span, Self::expr),
+            ExprKind::Quantified(of) => {
+                let head = word(if of.for_all { "forall " } else { "exists " });
+                concat([
+                    head,
+                    self.ports(&of.vars),
+                    word(" "),
+                    self.expr(&of.condition),
+                ])
+            }
+            ExprKind::Ascribed(of) => {
+                let value = self.expr(&of.value);
+                concat([word("("), value, word(": "), self.ty(&of.ty), word(")")])
+            }
+            ExprKind::IsA(of) => {
+                let value = self.expr(&of.value);
+                concat([text(&*of.constructor.name), word("?("), value, word(")")])
+            }
+            ExprKind::Match(of) => self.match_expr(of),
+            ExprKind::EmptySet(types) => concat([word("{}"), self.type_args("@<", types)]),
             ExprKind::Struct(value) => self.struct_expr(value),
             ExprKind::Update(update) => self.update(update),
         }
@@ -208,7 +227,8 @@ impl Printer<'_> {
     }
 
     fn struct_expr(&mut self, value: &StructExpr) -> Doc {
-        let name = text(&*value.ty.name);
+        let statics = self.type_args("@<", &value.statics);
+        let name = concat([text(&*value.ty.name), statics]);
         let field = |p: &mut Self, field: &FieldValue| p.field_value(field);
         let Some(base) = &value.base else {
             let fields = self.list(CURLY, &value.fields, field_span, field);
@@ -221,6 +241,21 @@ impl Printer<'_> {
             base,
             self.list(after_base, &value.fields, field_span, field),
         ])
+    }
+
+    fn match_expr(&mut self, of: &Match) -> Doc {
+        let head = concat([word("match "), self.expr(&of.value), word(" with")]);
+        let arms = of.arms.iter().flat_map(|arm| {
+            let names: Vec<&str> = arm.names.iter().map(|name| name.name.as_str()).collect();
+            let parts = match &names[..] {
+                [] => String::new(),
+                all => format!("({})", all.join(", ")),
+            };
+            let pattern = text(format!("| {}{parts}: ", arm.constructor.name));
+            [Doc::Line, pattern, self.expr(&arm.then)]
+        });
+        let arms = indent(concat(arms.collect::<Vec<_>>()));
+        group(concat([head, arms, Doc::Line, word("end")]))
     }
 
     fn field_value(&mut self, field: &FieldValue) -> Doc {

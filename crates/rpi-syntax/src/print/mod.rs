@@ -9,6 +9,7 @@
 //! | `head.rs` | declarations without their bodies |
 //! | `expr.rs`, `call.rs`, `ty.rs`, `decl.rs`, `body.rs`, `contract.rs`, `task.rs` | the forms of the language |
 
+mod blocks;
 mod body;
 mod call;
 mod contract;

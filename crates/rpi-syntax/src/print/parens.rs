@@ -6,7 +6,7 @@ use crate::ops::{BinaryOp, Grouping, LEVEL_IF, LEVEL_PRIMARY, LEVEL_WHEN, Level,
 /// The level of the operator at the root of the expression.
 pub(super) fn level(expr: &Expr) -> Level {
     match &expr.kind {
-        ExprKind::If(_) => LEVEL_IF,
+        ExprKind::If(_) | ExprKind::Quantified(_) => LEVEL_IF,
         ExprKind::Binary(binary) => binary.op.level(),
         ExprKind::Unary(op, _) => op.level(),
         ExprKind::When(_) => LEVEL_WHEN,

@@ -2,7 +2,7 @@
 
 use super::Printer;
 use super::layout::{Doc, concat, nothing, text, word};
-use super::list::{PORTS, SPACED_COMMAS, SPACED_SEMIS, STATIC_PARAMS};
+use super::list::{PORTS, SPACED_COMMAS, SPACED_SEMIS, SQUARE, STATIC_PARAMS};
 use crate::Mode;
 use crate::ast::*;
 use crate::ops::BinaryOp;
@@ -34,6 +34,21 @@ impl Printer<'_> {
                 );
                 concat([word("enum "), values])
             }
+            TypeKind::Tuple(types) => self.list(SQUARE, types, |ty| ty.span, Self::ty),
+            TypeKind::Refined(refined) => concat([word("subtype "), self.refined(refined)]),
+            TypeKind::Data(all) => self.phrases(
+                all,
+                |c| c.name.span,
+                |p, i, constructor| {
+                    let bar = word(if i == 0 { "" } else { "| " });
+                    let name = text(&*constructor.name.name);
+                    let fields = match &constructor.fields[..] {
+                        [] => nothing(),
+                        fields => concat([word(" "), p.ports(fields)]),
+                    };
+                    concat([bar, name, fields])
+                },
+            ),
             TypeKind::Struct(fields) => {
                 let fields = self.list(SPACED_SEMIS, fields, |f| f.span, Self::var_decl);
                 concat([word("struct "), fields])
@@ -42,8 +57,27 @@ impl Printer<'_> {
         }
     }
 
+    /// `{ x: int | x > 0 }`
+    pub(super) fn refined(&mut self, refined: &Refined) -> Doc {
+        let name = text(&*refined.name.name);
+        let (base, condition) = (self.ty(&refined.base), self.expr(&refined.condition));
+        concat([
+            word("{ "),
+            name,
+            word(": "),
+            base,
+            word(" | "),
+            condition,
+            word(" }"),
+        ])
+    }
+
     fn named_type(&mut self, named: &NamedType) -> Doc {
-        let head = concat([text(&*named.name.name), self.static_args(&named.statics)]);
+        let args = match self.mode {
+            Mode::Rpi => self.static_args(&named.statics),
+            Mode::Lustre => self.type_args("<", &named.statics),
+        };
+        let head = concat([text(&*named.name.name), args]);
         let Some(frames) = &named.frames else {
             return head;
         };

@@ -59,13 +59,15 @@ fn name() -> impl Strategy<Value = Name> {
 }
 
 fn binary() -> impl Strategy<Value = BinaryOp> {
-    (0..BINARY.len()).prop_map(|at| BINARY[at].op)
+    let ops = BINARY.iter().filter(|row| !row.only_lustre);
+    prop::sample::select(ops.map(|row| row.op).collect::<Vec<_>>())
 }
 
 /// All but `last`, whose operand is a name.
 fn unary() -> impl Strategy<Value = UnaryOp> {
     let ops = UNARY
         .iter()
+        .filter(|row| !row.only_lustre)
         .map(|row| row.op)
         .filter(|op| *op != UnaryOp::Last);
     prop::sample::select(ops.collect::<Vec<_>>())
@@ -182,6 +184,7 @@ fn expr() -> BoxedStrategy<Expr> {
                         .collect();
                     ExprKind::Struct(Box::new(StructExpr {
                         ty,
+                        statics: Vec::new(),
                         base: None,
                         fields,
                     }))
@@ -351,6 +354,7 @@ fn statement() -> impl Strategy<Value = Statement> {
                     kind: ClaimKind::Assert,
                     label,
                     condition,
+                    provided: None,
                 }))
             }),
     ];
@@ -397,7 +401,8 @@ fn item() -> impl Strategy<Value = Item> {
     )
         .prop_map(|(name, inputs, outputs, body)| NodeDecl {
             kind: NodeKind::Node,
-            is_unsafe: false,
+            modifier: Modifier::None,
+            sizes: Vec::new(),
             signature: Signature {
                 name,
                 statics: Vec::new(),

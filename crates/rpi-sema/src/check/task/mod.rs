@@ -136,7 +136,7 @@ impl<'a> Body<'_, 'a> {
     /// Checks what a step gives, and keeps it for those who run the task.
     fn arguments(&mut self, id: DeclId, run: &'a Run) {
         let bound = self.bind(id, &run.callee.statics);
-        let (mut given, all_named) = self.given_to(id, &run.args);
+        let (mut given, all_named) = self.given_to(id, &run.args.iter().collect::<Vec<_>>());
         given.extend(bound.ports);
         if bound.faulty || !all_named {
             return;

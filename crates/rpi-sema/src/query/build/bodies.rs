@@ -2,7 +2,8 @@
 
 use super::{At, Body, Builder, DefId, DefKind, Ident, Mode, Origin, ScopeId, Work};
 use rpi_syntax::ast::{
-    Automaton, Equation, FragmentDecl, Locals, State, Statement, StatementKind, Target, Transition,
+    Automaton, Equation, FragmentDecl, Locals, Meaning, State, Statement, StatementKind, Target,
+    Transition,
 };
 
 impl<'a> Builder<'a> {
@@ -23,16 +24,27 @@ impl<'a> Builder<'a> {
         match &statement.kind {
             StatementKind::Equation(equation) => self.equation(at, equation),
             StatementKind::Call(call) => self.exprs(scope, [&**call]),
-            StatementKind::Claim(claim) => self.exprs(scope, [&claim.condition]),
+            StatementKind::Claim(claim) => {
+                self.exprs(scope, [&claim.condition].into_iter().chain(&claim.provided))
+            }
             StatementKind::End(end) => self.exprs(scope, [&end.condition]),
             StatementKind::Export(flows) => flows
                 .iter()
                 .for_each(|flow| self.later(scope, Work::Dotted(flow))),
             StatementKind::Fragment(fragment) => self.block(at, fragment),
             StatementKind::Automaton(automaton) => self.automaton(at, automaton),
+            StatementKind::Choice(choice) => self.meaning(at, &choice.means),
+            StatementKind::Keep(keep) => self.meaning(at, &keep.means),
             StatementKind::Broken(names) => names.iter().for_each(|name| {
                 self.introduced(at, name);
             }),
+        }
+    }
+
+    /// The equations that a block stands for.
+    fn meaning(&mut self, at: At<'a>, means: &'a Meaning) {
+        for (equation, _) in &means.equations {
+            self.equation(at, equation);
         }
     }
 

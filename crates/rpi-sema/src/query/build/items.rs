@@ -279,6 +279,10 @@ impl<'a> Builder<'a> {
             return;
         };
         self.locals(scope, contract.span, &contract.locals);
+        for together in &contract.together {
+            self.vars(scope, &together.vars, DefKind::Local);
+            self.exprs(scope, [&together.equation.value]);
+        }
         let modes = contract.modes.iter();
         let of_modes = modes.flat_map(|mode| mode.requires.iter().chain(&mode.ensures));
         let claims = contract.claims.iter().chain(of_modes);

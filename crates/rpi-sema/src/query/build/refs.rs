@@ -83,8 +83,40 @@ impl<'a> Builder<'a> {
                     self.expr(scope, &case.then);
                 }
             }
+            ExprKind::Quantified(of) => {
+                let names = of.vars.iter().flat_map(|var| &var.names);
+                let names = names.map(|name| &name.name);
+                of.vars.iter().for_each(|var| self.ty(scope, &var.ty));
+                self.with_own_names(scope, names, &of.condition);
+            }
+            ExprKind::Ascribed(of) => {
+                self.expr(scope, &of.value);
+                self.ty(scope, &of.ty);
+            }
+            ExprKind::IsA(of) => self.expr(scope, &of.value),
+            ExprKind::Match(of) => {
+                self.expr(scope, &of.value);
+                for arm in &of.arms {
+                    self.name(scope, &arm.constructor.name, arm.constructor.span);
+                    let names = arm.names.iter().map(|name| &name.name);
+                    self.with_own_names(scope, names, &arm.then);
+                }
+            }
+            ExprKind::EmptySet(types) => self.statics(scope, None, types),
             ExprKind::Struct(of) => self.struct_expr(scope, of),
             ExprKind::Update(update) => self.update(scope, update),
+        }
+    }
+
+    /// An expression with names of its own. Where one of them hides a name from around, what is meant is left open.
+    fn with_own_names(
+        &mut self,
+        scope: ScopeId,
+        mut names: impl Iterator<Item = &'a Name>,
+        expr: &'a Expr,
+    ) {
+        if !names.any(|name| self.index.lookup(scope, name).is_some()) {
+            self.expr(scope, expr);
         }
     }
 
@@ -224,7 +256,12 @@ impl<'a> Builder<'a> {
             TypeKind::Optional(inner) => self.ty(scope, inner),
             TypeKind::Subrange(range) => self.all(scope, range.from.iter().chain(&range.to)),
             // These stand in declarations of types only, which are no work for here.
-            TypeKind::Enum(_) | TypeKind::Struct(_) => {}
+            TypeKind::Enum(_) | TypeKind::Struct(_) | TypeKind::Data(_) => {}
+            TypeKind::Tuple(types) => types.iter().for_each(|ty| self.ty(scope, ty)),
+            TypeKind::Refined(refined) => {
+                self.ty(scope, &refined.base);
+                self.with_own_names(scope, [&refined.name.name].into_iter(), &refined.condition);
+            }
         }
     }
 

@@ -1,0 +1,332 @@
+//! Equations, one primitive at a time.
+
+use super::flows::{Is, Seen, Writer};
+use super::operators::{filled, guarded, operator};
+use super::value::{literal, neutral, type_name};
+use crate::net::{Input, NodeId, PortRef};
+use crate::passes::Sureness;
+use rpi_image::{Need, PortType, Role, Scalar, Type, Value};
+
+/// A value and when it is there.
+struct Result {
+    value: String,
+    is: Is,
+}
+
+impl Writer<'_> {
+    /// What a primitive does, or an input in its place.
+    pub(super) fn equation(&mut self, id: NodeId) {
+        let node = self.net().node(id);
+        if node.desc().name == "Rpi::Assert" {
+            if let Some(condition) = self.operand(id, 0) {
+                self.property(node.fragment, &condition);
+            }
+            return;
+        }
+        if self.inputs_taken.contains(&id) {
+            return;
+        }
+        let [Type::One(scalar)] = node.outputs[..] else {
+            return match node.outputs.is_empty() {
+                true => {}
+                false => self.leave_open(id),
+            };
+        };
+        let port = PortRef { node: id, port: 0 };
+        match self.result(id, scalar) {
+            Some(result) => self.define(port, scalar, &result),
+            None => self.leave_open(id),
+        }
+    }
+
+    fn define(&mut self, port: PortRef, scalar: Scalar, result: &Result) {
+        let Some(ty) = type_name(scalar) else {
+            return;
+        };
+        let name = self.flow(port);
+        self.locals.push(format!("{name}: {ty}"));
+        self.equations.push(format!("{name} = {}", result.value));
+        if self.analysis.presences.own(port) == Sureness::Optional {
+            self.locals.push(format!("{name}_is: bool"));
+            self.equations
+                .push(format!("{name}_is = {}", result.is.text()));
+        }
+    }
+
+    /// What is set from outside is an input of the node, under its key.
+    pub(super) fn take_inputs(&mut self) {
+        for id in self.net().node_ids() {
+            let node = self.net().node(id);
+            let port = PortRef { node: id, port: 0 };
+            let is_total = self.analysis.presences.own(port) == Sureness::Total;
+            let key = node.params.iter().find_map(Value::as_str);
+            let (Role::Input, Some(Type::One(scalar)), Some(key), true) =
+                (node.desc().role, node.outputs.first(), key, is_total)
+            else {
+                continue;
+            };
+            let (key, scalar) = (key.to_owned(), *scalar);
+            if let Some(name) = self.input(&key, scalar) {
+                self.is_input(port, name);
+            }
+        }
+    }
+
+    fn result(&mut self, id: NodeId, scalar: Scalar) -> Option<Result> {
+        let node = self.net().node(id);
+        match node.desc().role {
+            Role::Constant => Some(Result {
+                value: literal(node.params.first()?)?,
+                is: Is::Always,
+            }),
+            Role::Delay => self.delay(id, scalar),
+            Role::First => self.first(id),
+            Role::IsAbsent => {
+                let seen = self.operand(id, 0)?;
+                let value = format!("not {}", seen.is.text());
+                let is = Is::Always;
+                Some(Result { value, is })
+            }
+            Role::Compute => self.computed(id, scalar),
+            _ => None,
+        }
+    }
+
+    /// What an in-port sees; what stands in for an open one that has a default.
+    fn operand(&mut self, id: NodeId, k: usize) -> Option<Seen> {
+        let node = self.net().node(id);
+        let declared = node.desc().inputs.get(k)?;
+        let PortType::One(scalar) = declared.ty else {
+            return None;
+        };
+        let input = node.inputs.get(k)?.clone();
+        if input == Input::Open && !matches!(declared.need, Need::Absent) {
+            return None;
+        }
+        let fragment = node.fragment;
+        let seen = self.seen(fragment, &input, scalar);
+        seen.value.is_some().then_some(seen)
+    }
+
+    fn operands(&mut self, id: NodeId) -> Option<Vec<Seen>> {
+        let count = self.net().node(id).inputs.len();
+        (0..count).map(|k| self.operand(id, k)).collect()
+    }
+
+    fn computed(&mut self, id: NodeId, scalar: Scalar) -> Option<Result> {
+        let name = self.net().node(id).desc().name;
+        let plain = name.rsplit("::").next().unwrap_or(name);
+        if let Some(template) = operator(name) {
+            return self.strict(id, scalar, template);
+        }
+        if let Some((template, otherwise)) = guarded(name) {
+            let template = format!("if {{0}} then {template} else {otherwise}");
+            return self.strict(id, scalar, &template);
+        }
+        match plain {
+            "BooleanAnd" => self.kleene(id, "and", ""),
+            "BooleanOr" => self.kleene(id, "or", "not "),
+            "BooleanImplies" => self.strict(id, scalar, "{0} => {1}"),
+            "IntEquals" | "DoubleEquals" => self.equals(id),
+            _ if plain.ends_with("Conditional") => self.conditional(id),
+            _ if plain.ends_with("Coalesce") => self.coalesce(id),
+            _ if plain.ends_with("Hold") => self.hold(id, scalar),
+            _ if plain.ends_with("SetNull") => self.set_null(id),
+            _ => None,
+        }
+    }
+
+    /// There where all operands are. What can fault is computed only there.
+    fn strict(&mut self, id: NodeId, scalar: Scalar, template: &str) -> Option<Result> {
+        let seen = self.operands(id)?;
+        let is = seen.iter().fold(Is::Always, |is, seen| is.and(&seen.is));
+        let values: Vec<String> = seen.into_iter().filter_map(|seen| seen.value).collect();
+        let value = filled(template, &values);
+        let desc = self.net().node(id).desc();
+        let value = match (&is, desc.may_fault) {
+            (Is::While(_), true) => {
+                format!("if {} then {value} else {}", is.text(), neutral(scalar)?)
+            }
+            _ => value,
+        };
+        Some(Result { value, is })
+    }
+
+    /// `and`, `or` after Kleene: one operand that decides is enough.
+    fn kleene(&mut self, id: NodeId, op: &str, deciding: &str) -> Option<Result> {
+        let seen = self.operands(id)?;
+        let [a, b] = &seen[..] else {
+            return None;
+        };
+        let (x, y) = (a.value.clone()?, b.value.clone()?);
+        let both = a.is.and(&b.is);
+        if both == Is::Always {
+            let value = format!("{x} {op} {y}");
+            return Some(Result { value, is: both });
+        }
+        // What is absent counts as the value that does not decide.
+        let neutral = |value: &str, is: &Is| match deciding.is_empty() {
+            true => format!("(not {} or {value})", is.text()),
+            false => format!("({} and {value})", is.text()),
+        };
+        let value = format!("{} {op} {}", neutral(&x, &a.is), neutral(&y, &b.is));
+        let decides = |value: &str, is: &Is| match deciding.is_empty() {
+            true => format!("({} and not {value})", is.text()),
+            false => format!("({} and {value})", is.text()),
+        };
+        let any = format!(
+            "({} or {} or {})",
+            both.text(),
+            decides(&x, &a.is),
+            decides(&y, &b.is)
+        );
+        let is = Is::While(vec![any]);
+        Some(Result { value, is })
+    }
+
+    /// Equal up to the primitive's `Epsilon`.
+    fn equals(&mut self, id: NodeId) -> Option<Result> {
+        let node = self.net().node(id);
+        let epsilon = node.params.first().cloned();
+        let exact = epsilon
+            .as_ref()
+            .is_none_or(|e| e.as_int() == Some(0) || e.as_real() == Some(0.0));
+        if exact {
+            return self.strict(id, Scalar::Bool, "{0} = {1}");
+        }
+        let epsilon = literal(&epsilon?)?;
+        let template = format!("({{0}} - {{1}} <= {epsilon}) and ({{1}} - {{0}} <= {epsilon})");
+        self.strict(id, Scalar::Bool, &template)
+    }
+
+    /// The branch that is not chosen does not matter.
+    fn conditional(&mut self, id: NodeId) -> Option<Result> {
+        let seen = self.operands(id)?;
+        let [condition, yes, no] = &seen[..] else {
+            return None;
+        };
+        let (c, a, b) = (
+            condition.value.clone()?,
+            yes.value.clone()?,
+            no.value.clone()?,
+        );
+        let chosen = match (&yes.is, &no.is) {
+            (a, b) if a == b => a.clone(),
+            (a, b) => Is::While(vec![format!(
+                "(if {c} then {} else {})",
+                a.text(),
+                b.text()
+            )]),
+        };
+        Some(Result {
+            value: format!("if {c} then {a} else {b}"),
+            is: condition.is.and(&chosen),
+        })
+    }
+
+    /// The first of the two that is there.
+    fn coalesce(&mut self, id: NodeId) -> Option<Result> {
+        let seen = self.operands(id)?;
+        let [first, second] = &seen[..] else {
+            return None;
+        };
+        let (a, b) = (first.value.clone()?, second.value.clone()?);
+        Some(match (&first.is, &second.is) {
+            (Is::Always, _) => Result {
+                value: a,
+                is: Is::Always,
+            },
+            (Is::Never, is) => Result {
+                value: b,
+                is: is.clone(),
+            },
+            (is, other) => Result {
+                value: format!("if {} then {a} else {b}", is.text()),
+                is: match other {
+                    Is::Always => Is::Always,
+                    other => Is::While(vec![format!("({} or {})", is.text(), other.text())]),
+                },
+            },
+        })
+    }
+
+    /// The value when it was last there, an initial one before.
+    fn hold(&mut self, id: NodeId, scalar: Scalar) -> Option<Result> {
+        let seen = self.operands(id)?;
+        let [given, initial] = &seen[..] else {
+            return None;
+        };
+        let (x, start) = (given.value.clone()?, initial.value.clone()?);
+        let (fragment, is) = (self.net().node(id).fragment, given.is.text());
+        let like = self.flow(PortRef { node: id, port: 0 });
+        let seen_before = |before: &str| format!("({is} or {before})");
+        let before = self.kept(
+            fragment,
+            &format!("{like}_seen"),
+            "bool",
+            "false",
+            seen_before,
+        );
+        let last = |last: &str| format!("(if {is} then {x} else {last})");
+        let (ty, first) = (type_name(scalar)?, neutral(scalar)?);
+        let last = self.kept(fragment, &format!("{like}_last"), ty, first, last);
+        Some(Result {
+            value: format!("if {is} then {x} else if {before} then {last} else {start}"),
+            is: match &initial.is {
+                Is::Always => Is::Always,
+                other => Is::While(vec![format!("({is} or {before} or {})", other.text())]),
+            },
+        })
+    }
+
+    /// There unless the second operand is true or absent.
+    fn set_null(&mut self, id: NodeId) -> Option<Result> {
+        let seen = self.operands(id)?;
+        let [given, null] = &seen[..] else {
+            return None;
+        };
+        let kept = Is::While(vec![format!("(not {})", null.value.clone()?)]);
+        Some(Result {
+            value: given.value.clone()?,
+            is: given.is.and(&null.is).and(&kept),
+        })
+    }
+
+    fn delay(&mut self, id: NodeId, scalar: Scalar) -> Option<Result> {
+        let given = self.operand(id, 0)?;
+        let node = self.net().node(id);
+        let (fragment, port) = (node.fragment, PortRef { node: id, port: 0 });
+        let (ty, first) = (type_name(scalar)?, neutral(scalar)?);
+        let value = given.value?;
+        let like = self.flow(port);
+        let kept = |_: &str| format!("({value})");
+        let before = self.kept(fragment, &format!("{like}_before"), ty, first, kept);
+        if self.analysis.presences.own(port) != Sureness::Optional {
+            let is = Is::Always;
+            return Some(Result { value: before, is });
+        }
+        let there = given.is.text();
+        let at_first = match node.desc().outputs[0].presence {
+            rpi_image::Presence::Maybe => "false",
+            _ => "true",
+        };
+        let there = |_: &str| format!("({there})");
+        let is = self.kept(fragment, &format!("{like}_was"), "bool", at_first, there);
+        Some(Result {
+            value: before,
+            is: Is::While(vec![is]),
+        })
+    }
+
+    /// True in the first cycle of the fragment.
+    fn first(&mut self, id: NodeId) -> Option<Result> {
+        let fragment = self.net().node(id).fragment;
+        let like = self.flow(PortRef { node: id, port: 0 });
+        let later = |_: &str| "true".to_owned();
+        let seen = self.kept(fragment, &format!("{like}_seen"), "bool", "false", later);
+        Some(Result {
+            value: format!("not {seen}"),
+            is: Is::Always,
+        })
+    }
+}

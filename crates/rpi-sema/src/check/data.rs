@@ -1,0 +1,493 @@
+//! Types with parameters, and datatypes: alternatives with parts, made, asked for and taken apart.
+//!
+//! A value of a datatype is a struct: which alternative it is, then the parts of all alternatives; parts of others are 0.
+//! So it has a size that is known, and two values are equal if they look equal. A datatype that holds itself has no such size.
+
+use super::body::Body;
+use super::bound::Means;
+use super::report::{Wanted, listed, unknown};
+use super::statics::{Param, Static, Statics, params};
+use crate::program::{DeclId, DeclKind, Lookup, Space};
+use crate::ty::{EnumTy, Member, StructTy, Subst, Ty, fit};
+use crate::typed::{Each, ExprId, Kind, Leaf};
+use rpi_diag::{Code, Finding, Span};
+use rpi_syntax::Name;
+use rpi_syntax::ast::{
+    Arm, Constructor, FieldValue, Ident, IsA, Match, StaticArg, StructExpr, TypeDef, TypeKind,
+};
+use std::rc::Rc;
+
+/// The part that says which alternative a value is.
+const TAG: &str = "tag";
+
+impl<'a> Body<'_, 'a> {
+    /// What a declared type stands for with these arguments.
+    pub(super) fn type_of(&mut self, id: DeclId, args: &'a [StaticArg], span: Span) -> Ty {
+        let names = self.type_params(id);
+        if self.c.temporal.contains(&id) {
+            self.has_state(span);
+        }
+        if names.len() != args.len() {
+            let decl = self.c.program.decl(id);
+            let message = format!(
+                "`{}` takes {} types, {} given",
+                decl.name,
+                names.len(),
+                args.len()
+            );
+            let finding = Finding::new(Code::RPI1010, message)
+                .at(span, "wrong number of types")
+                .also(decl.span, "declared here");
+            self.report(finding);
+            return Ty::Unknown;
+        }
+        let mut statics = Statics::new();
+        for (name, arg) in names.into_iter().zip(args) {
+            let Some(ty) = self.static_type(arg) else {
+                return Ty::Unknown;
+            };
+            statics.insert(name, Static::Ty(ty));
+        }
+        let ty = self.c.type_instance(id, Rc::new(statics));
+        if self.c.temporal.contains(&id) {
+            self.has_state(span);
+        }
+        ty
+    }
+
+    fn type_params(&self, id: DeclId) -> Vec<Name> {
+        let DeclKind::Type(def) = self.c.program.decl(id).kind else {
+            return Vec::new();
+        };
+        let params = params(&def.statics).into_iter();
+        params
+            .filter(|p| matches!(p, Param::Type(_)))
+            .map(|p| p.name().name.clone())
+            .collect()
+    }
+
+    /// A type whose parameters are still open.
+    fn open_type(&mut self, id: DeclId) -> Ty {
+        let names = self.type_params(id).into_iter();
+        let statics = names.map(|name| (name.clone(), Static::Ty(Ty::Generic(name))));
+        self.c.type_instance(id, Rc::new(statics.collect()))
+    }
+
+    /// The type once its parameters are known; none if they are not.
+    fn closed_type(&mut self, id: DeclId, subst: &Subst) -> Option<Ty> {
+        let mut statics = Statics::new();
+        for name in self.type_params(id) {
+            let ty = subst.types.get(&name)?.clone();
+            statics.insert(name, Static::Ty(ty));
+        }
+        Some(self.c.type_instance(id, Rc::new(statics)))
+    }
+
+    /// The declaration of a struct with parameters of which a value says none.
+    pub(super) fn generic_struct(&mut self, value: &StructExpr) -> Option<DeclId> {
+        if !value.statics.is_empty() {
+            return None;
+        }
+        let found = self
+            .c
+            .program
+            .lookup_in(Space::Type, self.module, &value.ty.name);
+        let Lookup::Found(id) = found else {
+            return None;
+        };
+        (!self.type_params(id).is_empty()).then_some(id)
+    }
+
+    /// A struct whose parameters are what its fields tell.
+    pub(super) fn inferred_struct(
+        &mut self,
+        id: DeclId,
+        value: &'a StructExpr,
+        span: Span,
+    ) -> ExprId {
+        let Ty::Struct(open) = self.open_type(id) else {
+            return self.fault(span);
+        };
+        let mut subst = Subst::default();
+        let values: Vec<(&FieldValue, ExprId)> = value
+            .fields
+            .iter()
+            .map(|field| (field, self.expr(&field.value)))
+            .collect();
+        for (field, given) in &values {
+            let wanted = open
+                .fields
+                .iter()
+                .find(|f| f.name.as_ref() == Some(&field.field.name));
+            let found = self.ty_of(*given).clone();
+            if let Some(wanted) = wanted
+                && let Err(misfit) = fit(&wanted.ty, &found, &mut subst)
+            {
+                let expected = wanted.ty.substituted(&subst);
+                self.misfit(*given, &expected, &misfit, &Wanted::Here);
+                return self.fault(span);
+            }
+        }
+        match self.closed_type(id, &subst) {
+            Some(Ty::Struct(ty)) => {
+                let given = self.matched_fields(&ty, &values);
+                match self.fill_fields(&ty, &given, None, span) {
+                    Some(parts) => self.add(Kind::Build(parts.into()), Ty::Struct(ty), span),
+                    None => self.add(Kind::Fault, Ty::Struct(ty), span),
+                }
+            }
+            _ => self.untold_params(&value.ty, span),
+        }
+    }
+
+    fn untold_params(&mut self, name: &Ident, span: Span) -> ExprId {
+        let message = format!("nothing tells the types that `{}` takes", name.name);
+        let finding = Finding::new(Code::RPI2007, message)
+            .at(name.span, "no part of it has them")
+            .help(format!("say them: `{}@<int>`", name.name));
+        self.fault_with(finding, span)
+    }
+
+    /// The meaning of a `datatype`: an enum where no alternative has parts.
+    pub(super) fn data_meaning(
+        &mut self,
+        def: &'a TypeDef,
+        name: Name,
+        all: &'a [Constructor],
+    ) -> Ty {
+        let values = all.iter().map(|c| c.name.name.clone()).collect();
+        let tag = Ty::Enum(Rc::new(EnumTy {
+            name: name.clone(),
+            values,
+        }));
+        if def.statics.is_empty() && all.iter().all(|c| c.fields.is_empty()) {
+            return tag;
+        }
+        let mut fields = vec![Member {
+            name: Some(TAG.into()),
+            ty: tag,
+        }];
+        let mut seen: Vec<&Ident> = Vec::new();
+        for constructor in all {
+            fields.extend(self.fields(&constructor.fields));
+            for name in constructor.fields.iter().flat_map(|field| &field.names) {
+                match seen.iter().find(|first| first.name == name.name) {
+                    Some(first)
+                        if constructor
+                            .fields
+                            .iter()
+                            .all(|f| !f.names.iter().any(|n| n.span == first.span)) =>
+                    {
+                        let finding = crate::program::twice(&name.name, name.span, first.span);
+                        self.report(finding);
+                    }
+                    Some(_) => {}
+                    None => seen.push(name),
+                }
+            }
+        }
+        let defaults = vec![None; fields.len()];
+        Ty::Struct(Rc::new(StructTy {
+            name,
+            fields,
+            defaults,
+        }))
+    }
+
+    fn constructors(&self, id: DeclId) -> &'a [Constructor] {
+        match self.c.program.decl(id).kind {
+            DeclKind::Type(def) => match def.ty.as_ref().map(|ty| &ty.kind) {
+                Some(TypeKind::Data(all)) => all,
+                _ => &[],
+            },
+            _ => &[],
+        }
+    }
+
+    /// Whether a type is declared as a `datatype`.
+    pub(super) fn is_datatype(&self, id: DeclId) -> bool {
+        !self.constructors(id).is_empty()
+    }
+
+    /// Where among the fields of the struct those of an alternative begin, and how many there are.
+    fn parts_of_constructor(&self, ty: DeclId, index: u32) -> (usize, usize) {
+        let count = |c: &Constructor| {
+            c.fields
+                .iter()
+                .map(|field| field.names.len())
+                .sum::<usize>()
+        };
+        let all = self.constructors(ty);
+        let index = (index as usize).min(all.len());
+        let before: usize = all[..index].iter().map(count).sum();
+        (1 + before, all.get(index).map_or(0, count))
+    }
+
+    /// `A(x, y)`
+    pub(super) fn construct(
+        &mut self,
+        (id, index): (DeclId, u32),
+        values: &[ExprId],
+        span: Span,
+    ) -> ExprId {
+        let (from, count) = self.parts_of_constructor(id, index);
+        let name = &self.constructors(id)[index as usize].name;
+        if count != values.len() {
+            return self.wrong_parts(name, count, values.len(), span);
+        }
+        let Ty::Struct(open) = self.open_type(id) else {
+            return self.fault(span);
+        };
+        let mut subst = Subst::default();
+        for (field, value) in open.fields[from..].iter().zip(values) {
+            let found = self.ty_of(*value).clone();
+            if let Err(misfit) = fit(&field.ty, &found, &mut subst) {
+                let expected = field.ty.substituted(&subst);
+                self.misfit(*value, &expected, &misfit, &Wanted::Here);
+                return self.fault(span);
+            }
+        }
+        let Some(Ty::Struct(ty)) = self.closed_type(id, &subst) else {
+            return self.untold_params(name, span);
+        };
+        let mut parts = Vec::with_capacity(ty.fields.len());
+        for (k, field) in ty.fields.iter().enumerate() {
+            parts.push(match k.checked_sub(from).and_then(|k| values.get(k)) {
+                Some(value) => *value,
+                None if k == 0 => self.add(
+                    Kind::Literal(Leaf::int(index.into())),
+                    field.ty.clone(),
+                    span,
+                ),
+                None => self.add(Kind::Const(zeros(&field.ty)), field.ty.clone(), span),
+            });
+        }
+        self.add(Kind::Build(parts.into()), Ty::Struct(ty), span)
+    }
+
+    fn wrong_parts(&mut self, name: &Ident, count: usize, given: usize, span: Span) -> ExprId {
+        let message = format!("`{}` has {count} parts, {given} given", name.name);
+        let finding = Finding::new(Code::RPI1010, message)
+            .at(span, "wrong number of parts")
+            .also(name.span, "declared here");
+        self.fault_with(finding, span)
+    }
+
+    /// The alternatives of a value's type, and which one the value is.
+    fn alternatives(&mut self, value: ExprId) -> Option<(Rc<EnumTy>, ExprId)> {
+        let span = self.span_of(value);
+        let tag = match self.ty_of(value).clone() {
+            Ty::Enum(all) => return Some((all, value)),
+            Ty::Struct(ty) => ty.fields.first().map(|field| field.ty.clone()),
+            _ => None,
+        };
+        if let Some(Ty::Enum(all)) = tag {
+            let tag = self.add(
+                Kind::Part { base: value, at: 0 },
+                Ty::Enum(all.clone()),
+                span,
+            );
+            return Some((all, tag));
+        }
+        let ty = self.ty_of(value).clone();
+        if !ty.is_unknown() {
+            let finding = Finding::new(Code::RPI2001, format!("expected a datatype, found `{ty}`"))
+                .at(span, format!("this is `{ty}`, which has no alternatives"));
+            self.report(finding);
+        }
+        None
+    }
+
+    fn is_alternative(
+        &mut self,
+        all: &Rc<EnumTy>,
+        tag: ExprId,
+        index: usize,
+        span: Span,
+    ) -> ExprId {
+        let index = self.add(
+            Kind::Literal(Leaf::int(index as i64)),
+            Ty::Enum(all.clone()),
+            span,
+        );
+        self.binary_prim(rpi_syntax::ops::BinaryOp::Eq, tag, index, span)
+    }
+
+    fn no_alternative(&mut self, all: &EnumTy, name: &Ident) {
+        let near = rpi_diag::suggest(&name.name, all.values.iter().map(Name::as_str));
+        let finding = unknown("alternative", &name.name, name.span, near);
+        let names = listed(all.values.iter().map(Name::as_str));
+        self.report(finding.help(format!("`{}` has {names}", all.name)));
+    }
+
+    /// `A?(x)`
+    pub(super) fn is_a(&mut self, of: &'a IsA, span: Span) -> ExprId {
+        let value = self.expr(&of.value);
+        let Some((all, tag)) = self.alternatives(value) else {
+            return self.add(Kind::Fault, Ty::Bool, span);
+        };
+        match all
+            .values
+            .iter()
+            .position(|name| *name == of.constructor.name)
+        {
+            Some(index) => self.is_alternative(&all, tag, index, span),
+            None => {
+                self.no_alternative(&all, &of.constructor);
+                self.add(Kind::Fault, Ty::Bool, span)
+            }
+        }
+    }
+
+    /// `match x with A: 1 | B(n): n end`
+    pub(super) fn match_of(&mut self, of: &'a Match, span: Span) -> ExprId {
+        let value = self.expr(&of.value);
+        let known = self.alternatives(value);
+        let mut cases: Vec<(Option<usize>, ExprId)> = Vec::new();
+        let before = self.findings.len();
+        for arm in &of.arms {
+            let index = known.as_ref().and_then(|(all, _)| self.arm_index(all, arm));
+            let then = self.arm(value, index, arm);
+            if let Some((_, first)) = cases.first() {
+                self.common_type(*first, then, "all cases have one type");
+            }
+            cases.push((index, then));
+        }
+        let Some((all, tag)) = known else {
+            let ty = cases
+                .first()
+                .map_or(Ty::Unknown, |(_, then)| self.ty_of(*then).clone());
+            return self.add(Kind::Fault, ty, span);
+        };
+        self.all_alternatives(&all, &cases, of, span);
+        if self.findings.len() > before {
+            return self.fault(span);
+        }
+        let mut cases = cases.into_iter().rev();
+        let Some((_, last)) = cases.next() else {
+            return self.fault(span);
+        };
+        cases.fold(last, |rest, (index, then)| match index {
+            Some(index) => {
+                let is = self.is_alternative(&all, tag, index, span);
+                let ty = self.ty_of(then).clone();
+                self.add(Kind::Each(Each::If, [is, then, rest].into()), ty, span)
+            }
+            None => then,
+        })
+    }
+
+    /// Which alternative an arm is for; none for any.
+    fn arm_index(&mut self, all: &Rc<EnumTy>, arm: &Arm) -> Option<usize> {
+        let index = all
+            .values
+            .iter()
+            .position(|name| *name == arm.constructor.name);
+        let is_known = matches!(
+            self.c
+                .program
+                .lookup_in(Space::Value, self.module, &arm.constructor.name),
+            Lookup::Found(_)
+        );
+        if index.is_none() && (is_known || !arm.names.is_empty()) {
+            self.no_alternative(all, &arm.constructor);
+        }
+        index
+    }
+
+    /// The value of an arm, with names for the parts.
+    fn arm(&mut self, value: ExprId, index: Option<usize>, arm: &'a Arm) -> ExprId {
+        let before = self.bound.len();
+        match index {
+            None if arm.constructor.name != "_" => {
+                self.bind_name(&arm.constructor, Means::Expr(value))
+            }
+            None => {}
+            Some(index) => self.bind_parts(value, index, arm),
+        }
+        let then = self.expr(&arm.then);
+        self.bound.truncate(before);
+        then
+    }
+
+    fn bind_parts(&mut self, value: ExprId, index: usize, arm: &'a Arm) {
+        let found = self
+            .c
+            .program
+            .lookup_in(Space::Value, self.module, &arm.constructor.name);
+        let Lookup::Found(id) = found else { return };
+        let (from, count) = match self.c.program.decl(id).kind {
+            DeclKind::Constructor { ty, .. } => self.parts_of_constructor(ty, index as u32),
+            _ => (0, 0),
+        };
+        if count != arm.names.len() {
+            let span = arm.constructor.span;
+            self.wrong_parts(&arm.constructor, count, arm.names.len(), span);
+        }
+        let fields = self.ty_of(value).members().to_vec();
+        let mut at = 0;
+        for (k, field) in fields.iter().enumerate() {
+            let name = k.checked_sub(from).and_then(|k| arm.names.get(k));
+            if let Some(name) = name.filter(|name| name.name != "_") {
+                let part = self.add(Kind::Part { base: value, at }, field.ty.clone(), name.span);
+                self.bind_name(name, Means::Expr(part));
+            }
+            at += super::access::leaves(&field.ty);
+        }
+    }
+
+    fn all_alternatives(
+        &mut self,
+        all: &EnumTy,
+        cases: &[(Option<usize>, ExprId)],
+        of: &Match,
+        span: Span,
+    ) {
+        if cases.iter().any(|(index, _)| index.is_none()) {
+            return;
+        }
+        let given = |k: usize| {
+            cases
+                .iter()
+                .filter(move |(index, _)| *index == Some(k))
+                .count()
+        };
+        let names = all.values.iter().enumerate();
+        let missing: Vec<&str> = names
+            .filter(|(k, _)| given(*k) == 0)
+            .map(|(_, name)| name.as_str())
+            .collect();
+        if !missing.is_empty() {
+            let finding = Finding::new(
+                Code::RPI2011,
+                format!("the case {} is missing", listed(missing)),
+            )
+            .at(span, "a `match` has a case for every alternative");
+            self.report(finding);
+        }
+        for (k, arm) in of.arms.iter().enumerate() {
+            let first = of.arms[..k]
+                .iter()
+                .find(|first| first.constructor.name == arm.constructor.name);
+            if let Some(first) = first {
+                self.report(super::clocked::case_twice(
+                    &arm.constructor,
+                    first.constructor.span,
+                ));
+            }
+        }
+    }
+}
+
+/// The parts of alternatives that a value is not.
+fn zeros(ty: &Ty) -> Rc<[Leaf]> {
+    let mut leaves = Vec::with_capacity(ty.leaf_count());
+    ty.leaves(&mut |_, ty| {
+        leaves.push(match ty {
+            Ty::Bool => Leaf::bool(false),
+            Ty::Real(_) => Leaf::real(0.0),
+            _ => Leaf::int(0),
+        });
+    });
+    leaves.into()
+}

@@ -1,0 +1,336 @@
+//! `a[i] = e` of Kind 2, where nothing declares `i`: every element of `a` is `e` for its index.
+//!
+//! Such an equation stands for one equation for each element; conditions about the index are decided when the program is
+//! checked. Elements are defined in ascending order: one may read those at a fixed distance before it.
+
+use super::body::Body;
+use super::bound::Means;
+use super::locals::Local;
+use super::order::{Goal, Pending, State};
+use crate::program::{Lookup, Space};
+use crate::ty::Ty;
+use crate::typed::Leaf;
+use rpi_diag::{Code, Finding, Span};
+use rpi_net::passes::causality::{self, Read};
+use rpi_syntax::ast::{Access, Equation, Expr, ExprKind, Ident, Target};
+use rpi_syntax::ops::{BinaryOp, UnaryOp};
+
+/// The most elements that one equation may define.
+const MAX_ELEMENTS: u64 = 1 << 14;
+
+/// The most arrays whose elements need one another that are looked through.
+const MAX_RING: usize = 12;
+
+impl<'a> Body<'_, 'a> {
+    /// Whether an equation defines an array element by element.
+    pub(super) fn defines_elements(&self, equation: &Equation) -> bool {
+        !self.is_rpi()
+            && equation
+                .targets
+                .iter()
+                .any(|target| self.index_name(target).is_some())
+    }
+
+    /// The name of the first index of a target, if nothing declares it.
+    fn index_name<'t>(&self, target: &'t Target) -> Option<&'t Ident> {
+        let Some(Access::Index(index)) = target.path.first() else {
+            return None;
+        };
+        let name = index.as_name()?;
+        let known = matches!(self.find_local(name), Some(Local::Constant(_)))
+            || self.statics.contains_key(name)
+            || matches!(
+                self.c.program.lookup_in(Space::Value, self.module, name),
+                Lookup::Found(_)
+            );
+        let is_array = matches!(self.find_local(&target.name.name), Some(Local::Flow(_)));
+        (!known && is_array).then_some(&target.name)
+    }
+
+    pub(super) fn declare_elements(&mut self, equation: &'a Equation, span: Span) {
+        let [target] = &equation.targets[..] else {
+            return self.not_by_element(
+                &equation.targets,
+                span,
+                "one equation defines one array element by element",
+            );
+        };
+        let Some(flow) = self.local_flow(&target.name.name) else {
+            return;
+        };
+        let Some(names) = index_names(target) else {
+            return self.not_by_element(&equation.targets, span, "an index is a name of its own");
+        };
+        let mut ty = self.unit.flow(flow).ty.clone();
+        let mut sizes = Vec::new();
+        while let Ty::Array(element, n) = ty {
+            sizes.push(n);
+            ty = (*element).clone();
+        }
+        if ty.is_unknown() {
+            return self.broken.push(flow);
+        }
+        if sizes.len() != names.len() {
+            let text = format!(
+                "`{}` has {} dimensions, and there are {} indices",
+                target.name.name,
+                sizes.len(),
+                names.len()
+            );
+            return self.not_by_element(&equation.targets, span, &text);
+        }
+        let count: u64 = sizes.iter().map(|n| u64::from(*n)).product();
+        if count > MAX_ELEMENTS {
+            let text = format!("more than {MAX_ELEMENTS} elements");
+            return self.not_by_element(&equation.targets, span, &text);
+        }
+        self.elements.push(equation);
+        for at in 0..count {
+            self.pending.push(Pending {
+                block: self.block,
+                goal: Goal::Targets(&equation.targets),
+                value: &equation.value,
+                span,
+                introduces: [None].into_iter().collect(),
+                state: State::Open,
+                indices: names.iter().cloned().zip(place(at, &sizes)).collect(),
+            });
+        }
+    }
+
+    fn not_by_element(&mut self, targets: &[Target], span: Span, why: &str) {
+        let flows = targets
+            .iter()
+            .filter_map(|target| self.local_flow(&target.name.name));
+        let flows: Vec<_> = flows.collect();
+        self.broken.extend(flows);
+        let finding = Finding::new(
+            Code::RPI2013,
+            "this array can not be defined by its elements",
+        )
+        .at(span, why.to_owned())
+        .help("write `a[i][j] = ...;` with an index for each dimension");
+        self.report(finding);
+    }
+
+    /// Checks something about an element with its index known.
+    pub(super) fn with_indices<T>(&mut self, index: usize, work: impl FnOnce(&mut Self) -> T) -> T {
+        let before = self.bound.len();
+        for (name, value) in self.pending[index].indices.clone() {
+            self.bind_name(&name, Means::Index(value));
+        }
+        let result = work(self);
+        self.bound.truncate(before);
+        result
+    }
+
+    /// Checks an equation, of an element with its index known. What is wrong is said once for all elements.
+    pub(super) fn check_element(&mut self, index: usize) {
+        let is_first = self.pending[index].indices.iter().all(|(_, at)| *at == 0);
+        let before = self.findings.len();
+        self.with_indices(index, |body| body.check_equation(index));
+        if !is_first {
+            let new = self.findings.split_off(before);
+            let is_known = |finding: &Finding| {
+                let mut said = self.findings.iter();
+                said.any(|known| known.code == finding.code && known.span() == finding.span())
+            };
+            let new: Vec<Finding> = new
+                .into_iter()
+                .filter(|finding| !is_known(finding))
+                .collect();
+            self.findings.extend(new);
+        }
+    }
+
+    /// Whether a condition about the index holds; none if it depends on anything else.
+    pub(super) fn decided(
+        &mut self,
+        condition: &Expr,
+        value: crate::typed::ExprId,
+    ) -> Option<bool> {
+        if self.bound.is_empty() || !self.reads_bound(condition) {
+            return None;
+        }
+        self.fold_quietly(value)?.first().and_then(Leaf::as_bool)
+    }
+
+    /// Reports elements that need themselves or later ones.
+    pub(super) fn elements_in_order(&mut self) {
+        let equations = self.elements.clone();
+        let mut links = Vec::new();
+        for (from, equation) in equations.iter().enumerate() {
+            let mut reads = Vec::new();
+            element_reads(&equation.value, &mut reads);
+            for (array, indices, span) in reads {
+                let to = equations
+                    .iter()
+                    .position(|e| e.targets[0].name.name == *array);
+                let Some(to) = to else { continue };
+                let names = index_names(&equation.targets[0]).unwrap_or_default();
+                let offset: Option<Vec<i64>> = indices
+                    .iter()
+                    .zip(&names)
+                    .map(|(index, name)| distance(index, name))
+                    .collect();
+                match offset {
+                    Some(offset) if indices.len() == names.len() => links.push(Link {
+                        from,
+                        to,
+                        offset,
+                        span,
+                    }),
+                    _ if to == from => self.not_at_distance(equation, span),
+                    _ => {}
+                }
+            }
+        }
+        for (start, equation) in equations.iter().enumerate() {
+            let dims = equation.targets[0].path.len();
+            if let Some(ring) = ring(&links, start, start, &vec![0; dims], &mut Vec::new()) {
+                return self.out_of_order(&equations, &ring);
+            }
+        }
+    }
+
+    fn not_at_distance(&mut self, equation: &Equation, span: Span) {
+        let name = &equation.targets[0].name;
+        let finding = Finding::new(
+            Code::RPI2013,
+            format!("the elements of `{}` can not be put in order", name.name),
+        )
+        .at(
+            span,
+            "this is at no fixed distance from the element that is defined",
+        )
+        .also(name.span, "defined element by element here")
+        .help("read the elements before it: `a[i - 1]`");
+        self.report(finding);
+    }
+
+    fn out_of_order(&mut self, equations: &[&'a Equation], ring: &[&Link]) {
+        let name = |at: usize| equations[at].targets[0].name.name.to_string();
+        let reads = ring.iter().rev().map(|link| Read {
+            from: name(link.to),
+            to: name(link.from),
+            span: link.span,
+        });
+        let reads: Vec<Read> = reads.collect();
+        let help =
+            "elements are defined in ascending order: one may read those before it, `a[i - 1]`";
+        self.report(causality::ring(&reads).help(help));
+        let flows = ring
+            .iter()
+            .filter_map(|link| self.local_flow(&equations[link.from].targets[0].name.name));
+        let flows: Vec<_> = flows.collect();
+        self.broken.extend(flows);
+    }
+}
+
+/// An element that reads another.
+struct Link {
+    from: usize,
+    to: usize,
+    /// How much larger the index that is read is, for each dimension.
+    offset: Vec<i64>,
+    span: Span,
+}
+
+/// The names of all indices, if that is what they are.
+fn index_names(target: &Target) -> Option<Vec<Ident>> {
+    let name = |access: &Access| match access {
+        Access::Index(index) => Some(Ident {
+            name: index.as_name()?.clone(),
+            span: index.span,
+        }),
+        _ => None,
+    };
+    target.path.iter().map(name).collect()
+}
+
+/// The index of the element at a place, first dimension first.
+fn place(mut at: u64, sizes: &[u32]) -> Vec<i64> {
+    let mut indices: Vec<i64> = Vec::with_capacity(sizes.len());
+    for n in sizes.iter().rev() {
+        let n = u64::from((*n).max(1));
+        indices.push((at % n).cast_signed());
+        at /= n;
+    }
+    indices.reverse();
+    indices
+}
+
+/// The elements that an expression reads in the same cycle: array, indices, place.
+fn element_reads<'e>(expr: &'e Expr, reads: &mut Vec<(&'e rpi_syntax::Name, Vec<&'e Expr>, Span)>) {
+    let mut base = expr;
+    let mut indices = Vec::new();
+    while let ExprKind::Index(index) = &base.kind {
+        indices.push(&index.index);
+        base = &index.base;
+    }
+    if let (Some(name), false) = (base.as_name(), indices.is_empty()) {
+        indices.reverse();
+        return reads.push((name, indices, expr.span));
+    }
+    match &expr.kind {
+        ExprKind::Unary(UnaryOp::Pre, _) => {}
+        ExprKind::Binary(binary) if binary.op == BinaryOp::Fby => element_reads(&binary.lhs, reads),
+        _ => expr
+            .children()
+            .into_iter()
+            .for_each(|part| element_reads(part, reads)),
+    }
+}
+
+/// How far `i + 1` is from `i`.
+fn distance(index: &Expr, name: &Ident) -> Option<i64> {
+    let is_index = |expr: &Expr| expr.unparen().as_name() == Some(&name.name);
+    let number = |expr: &Expr| match &expr.unparen().kind {
+        ExprKind::Number(number) => number.int().and_then(|n| i64::try_from(n).ok()),
+        _ => None,
+    };
+    match &index.unparen().kind {
+        _ if is_index(index) => Some(0),
+        ExprKind::Binary(sum) if sum.op == BinaryOp::Add && is_index(&sum.lhs) => number(&sum.rhs),
+        ExprKind::Binary(sum) if sum.op == BinaryOp::Add && is_index(&sum.rhs) => number(&sum.lhs),
+        ExprKind::Binary(sum) if sum.op == BinaryOp::Sub && is_index(&sum.lhs) => {
+            number(&sum.rhs).map(|n| -n)
+        }
+        _ => None,
+    }
+}
+
+/// A ring of links from `at` back to `start` that does not lead to smaller indices.
+fn ring<'l>(
+    links: &'l [Link],
+    start: usize,
+    at: usize,
+    so_far: &[i64],
+    way: &mut Vec<&'l Link>,
+) -> Option<Vec<&'l Link>> {
+    if way.len() >= MAX_RING {
+        return None;
+    }
+    for link in links.iter().filter(|link| link.from == at) {
+        let is_new = way.iter().all(|known| known.to != link.to);
+        if !is_new || link.offset.len() != so_far.len() {
+            continue;
+        }
+        let sum: Vec<i64> = so_far
+            .iter()
+            .zip(&link.offset)
+            .map(|(a, b)| a + b)
+            .collect();
+        way.push(link);
+        if link.to == start {
+            let first = sum.iter().find(|n| **n != 0).copied().unwrap_or(0);
+            if first >= 0 {
+                return Some(way.clone());
+            }
+        } else if let Some(found) = ring(links, start, link.to, &sum, way) {
+            return Some(found);
+        }
+        way.pop();
+    }
+    None
+}

@@ -1,0 +1,387 @@
+//! Makes blocks of equations (`if`, `when`, `cond`, `frame` of Kind 2), and works out the equations that they stand for: one
+//! for each flow, with the conditions in its value.
+
+use crate::ast::*;
+use crate::context::Context;
+use crate::ops::{BinaryOp, UnaryOp};
+use rpi_diag::Span;
+use std::collections::BTreeMap;
+
+impl Context<'_> {
+    pub(crate) fn choice(
+        &self,
+        word: ChoiceWord,
+        first: Box<ChoiceBranch>,
+        rest: Vec<ChoiceBranch>,
+        otherwise: Option<Vec<Statement>>,
+    ) -> Box<Choice> {
+        let branches = crate::make::extended(vec![*first], rest);
+        let mut choice = Box::new(Choice {
+            word,
+            branches,
+            otherwise,
+            means: Meaning::default(),
+        });
+        choice.means = Sense::new(self, &[]).of_choice(&choice);
+        choice
+    }
+
+    pub(crate) fn keep(
+        &self,
+        names: Vec<Ident>,
+        initial: Vec<Statement>,
+        statements: Vec<Statement>,
+    ) -> Box<Keep> {
+        let mut keep = Box::new(Keep {
+            names,
+            initial,
+            statements,
+            means: Meaning::default(),
+        });
+        keep.means = Sense::new(self, &keep.names).of_keep(&keep);
+        keep
+    }
+}
+
+/// What equations define, by how the left side is written, in text order.
+#[derive(Default)]
+struct Defined {
+    order: Vec<String>,
+    by: BTreeMap<String, Definition>,
+}
+
+#[derive(Clone)]
+struct Definition {
+    targets: Vec<Target>,
+    value: Expr,
+    span: Span,
+}
+
+impl Defined {
+    /// The value of targets, which may be defined one by one.
+    fn value_of(&self, targets: &[Target]) -> Option<Expr> {
+        let written = |target: &Target| self.named(target);
+        if let [one] = targets {
+            return written(one).map(|definition| definition.value.clone());
+        }
+        let whole = self.by.values().find(|d| same_names(&d.targets, targets));
+        if let Some(whole) = whole {
+            return Some(whole.value.clone());
+        }
+        let values: Option<Vec<Expr>> = targets
+            .iter()
+            .map(|t| Some(written(t)?.value.clone()))
+            .collect();
+        let values = values?;
+        let span = values.first().map_or(Span::NONE, |value| value.span);
+        let kind = ExprKind::Tuple(values.into());
+        Some(Expr { kind, span })
+    }
+
+    /// The equation for one target alone.
+    fn named(&self, target: &Target) -> Option<&Definition> {
+        let alone = |d: &&Definition| matches!(&d.targets[..], [one] if same_place(one, target));
+        self.by.values().find(alone)
+    }
+
+    /// The left sides of one flow each that stand in a left side of several.
+    fn grouped(&self) -> Vec<String> {
+        let groups = self.by.values().filter(|d| d.targets.len() > 1);
+        let targets = groups.flat_map(|d| &d.targets);
+        targets.map(|target| target.name.name.to_string()).collect()
+    }
+}
+
+fn same_place(a: &Target, b: &Target) -> bool {
+    let step = |(a, b): (&Access, &Access)| match (a, b) {
+        (Access::Field(a), Access::Field(b)) => a.name == b.name,
+        (Access::Index(a), Access::Index(b)) => a.unparen().kind == b.unparen().kind,
+        _ => false,
+    };
+    a.name.name == b.name.name
+        && a.path.len() == b.path.len()
+        && a.path.iter().zip(&b.path).all(step)
+}
+
+fn same_names(a: &[Target], b: &[Target]) -> bool {
+    a.len() == b.len() && a.iter().zip(b).all(|(a, b)| same_place(a, b))
+}
+
+/// Works out what a block stands for.
+struct Sense<'c, 't> {
+    cx: &'c Context<'t>,
+    /// The flows that keep their values where nothing defines them.
+    kept: &'c [Ident],
+    faults: Vec<BlockFault>,
+}
+
+impl<'c, 't> Sense<'c, 't> {
+    fn new(cx: &'c Context<'t>, kept: &'c [Ident]) -> Self {
+        let faults = Vec::new();
+        Sense { cx, kept, faults }
+    }
+
+    fn of_choice(mut self, choice: &Choice) -> Meaning {
+        let defined = self.choice(choice);
+        self.meaning(defined)
+    }
+
+    fn meaning(self, mut defined: Defined) -> Meaning {
+        let order = std::mem::take(&mut defined.order);
+        let definitions = order.iter().filter_map(|key| defined.by.remove(key));
+        let equations = definitions.map(|d| {
+            let (targets, value) = (d.targets, d.value);
+            (Equation { targets, value }, d.span)
+        });
+        Meaning {
+            equations: equations.collect(),
+            faults: self.faults,
+        }
+    }
+
+    /// In the first cycle a flow is what is said before `let`, then what the block says of it.
+    fn of_keep(mut self, keep: &Keep) -> Meaning {
+        let initial = self.statements(&keep.initial);
+        let mut defined = self.statements(&keep.statements);
+        for first in defined.by.values_mut().filter(|d| d.targets.len() > 1) {
+            if let Some(value) = initial.value_of(&first.targets) {
+                first.value = arrow(value, first.value.clone());
+            }
+        }
+        let in_groups = defined.grouped();
+        let initial = initial.by.into_iter();
+        for (key, first) in initial.filter(|(key, _)| !in_groups.contains(key)) {
+            let then = defined.by.get(&key).map(|then| then.value.clone());
+            let then = then.unwrap_or_else(|| before(&first.targets[0]));
+            if !defined.by.contains_key(&key) {
+                defined.order.push(key.clone());
+            }
+            let value = arrow(first.value.clone(), then);
+            defined.by.insert(key, Definition { value, ..first });
+        }
+        let says = |name: &&Ident| {
+            let mut targets = defined.by.values().flat_map(|d| &d.targets);
+            targets.any(|target| target.name.name == name.name)
+        };
+        let unsaid = keep.names.iter().filter(|name| !says(name));
+        let unsaid: Vec<BlockFault> = unsaid
+            .map(|name| BlockFault::MissingIn(name.clone(), name.span))
+            .collect();
+        self.faults.extend(unsaid);
+        for definition in defined.by.values_mut() {
+            keep_last(&mut definition.value, &keep.names);
+        }
+        let strange = defined.by.values().flat_map(|d| &d.targets);
+        let strange = strange.filter(|t| keep.names.iter().all(|name| name.name != t.name.name));
+        let strange: Vec<Ident> = strange.map(|target| target.name.clone()).collect();
+        self.faults
+            .extend(strange.into_iter().map(BlockFault::NotNamed));
+        self.meaning(defined)
+    }
+
+    fn statements(&mut self, statements: &[Statement]) -> Defined {
+        let mut defined = Defined::default();
+        for statement in statements {
+            match &statement.kind {
+                StatementKind::Equation(equation) => {
+                    self.equation(&mut defined, equation, statement.span)
+                }
+                StatementKind::Choice(choice) => {
+                    let mut inner = self.choice(choice);
+                    for key in inner.order {
+                        if let Some(definition) = inner.by.remove(&key) {
+                            self.add(&mut defined, key, definition);
+                        }
+                    }
+                }
+                StatementKind::Broken(_) => {}
+                other => self
+                    .faults
+                    .push(BlockFault::NoEquation(statement.span, what(other))),
+            }
+        }
+        defined
+    }
+
+    fn equation(&mut self, defined: &mut Defined, equation: &Equation, span: Span) {
+        let written =
+            |target: &Target| self.cx.slice(target.span.start, target.span.end).to_owned();
+        let keys: Vec<String> = equation.targets.iter().map(written).collect();
+        let definition = Definition {
+            targets: equation.targets.clone(),
+            value: equation.value.clone(),
+            span,
+        };
+        self.add(defined, keys.join(","), definition);
+    }
+
+    fn add(&mut self, defined: &mut Defined, key: String, definition: Definition) {
+        let again = definition.targets.first().map(|target| target.name.clone());
+        match defined.by.get(&key) {
+            Some(first) => {
+                let first = first
+                    .targets
+                    .first()
+                    .map_or(Span::NONE, |target| target.span);
+                self.faults
+                    .extend(again.map(|name| BlockFault::Twice(name, first)));
+            }
+            None => {
+                defined.order.push(key.clone());
+                defined.by.insert(key, definition);
+            }
+        }
+    }
+
+    /// The definitions of all branches, joined by the conditions.
+    fn choice(&mut self, choice: &Choice) -> Defined {
+        let mut parts: Vec<(Option<&Expr>, Defined, Span)> = Vec::new();
+        for branch in &choice.branches {
+            let defined = self.statements(&branch.statements);
+            parts.push((Some(&branch.condition), defined, branch.condition.span));
+        }
+        let last = self.statements(choice.otherwise.as_deref().unwrap_or_default());
+        let whole = choice.branches[0].condition.span;
+        parts.push((None, last, whole));
+        let mut keys: Vec<String> = Vec::new();
+        for key in parts.iter().flat_map(|(_, defined, _)| &defined.order) {
+            if !keys.contains(key) {
+                keys.push(key.clone());
+            }
+        }
+        let mut joined = Defined::default();
+        let in_groups: Vec<String> = parts
+            .iter()
+            .flat_map(|(_, defined, _)| defined.grouped())
+            .collect();
+        keys.retain(|key| !in_groups.contains(key));
+        for key in keys {
+            if let Some(definition) = self.joined(&key, &parts) {
+                joined.order.push(key.clone());
+                joined.by.insert(key, definition);
+            }
+        }
+        joined
+    }
+
+    /// What all branches together say of one left side.
+    fn joined(
+        &mut self,
+        key: &str,
+        parts: &[(Option<&Expr>, Defined, Span)],
+    ) -> Option<Definition> {
+        let model = parts
+            .iter()
+            .find_map(|(_, defined, _)| defined.by.get(key))?;
+        let mut whole: Option<Expr> = None;
+        for (condition, defined, place) in parts.iter().rev() {
+            let value = match defined.value_of(&model.targets) {
+                Some(value) => value,
+                None => self.missing(&model.targets, *place),
+            };
+            whole = Some(match (whole, condition) {
+                (Some(no), Some(condition)) => either((*condition).clone(), value, no),
+                _ => value,
+            });
+        }
+        let value = whole?;
+        Some(Definition {
+            value,
+            ..model.clone()
+        })
+    }
+
+    /// The value of what a branch does not define: that of the cycle before, where it is kept.
+    fn missing(&mut self, targets: &[Target], place: Span) -> Expr {
+        let is_kept = |target: &Target| self.kept.iter().any(|name| name.name == target.name.name);
+        if targets.iter().all(is_kept) {
+            return match targets {
+                [one] => before(one),
+                all => {
+                    let values = all.iter().map(before).collect();
+                    let span = all[0].span;
+                    let kind = ExprKind::Tuple(values);
+                    Expr { kind, span }
+                }
+            };
+        }
+        for target in targets {
+            self.faults
+                .push(BlockFault::MissingIn(target.name.clone(), place));
+        }
+        let (kind, span) = (ExprKind::Bool(false), place);
+        Expr { kind, span }
+    }
+}
+
+/// The target one cycle before.
+fn before(target: &Target) -> Expr {
+    let span = target.span;
+    let mut expr = Expr {
+        kind: ExprKind::Name(target.name.name.clone()),
+        span: target.name.span,
+    };
+    for access in &target.path {
+        let base = expr;
+        let kind = match access.clone() {
+            Access::Field(field) => ExprKind::Field(Box::new(Field { base, field })),
+            Access::Index(index) => ExprKind::Index(Box::new(Index { base, index })),
+            Access::Slice(slice) => ExprKind::Slice(Box::new(SliceOf {
+                base,
+                slice: *slice,
+            })),
+        };
+        expr = Expr { kind, span };
+    }
+    let kind = ExprKind::Unary(UnaryOp::Pre, Box::new(expr));
+    Expr { kind, span }
+}
+
+fn either(condition: Expr, yes: Expr, no: Expr) -> Expr {
+    let span = yes.span;
+    let kind = ExprKind::If(Box::new(If {
+        is_static: false,
+        condition,
+        yes,
+        no,
+    }));
+    Expr { kind, span }
+}
+
+fn arrow(lhs: Expr, rhs: Expr) -> Expr {
+    let span = lhs.span;
+    let (op, op_span) = (BinaryOp::Arrow, lhs.span);
+    let kind = ExprKind::Binary(Box::new(Binary {
+        op,
+        op_span,
+        lhs,
+        rhs,
+    }));
+    Expr { kind, span }
+}
+
+/// `last x` of what a `frame` keeps is its value one cycle before.
+fn keep_last(expr: &mut Expr, names: &[Ident]) {
+    expr.each_mut(&mut |part| {
+        if let ExprKind::Unary(op, inner) = &mut part.kind
+            && *op == UnaryOp::Last
+            && inner
+                .as_name()
+                .is_some_and(|name| names.iter().any(|kept| kept.name == *name))
+        {
+            *op = UnaryOp::Pre;
+        }
+    });
+}
+
+/// A statement that is no equation, in words.
+fn what(kind: &StatementKind) -> &'static str {
+    match kind {
+        StatementKind::Claim(_) => "a claim",
+        StatementKind::Call(_) => "a call",
+        StatementKind::Keep(_) => "a `frame`",
+        StatementKind::Fragment(_) => "a fragment",
+        StatementKind::Automaton(_) => "an automaton",
+        _ => "this",
+    }
+}

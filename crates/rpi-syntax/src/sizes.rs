@@ -1,0 +1,55 @@
+//! The `const` in-ports of Kind 2 that decide about sizes of arrays.
+
+use crate::ast::*;
+
+/// Those of a node.
+pub(crate) fn of(signature: &Signature, definition: &NodeDef) -> Vec<ConstDef> {
+    let inputs = signature.inputs.as_deref().unwrap_or_default();
+    if !inputs.iter().any(|port| port.is_const) {
+        return Vec::new();
+    }
+    let outputs = signature.outputs.as_deref().unwrap_or_default();
+    let mut sized: Vec<&Type> = inputs.iter().chain(outputs).map(|port| &port.ty).collect();
+    if let NodeDef::Body(body) = definition {
+        let locals = body.locals.iter().flat_map(|section| match section {
+            Locals::Var(vars) => &vars[..],
+            Locals::Const(_) => &[],
+        });
+        sized.extend(locals.map(|var| &var.ty));
+    }
+    let decides = |name: &Ident| sized.iter().any(|ty| reads(ty, &name.name));
+    let mut sizes = Vec::new();
+    for port in inputs.iter().filter(|port| port.is_const) {
+        let names: Vec<Ident> = port
+            .names
+            .iter()
+            .filter(|name| decides(name))
+            .cloned()
+            .collect();
+        if !names.is_empty() {
+            sizes.push(ConstDef {
+                doc: None,
+                names,
+                ty: Some(port.ty.clone()),
+                value: None,
+                span: port.span,
+            });
+        }
+    }
+    sizes
+}
+
+/// Whether a size in the type reads the name.
+fn reads(ty: &Type, name: &Name) -> bool {
+    match &ty.kind {
+        TypeKind::Array(array) => mentions(&array.size, name) || reads(&array.element, name),
+        TypeKind::Optional(inner) => reads(inner, name),
+        TypeKind::Tuple(types) => types.iter().any(|ty| reads(ty, name)),
+        TypeKind::Refined(refined) => reads(&refined.base, name),
+        _ => false,
+    }
+}
+
+fn mentions(expr: &Expr, name: &Name) -> bool {
+    expr.as_name() == Some(name) || expr.children().into_iter().any(|part| mentions(part, name))
+}
