@@ -75,7 +75,9 @@ const NOTICES: usize = 16;
 /// A table of fixed size: nothing but [`Core::with_capacity`] allocates, nothing frees. Commands are loaded elsewhere and
 /// moved in, and moved out to be freed elsewhere.
 pub struct Core {
+    /// Up to the last place that is taken: what nobody uses costs nothing in a tick.
     pub(crate) entries: Vec<Option<Entry>>,
+    places: usize,
     /// In the order in which they were made.
     pub(crate) rules: Vec<Pending>,
     /// Over, and waiting to be freed off the cycle.
@@ -94,11 +96,10 @@ impl Core {
     /// An empty table for so many commands, ticking with this period in nanoseconds.
     #[must_use]
     pub fn with_capacity(commands: usize, tick_ns: u64) -> Self {
-        let mut entries = Vec::new();
-        entries.resize_with(commands, || None);
         let most_rules = commands.saturating_mul(RULES);
         Core {
-            entries,
+            entries: Vec::with_capacity(commands),
+            places: commands,
             rules: Vec::with_capacity(most_rules),
             spent: Vec::with_capacity(most_rules),
             most_rules,
@@ -122,9 +123,8 @@ impl Core {
     /// # Errors
     /// Gives it back if the table is full or its period does not fit the tick.
     pub fn insert(&mut self, command: Box<Command>) -> Result<CommandId, (Box<Command>, Refused)> {
-        let Some(place) = self.entries.iter().position(Option::is_none) else {
-            return Err((command, Refused::Full));
-        };
+        let free = self.entries.iter().position(Option::is_none);
+        let place = free.unwrap_or(self.entries.len());
         self.serial = self.serial.wrapping_add(1);
         let id = CommandId {
             // The table has fewer than 2^32 places.
@@ -147,12 +147,13 @@ impl Core {
         if !period.is_multiple_of(self.tick_ns) || period == 0 {
             return Err((command, Refused::Period));
         }
-        match self.entries.get_mut(id.place as usize) {
+        let ticks = period / self.tick_ns;
+        match self.slot(id.place as usize) {
             Some(slot) if slot.is_none() => {
                 *slot = Some(Entry {
                     serial: id.serial,
                     command,
-                    ticks: period / self.tick_ns,
+                    ticks,
                     due: 0,
                     start_ns: 0,
                     kept: false,
@@ -165,6 +166,25 @@ impl Core {
             }
             _ => Err((command, Refused::Full)),
         }
+    }
+
+    /// A place of the table, if it has so many.
+    fn slot(&mut self, place: usize) -> Option<&mut Option<Entry>> {
+        if place >= self.places {
+            return None;
+        }
+        while self.entries.len() <= place {
+            self.entries.push(None);
+        }
+        self.entries.get_mut(place)
+    }
+
+    fn take_out(&mut self, place: usize) -> Option<Entry> {
+        let entry = self.entries.get_mut(place)?.take();
+        while let Some(None) = self.entries.last() {
+            self.entries.pop();
+        }
+        entry
     }
 
     /// Starts a command: its first cycle is the next tick.
@@ -251,7 +271,7 @@ impl Core {
         if self.entry(place)?.command.state == State::Scheduled {
             self.unschedule(id)?;
         }
-        let entry = self.entries[place].take().ok_or(Refused::Unknown)?;
+        let entry = self.take_out(place).ok_or(Refused::Unknown)?;
         for pending in &mut self.rules {
             let condition = &mut pending.rule.condition;
             condition.freeze(id, |fact| entry.last_word(fact));
@@ -265,7 +285,7 @@ impl Core {
         let gone = |e: &Option<Entry>| e.as_ref().is_some_and(|e| e.gone);
         let place = self.entries.iter().position(gone)?;
         let id = self.id(place);
-        self.entries[place].take().map(|e| (id, e.command))
+        self.take_out(place).map(|e| (id, e.command))
     }
 
     /// What has happened, in order; to be asked after each tick and request.
