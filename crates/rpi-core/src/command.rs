@@ -173,8 +173,10 @@ impl Command {
 
     /// Identity of its result, as its successor's `predecessor` flow carries it.
     pub(crate) fn result_id(&self) -> Option<i64> {
-        // `MoveTo(arm, home)` is the command MoveTo for these arguments: its results are those of MoveTo.
-        let command = self.machine.image().name.split('(').next();
+        // `moves.MoveTo(arm, home) #2` is the command MoveTo of a module, for these arguments: its results are those of
+        // MoveTo.
+        let called = self.machine.image().name.split(['(', ' ']).next();
+        let command = called.and_then(|name| name.rsplit('.').next());
         Some(result_id(command.unwrap_or_default(), self.result()?))
     }
 
@@ -203,6 +205,39 @@ impl Command {
         let found = self.holds.binary_search_by_key(&resource, |h| h.resource);
         if let Some(hold) = found.ok().and_then(|k| self.holds.get_mut(k)) {
             hold.held = held;
+        }
+    }
+
+    /// The first actuator that another command holds and this one needs and does not hold.
+    pub(crate) fn lacks_of(&self, other: &Command) -> Option<u32> {
+        let mut theirs = other.holds.iter().filter(|hold| hold.held).peekable();
+        let mut mine = self.holds.iter().filter(|hold| !hold.held);
+        mine.find_map(|need| {
+            while theirs
+                .next_if(|hold| hold.resource < need.resource)
+                .is_some()
+            {}
+            let same = |hold: &&Hold| hold.resource == need.resource;
+            theirs
+                .peek()
+                .copied()
+                .filter(same)
+                .map(|hold| hold.resource)
+        })
+    }
+
+    /// Gives up what another command takes.
+    pub(crate) fn yield_to(&mut self, needs: &[Hold]) {
+        let mut needs = needs.iter().peekable();
+        for hold in &mut self.holds {
+            while needs
+                .next_if(|need| need.resource < hold.resource)
+                .is_some()
+            {}
+            let is_taken = needs
+                .peek()
+                .is_some_and(|need| need.resource == hold.resource);
+            hold.held &= !is_taken;
         }
     }
 

@@ -74,14 +74,17 @@ impl Core {
     /// alternatives.
     pub(crate) fn obtainable(&self, rule: &Rule, place: usize) -> Result<(), Refused> {
         let command = &self.entry(place)?.command;
-        let mut missing = command.resources().filter(|r| !command.holds(*r));
-        missing.try_for_each(|resource| {
-            let mut holders = self.holders(resource);
-            match holders.find(|h| !self.lets_go(rule, *h) && !self.shares(rule, *h)) {
-                Some(by) => Err(self.held(resource, by)),
-                None => Ok(()),
-            }
-        })
+        let others = self.entries.iter().enumerate();
+        let held = others.filter_map(|(holder, entry)| {
+            let entry = entry.as_ref().filter(|_| holder != place)?;
+            let resource = command.lacks_of(&entry.command)?;
+            let free = self.lets_go(rule, holder) || self.shares(rule, holder);
+            (!free).then_some((resource, holder))
+        });
+        match held.min() {
+            Some((resource, by)) => Err(self.held(resource, by)),
+            None => Ok(()),
+        }
     }
 
     /// True if a holder ends in this decision, by itself or by this rule.
@@ -92,17 +95,16 @@ impl Core {
 
     /// Gives a command all that it needs; nobody else has it any more.
     pub(crate) fn take_all(&mut self, place: usize) {
-        let count = self.need_count(place);
-        for k in 0..count {
-            let Some(resource) = self.need(place, k) else {
-                continue;
-            };
-            for entry in self.entries.iter_mut().flatten() {
-                entry.command.hold(resource, false);
-            }
-            if let Some(entry) = self.entries[place].as_mut() {
-                entry.command.hold(resource, true);
-            }
+        let Some(entry) = self.entries[place].as_mut() else {
+            return;
+        };
+        let mut holds = core::mem::take(&mut entry.command.holds);
+        for other in self.entries.iter_mut().flatten() {
+            other.command.yield_to(&holds);
+        }
+        holds.iter_mut().for_each(|hold| hold.held = true);
+        if let Some(entry) = self.entries[place].as_mut() {
+            entry.command.holds = holds;
         }
     }
 

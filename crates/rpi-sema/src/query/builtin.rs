@@ -45,6 +45,11 @@ const CALLS: &[(&str, &str, &str)] = &[
         "A value that a Lustre program leaves open.",
     ),
     (
+        "choose",
+        "choose { x: T | condition }",
+        "A value that a Lustre program leaves open but for a condition.",
+    ),
+    (
         "map",
         "map<<f; n>>(a, b)",
         "`f` of the elements, one by one: an array of what it gives.",

@@ -16,6 +16,10 @@ const CYCLES: usize = 200;
 /// Period of the recorded nets, ns.
 const PERIOD_NS: u64 = 25_000_000;
 
+/// Cells of a pose: of its position, and of all.
+const POSITION: usize = 3;
+const POSE: usize = 7;
+
 /// What a net did in a cycle.
 #[derive(Debug)]
 struct Did {
@@ -40,7 +44,16 @@ fn alike(a: &BTreeMap<String, Vec<u64>>, b: &BTreeMap<String, Vec<u64>>) -> bool
         let [x, y] = [a, b].map(|bits| f64::from_bits(*bits));
         a == b || (x - y).abs() <= 1e-9 * x.abs().max(1.0)
     };
-    let same = |(a, b): (&Vec<u64>, &Vec<u64>)| a.len() == b.len() && a.iter().zip(b).all(near);
+    // A quaternion and its negative are the same rotation.
+    let other = |(a, b): (&u64, &u64)| near((a, &(-f64::from_bits(*b)).to_bits()));
+    let is_pose = |a: &Vec<u64>| a.len() == POSE;
+    let turned = |a: &Vec<u64>, b: &Vec<u64>| {
+        let (at, to) = (a.split_at(POSITION), b.split_at(POSITION));
+        at.0.iter().zip(to.0).all(near) && at.1.iter().zip(to.1).all(other)
+    };
+    let same = |(a, b): (&Vec<u64>, &Vec<u64>)| {
+        a.len() == b.len() && (a.iter().zip(b).all(near) || is_pose(a) && turned(a, b))
+    };
     a.keys().eq(b.keys()) && a.values().zip(b.values()).all(same)
 }
 
