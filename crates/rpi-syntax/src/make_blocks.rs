@@ -11,11 +11,11 @@ impl Context<'_> {
     pub(crate) fn choice(
         &self,
         word: ChoiceWord,
-        first: Box<ChoiceBranch>,
+        first: ChoiceBranch,
         rest: Vec<ChoiceBranch>,
         otherwise: Option<Vec<Statement>>,
     ) -> Box<Choice> {
-        let branches = crate::make::extended(vec![*first], rest);
+        let branches = crate::make::extended(vec![first], rest);
         let mut choice = Box::new(Choice {
             word,
             branches,

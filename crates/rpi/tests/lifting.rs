@@ -60,7 +60,7 @@ fn tools(record: &str) -> BTreeMap<String, Path3> {
 }
 
 fn distance(a: &[f64; 3], b: &[f64; 3]) -> f64 {
-    let squares = a.iter().zip(b).map(|(a, b)| (a - b).powi(2));
+    let squares = a.iter().zip(b).map(|(a, b)| (a - b) * (a - b));
     squares.sum::<f64>().sqrt()
 }
 

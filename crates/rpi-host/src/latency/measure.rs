@@ -74,25 +74,19 @@ fn wake(wanted: Wanted, period_ns: u64, count: u64) -> (Vec<Grant>, Histogram<u6
     (grants, late)
 }
 
+/// Every wake counts for the first bound that it lies below.
 fn buckets(late: &Histogram<u64>) -> Vec<Bucket> {
-    let mut from = 0;
-    let mut buckets: Vec<Bucket> = BOUNDS_US
-        .iter()
-        .map(|us| {
-            let below = us * 1000;
-            let count = late.count_between(from, below - 1);
-            from = below;
-            Bucket {
-                below_ns: Some(below),
-                count,
-            }
-        })
+    let bounds = BOUNDS_US.iter().map(|us| Some(us * 1000)).chain([None]);
+    let mut buckets: Vec<Bucket> = bounds
+        .map(|below_ns| Bucket { below_ns, count: 0 })
         .collect();
-    let told: u64 = buckets.iter().map(|b| b.count).sum();
-    buckets.push(Bucket {
-        below_ns: None,
-        count: late.len().saturating_sub(told),
-    });
+    for step in late.iter_recorded() {
+        let value = step.value_iterated_to();
+        let is_below = |bucket: &&mut Bucket| bucket.below_ns.is_none_or(|below| value < below);
+        if let Some(bucket) = buckets.iter_mut().find(is_below) {
+            bucket.count += step.count_at_value();
+        }
+    }
     buckets
 }
 

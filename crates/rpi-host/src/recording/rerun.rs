@@ -230,11 +230,11 @@ fn is_same(recorded: &Value, now: &Value) -> bool {
     fields.all(|(key, value)| recorded[key] == *value)
 }
 
-/// The requests that were taken, by tick.
-fn requests(
-    recording: &Recording,
-    names: &mut Names,
-) -> Result<BTreeMap<u64, Vec<(Ticket, Request<()>)>>, RecordingError> {
+/// Requests in the order in which they were taken, by tick.
+type Taken = BTreeMap<u64, Vec<(Ticket, Request<()>)>>;
+
+/// The requests that were taken.
+fn requests(recording: &Recording, names: &mut Names) -> Result<Taken, RecordingError> {
     let mut bank = SimBank::new(&recording.cell, recording.tick_ns as f64 * 1e-9);
     let mut maker = Maker {
         images: &recording.images,

@@ -12,9 +12,12 @@ use crate::tape::{Kind, Stage};
 /// Words for what is seen in a tick.
 const CAPACITY: usize = 1 << 16;
 
+/// An image, and its flows that are noted with their names' numbers.
+type Noted = (Arc<Image>, Box<[(Signal, u32)]>);
+
 /// Notes the flows of commands at the end of their cycles.
 pub(crate) struct Sights {
-    images: Vec<(Arc<Image>, Box<[(Signal, u32)]>)>,
+    images: Vec<Noted>,
     stage: Stage,
 }
 

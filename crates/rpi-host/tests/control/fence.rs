@@ -117,7 +117,7 @@ fn all_requests(rig: &mut Rig, round: u32) {
     control.start(c).unwrap();
     control.cancel(c).unwrap();
     control.abort(c, Why::ClientLost).unwrap();
-    if round % 5 == 0 {
+    if round.is_multiple_of(5) {
         control.emergency_stop().unwrap();
     }
     wait_for_end(rig, &ids);

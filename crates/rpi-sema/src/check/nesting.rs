@@ -7,10 +7,10 @@ use rpi_diag::{Code, Finding, Span};
 
 /// The deepest nesting of expressions and declarations at which one more declaration is looked at. Within one
 /// expression the parser limits it.
-const MAX_NESTING: u32 = 300;
+const MAX_NESTING: u32 = 420;
 
 /// The deepest nesting of structs and arrays in a type.
-const MAX_LEVELS: u32 = 300;
+const MAX_LEVELS: u32 = 420;
 
 /// The most parts of a struct, all levels together.
 const MAX_PARTS: usize = 1 << 20;

@@ -128,7 +128,7 @@ impl<'a> Body<'_, 'a> {
                 self.add(Kind::Each(Each::Hold, [*x, *init].into()), ty, span)
             }
             (Special::Sqrt, [x]) => self.sqrt(*x, span),
-            (Special::Machine(to), [x]) => self.to_machine(to, *x, span),
+            (Special::Machine(to), [x]) => self.converted_for_machine(to, *x, span),
             _ => {
                 let message = format!(
                     "`{}` does not take {}",
@@ -144,7 +144,7 @@ impl<'a> Body<'_, 'a> {
     }
 
     /// `(int8 x)`
-    fn to_machine(&mut self, to: &str, x: ExprId, span: Span) -> ExprId {
+    fn converted_for_machine(&mut self, to: &str, x: ExprId, span: Span) -> ExprId {
         let found = self.ty_of(x).clone();
         let is_number = matches!(found, Ty::Int | Ty::Unknown) || is_foreign(&found, FOREIGN);
         if !is_number {

@@ -82,6 +82,11 @@ const CALLS: &[(&str, &str, &str)] = &[
     ),
 ];
 
+/// Conversions of `.lus` files.
+const MACHINE: [&str; 8] = [
+    "int8", "int16", "int32", "int64", "uint8", "uint16", "uint32", "uint64",
+];
+
 /// Everything that is there without a declaration in a `.rpi` file, in a fixed order.
 pub fn builtins() -> impl Iterator<Item = Builtin> {
     let none = Builtin {
@@ -90,13 +95,19 @@ pub fn builtins() -> impl Iterator<Item = Builtin> {
         doc: "The absent value.".to_owned(),
         is_call: false,
     };
+    let machine = MACHINE.iter().map(|name| Builtin {
+        name,
+        form: format!("({name} x)"),
+        doc: "Kind 2's machine integers: x, as far as it fits.".to_owned(),
+        is_call: true,
+    });
     let calls = CALLS.iter().map(|(name, form, doc)| Builtin {
         name,
         form: (*form).to_owned(),
         doc: (*doc).to_owned(),
         is_call: true,
     });
-    flows().chain([none]).chain(calls)
+    flows().chain([none]).chain(calls).chain(machine)
 }
 
 /// The one of this name.
