@@ -66,26 +66,20 @@ pub(crate) fn resolve(
     port: &DevicePort,
     kind: PortKind,
 ) -> PortId {
-    let name = PortName {
-        device: &port.device,
-        port: &port.port,
-        index: port.index,
-        kind,
-        ty: port.ty,
-    };
-    bank.resolve(&name).unwrap_or_else(|error| {
-        let fault = match error {
-            ResolveError::NoDevice => LoadFault::Device(port.device.clone()),
-            error => LoadFault::Port {
-                port: alloc::format!("{port}"),
-                kind,
-                error,
-            },
-        };
-        // One missing device would else be told for each of its ports.
-        if !faults.contains(&fault) {
-            faults.push(fault);
-        }
-        PortId(u32::MAX)
-    })
+    bank.resolve(&PortName::of(port, kind))
+        .unwrap_or_else(|error| {
+            let fault = match error {
+                ResolveError::NoDevice => LoadFault::Device(port.device.clone()),
+                error => LoadFault::Port {
+                    port: alloc::format!("{port}"),
+                    kind,
+                    error,
+                },
+            };
+            // One missing device would else be told for each of its ports.
+            if !faults.contains(&fault) {
+                faults.push(fault);
+            }
+            PortId(u32::MAX)
+        })
 }

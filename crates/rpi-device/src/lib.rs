@@ -6,6 +6,7 @@
 
 use core::ops::Range;
 use rpi_image::Type;
+use rpi_image::image::DevicePort;
 
 /// A port of a device, resolved when a command is loaded.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Debug)]
@@ -35,6 +36,20 @@ pub struct PortName<'a> {
     pub kind: PortKind,
     /// Type of the value; of the result for functions.
     pub ty: Type,
+}
+
+impl<'a> PortName<'a> {
+    /// The name by which an image's port is asked for.
+    #[must_use]
+    pub fn of(port: &'a DevicePort, kind: PortKind) -> PortName<'a> {
+        PortName {
+            device: &port.device,
+            port: &port.port,
+            index: port.index,
+            kind,
+            ty: port.ty,
+        }
+    }
 }
 
 /// Why a name did not resolve.

@@ -166,6 +166,14 @@ impl Fix {
         Fix::new(title, Applicability::Maybe)
     }
 
+    /// Its edits in the order of the text, without those of what has no text.
+    pub(crate) fn in_order(&self) -> Vec<&Edit> {
+        let mut edits: Vec<&Edit> = self.edits.iter().collect();
+        edits.retain(|edit| !edit.span.is_none());
+        edits.sort_by_key(|edit| edit.span);
+        edits
+    }
+
     /// Adds: replace the text at `span` by `text`.
     #[must_use]
     pub fn replace(mut self, span: Span, text: impl Into<String>) -> Fix {

@@ -63,12 +63,7 @@ fn wrap(line: &str, width: usize) -> Vec<String> {
 
 /// The lines that a fix touches, as they would read; lines that lose text are shown as they were, too.
 fn preview(fix: &Fix, sources: &SourceMap, style: Style) -> String {
-    let mut edits: Vec<&Edit> = fix
-        .edits
-        .iter()
-        .filter(|edit| !edit.span.is_none())
-        .collect();
-    edits.sort_by_key(|edit| edit.span);
+    let edits = fix.in_order();
     let mut out = String::new();
     let mut rest = edits.as_slice();
     while let Some(first) = rest.first() {

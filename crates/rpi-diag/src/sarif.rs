@@ -251,12 +251,7 @@ fn locations<'a>(finding: &'a Finding, primary: bool, sources: &'a SourceMap) ->
 
 /// A fix, its replacements file by file; none for a fix of what has no text.
 fn sarif_fix<'a>(fix: &'a Fix, sources: &'a SourceMap) -> Option<SarifFix<'a>> {
-    let mut edits: Vec<&Edit> = fix
-        .edits
-        .iter()
-        .filter(|edit| !edit.span.is_none())
-        .collect();
-    edits.sort_by_key(|edit| edit.span);
+    let edits = fix.in_order();
     let files = edits.chunk_by(|a, b| a.span.file == b.span.file);
     let change = |edits: &[&'a Edit]| Change {
         artifact_location: Artifact::of(sources.name(edits[0].span.file)),

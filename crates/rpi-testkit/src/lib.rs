@@ -6,11 +6,13 @@
 mod alloc;
 mod gz;
 mod lsp;
+mod messages;
 mod shared;
 mod workspace;
 
 pub use alloc::{AllocDisabler, alloc_allowed, no_alloc};
 pub use gz::read_maybe_gz;
 pub use lsp::LspClient;
+pub use messages::{differs, tool_differs};
 pub use shared::{report_skip, shared_dir, shared_path};
 pub use workspace::{files_below, workspace_root};

@@ -3,9 +3,8 @@
 //! `RPI_BLESS=1` writes them anew.
 
 use std::path::Path;
-use std::process::Command;
 
-use rpi_testkit::{files_below, workspace_root};
+use rpi_testkit::{files_below, tool_differs};
 
 #[test]
 fn tests_say_what_stands_beside_them() {
@@ -31,24 +30,7 @@ fn compare(folder: &str, task: &[&str], ending: &str) {
 
 /// What is said of a program, if that is not what stands beside it.
 fn differs(path: &Path, task: &[&str]) -> Option<String> {
-    let root = workspace_root().join("tests/ui");
-    let name = path
-        .strip_prefix(&root)
-        .expect("it is below")
-        .display()
-        .to_string();
-    let output = Command::new(env!("CARGO_BIN_EXE_rpic"))
-        .args(task)
-        .arg(&name)
-        .current_dir(&root)
-        .env("NO_COLOR", "1")
-        .output()
-        .expect("it starts");
-    let said = String::from_utf8_lossy(&output.stderr).into_owned();
-    let expected = path.with_extension("stderr");
-    if std::env::var_os("RPI_BLESS").is_some() {
-        std::fs::write(&expected, &said).expect("tests/ui can be written");
-    }
-    let known = std::fs::read_to_string(&expected).unwrap_or_default();
-    (known != said).then(|| format!("{name}\n--- says\n{said}--- but should say\n{known}"))
+    tool_differs(path, env!("CARGO_BIN_EXE_rpic"), |command, name| {
+        command.args(task).arg(name);
+    })
 }

@@ -91,14 +91,7 @@ impl Names {
 
     /// Learns what a port is called, and its number.
     fn port(&mut self, port: &DevicePort, kind: PortKind) -> Option<u32> {
-        let name = PortName {
-            device: &port.device,
-            port: &port.port,
-            index: port.index,
-            kind,
-            ty: port.ty,
-        };
-        let PortId(number) = self.bank.resolve(&name).ok()?;
+        let PortId(number) = self.bank.resolve(&PortName::of(port, kind)).ok()?;
         self.ports.entry(number).or_insert_with(|| Named {
             of: port.device.clone(),
             name: match port.index {

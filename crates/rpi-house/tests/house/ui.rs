@@ -8,7 +8,7 @@ use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
 use rpi_diag::{Code, Style, render};
-use rpi_testkit::{files_below, workspace_root};
+use rpi_testkit::{differs, files_below, workspace_root};
 
 use crate::compile::{Said, check};
 
@@ -37,21 +37,9 @@ pub(crate) fn programs() -> Vec<PathBuf> {
 
 #[test]
 fn programs_give_the_messages_beside_them() {
-    let bless = std::env::var_os("RPI_BLESS").is_some();
-    let mut wrong = Vec::new();
-    for path in programs() {
-        let (expected, message) = (message_file(&path), message(&path));
-        if bless {
-            std::fs::write(&expected, &message).expect("tests/ui can be written");
-        }
-        let known = std::fs::read_to_string(&expected).unwrap_or_default();
-        if known != message {
-            wrong.push(format!(
-                "{}\n--- says\n{message}--- but should say\n{known}",
-                path.display()
-            ));
-        }
-    }
+    let programs = programs().into_iter();
+    let wrong = programs.filter_map(|path| differs(&path, &message(&path)));
+    let wrong: Vec<String> = wrong.collect();
     assert!(wrong.is_empty(), "{}", wrong.join("\n"));
 }
 
