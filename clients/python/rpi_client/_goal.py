@@ -13,7 +13,7 @@ if TYPE_CHECKING:
 @dataclass(frozen=True)
 class Ending:
     """How a command has ended: ``cause`` (``result``, ``fault``, ``aborted``, ...), the name of its result, its error number
-    (0 for none), the number of its cycles, whether it had been asked to end, whether it left something moving."""
+    (0 for none), the number of its cycles, whether it had been asked to end, whether it left something moving, whether another took over."""
 
     cause: str
     result: str | None
@@ -21,6 +21,7 @@ class Ending:
     cycles: int
     cancelled: bool
     left_moving: bool
+    taken_over: bool = False
 
 
 @dataclass(frozen=True)

@@ -4,6 +4,7 @@
 
 mod analysis;
 pub mod causality;
+mod conjunction;
 pub mod dependencies;
 mod ends;
 pub mod hoist;
@@ -19,6 +20,7 @@ pub mod writers;
 
 pub use crate::tree::Item;
 pub use analysis::{Analysis, PASSES, Pass, analyse, has_ring};
+pub use conjunction::Conjunction;
 pub use dependencies::{Dependence, Dependencies, Reader};
 pub use presence::{Presences, Sureness, View};
 pub use schedule::Schedule;

@@ -9,6 +9,7 @@ use rpi_image::Image;
 use rpi_image::image::{End, InputPort};
 use rpi_net::literal;
 
+use super::completion::Reasons;
 use super::eval::Eval;
 use super::loader::{Job, Language, Loaded, Origin};
 use super::watch::Subscription;
@@ -27,6 +28,12 @@ pub(crate) struct Record {
     pub(crate) image: Option<Arc<Image>>,
     pub(super) board: Option<Arc<Board>>,
     pub(super) subscriptions: Vec<Subscription>,
+    /// For which reasons its exported Booleans can be true.
+    pub(super) reasons: Reasons,
+    /// The results by which it ends: its session has made rules that stop it when one of them is up.
+    pub(super) ends_by: Vec<String>,
+    /// The one of them that is told to be up since another has taken over.
+    pub(super) completed: Option<String>,
     /// Until when its values are held back from those who need the order of things.
     pub(super) held: Option<std::time::Instant>,
     /// Whoever waits for it to be loaded.
@@ -90,10 +97,14 @@ impl Desk {
                 phase: Phase::Is(State::Loading),
                 ending: None,
                 result: None,
+                taken_over: false,
             },
             image: None,
             board: None,
             subscriptions: Vec::new(),
+            reasons: Reasons::default(),
+            ends_by: Vec::new(),
+            completed: None,
             held: None,
             loading: Some(reply),
             eval,
@@ -163,6 +174,9 @@ impl Desk {
             return;
         }
         let bytes = loaded.command.machine().footprint();
+        if let Some(record) = self.commands.get_mut(&number) {
+            record.reasons = loaded.reasons;
+        }
         match self.control.adopt_with_board(loaded.command) {
             Ok(adopted) => self.adopted(number, adopted, loaded.image, bytes),
             Err(why) => self.reject(number, why.into()),

@@ -10,6 +10,7 @@ use rpi_image::Image;
 use rpi_net::Net;
 use rpi_sim::SimBank;
 
+use super::completion::Reasons;
 use super::queue::Queue;
 
 /// What a text is.
@@ -44,6 +45,7 @@ pub(crate) struct Origin {
 pub(crate) struct Loaded {
     pub(crate) command: Box<Command>,
     pub(crate) image: Arc<Image>,
+    pub(super) reasons: Reasons,
     /// Of which devices the names were resolved: see [`Twin`].
     pub(crate) generation: u64,
 }
@@ -87,7 +89,8 @@ fn load(
     continuity: Option<Continuity>,
     twin: &Mutex<Twin>,
 ) -> Result<Loaded, Vec<String>> {
-    let image = Arc::new(image(job)?);
+    let (image, reasons) = image(job)?;
+    let image = Arc::new(image);
     let mut twin = twin.lock().unwrap_or_else(PoisonError::into_inner);
     let generation = twin.generation;
     let mut command = Command::load(Arc::clone(&image), &mut twin.bank)
@@ -100,13 +103,16 @@ fn load(
     Ok(Loaded {
         command: Box::new(command),
         image,
+        reasons,
         generation,
     })
 }
 
-fn image(job: &Job) -> Result<Image, Vec<String>> {
-    let lower = |net: &Net| rpi_driver::lower_to_run(net, job.period_ns).map_err(|e| vec![e]);
-    job.origin.net(lower)
+fn image(job: &Job) -> Result<(Image, Reasons), Vec<String>> {
+    job.origin.net(|net| {
+        let image = rpi_driver::lower_to_run(net, job.period_ns).map_err(|e| vec![e])?;
+        Ok((image, Reasons::of(net)))
+    })
 }
 
 impl Origin {

@@ -4,6 +4,7 @@
 //! take it for short. The cycle never does: orders go to it and reports come from it through bounded queues.
 
 mod commands;
+mod completion;
 mod devices;
 mod eval;
 mod journal;
@@ -52,6 +53,8 @@ pub(crate) struct Desk {
     rules: BTreeMap<RuleId, RuleRecord>,
     /// Rules whose outcome somebody was told in this round.
     told: Vec<RuleId>,
+    /// Rules that have fired before what they have stopped was known to run.
+    early: Vec<RuleId>,
     devices: Devices,
     journal: Journal,
     twin: Arc<Mutex<Twin>>,
@@ -106,6 +109,7 @@ impl Office {
             by_id: BTreeMap::new(),
             rules: BTreeMap::new(),
             told: Vec::new(),
+            early: Vec::new(),
             devices: Devices::of(cell, limits.devices),
             journal: Journal::new(),
             twin: Arc::clone(&twin),

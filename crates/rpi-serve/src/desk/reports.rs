@@ -5,6 +5,7 @@ use rpi_host::control::{
 };
 
 use super::commands::results;
+use super::rules::RuleRecord;
 use super::{Desk, Errand, Failure, Phase, Record, RuleState, Then, answer, cause};
 
 impl Desk {
@@ -23,6 +24,7 @@ impl Desk {
         for rule in std::mem::take(&mut self.told) {
             self.rule_told(rule);
         }
+        self.tell_early();
         self.finish_evals();
         self.publish();
     }
@@ -93,14 +95,11 @@ impl Desk {
                 self.unload_if_abandoned(command);
             }
             Notice::Braked { .. } | Notice::Jumped { .. } => {}
-            Notice::Rule { rule, outcome } => self.rule_over(
-                rule,
-                match outcome {
-                    Outcome::Fired => RuleState::Fired,
-                    Outcome::Failed(_) => RuleState::Failed,
-                    Outcome::Dropped => RuleState::Dropped,
-                },
-            ),
+            Notice::Rule { rule, outcome } => match outcome {
+                Outcome::Fired => self.rule_fired(rule),
+                Outcome::Failed(_) => self.rule_over(rule, RuleState::Failed),
+                Outcome::Dropped => self.rule_over(rule, RuleState::Dropped),
+            },
         }
     }
 
@@ -111,13 +110,18 @@ impl Desk {
     }
 
     fn ended(&mut self, id: CommandId, ending: Ending) {
+        let by = match ending.cause {
+            Cause::Stopped(rule) => self.rules.get(&rule),
+            _ => None,
+        };
+        let taken_over = by.is_some_and(RuleRecord::takes_over);
         let Some(record) = self.record_of(id) else {
             return;
         };
         if let (Cause::Result(k), Some(image)) = (ending.cause, &record.image) {
             record.status.result = results(image).get(k).map(|name| (*name).to_owned());
         }
-        record.status.ending = Some(ending);
+        (record.status.ending, record.status.taken_over) = (Some(ending), taken_over);
         record.set_phase(Phase::Is(State::Terminated));
         let how = record.status.result.clone();
         let how = how.unwrap_or_else(|| cause(&ending).to_owned());

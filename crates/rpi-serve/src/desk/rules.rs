@@ -9,9 +9,18 @@ use crate::condition::{Expr, Saying};
 /// A rule as the desk knows it.
 pub(super) struct RuleRecord {
     pub(super) state: RuleState,
+    /// What it stops.
+    pub(super) stop: Vec<CommandId>,
     /// What it starts.
     start: Vec<CommandId>,
     watchers: Vec<Box<dyn Sink>>,
+}
+
+impl RuleRecord {
+    /// Whether something that it starts takes the place of something that it stops.
+    pub(super) fn takes_over(&self) -> bool {
+        !self.start.is_empty()
+    }
 }
 
 /// A rule to be made.
@@ -39,9 +48,24 @@ impl Desk {
         });
         match made {
             Ok((id, ticket)) => {
+                self.note_result(make);
                 self.asked(Ok(ticket), Then::Made(id), Some(reply));
             }
             Err(why) => reply(Err(why)),
+        }
+    }
+
+    /// A rule that stops a command when one of its exports is up, and does nothing else, tells by what the command ends.
+    fn note_result(&mut self, make: &Make<'_>) {
+        let (Expr::Said(command, Saying::Export(key)), [stop], [], []) =
+            (make.when, make.stop, make.cancel, make.start)
+        else {
+            return;
+        };
+        let number = number_of(stop, 'n').filter(|_| command == stop);
+        let record = number.and_then(|n| self.commands.get_mut(&n));
+        if let Some(record) = record.filter(|r| !r.ends_by.contains(key)) {
+            record.ends_by.push(key.clone());
         }
     }
 
@@ -52,11 +76,12 @@ impl Desk {
         let (stop, cancel, start) = (ids(make.stop)?, ids(make.cancel)?, ids(make.start)?);
         // Whoever loaded a command also unloads it: what nothing can start any more stays, ready.
         let mut rule = Rule::when(self.condition(make.when)?).keep();
-        rule = stop.into_iter().fold(rule, Rule::stop);
+        rule = stop.iter().copied().fold(rule, Rule::stop);
         rule = cancel.into_iter().fold(rule, Rule::cancel);
         rule = start.iter().copied().fold(rule, Rule::start);
         let record = RuleRecord {
             state: RuleState::Active,
+            stop,
             start,
             watchers: Vec::new(),
         };
@@ -134,6 +159,28 @@ impl Desk {
             self.rule_told(id);
         }
         Ok(())
+    }
+
+    /// A rule has fired: told once it can be understood.
+    pub(super) fn rule_fired(&mut self, id: RuleId) {
+        self.note_takeover(id);
+        self.tell_fired(id);
+    }
+
+    /// Tells that rules have fired that could not be told before.
+    pub(super) fn tell_early(&mut self) {
+        let early = std::mem::take(&mut self.early);
+        early.into_iter().for_each(|id| self.tell_fired(id));
+    }
+
+    fn tell_fired(&mut self, id: RuleId) {
+        match self.is_early(id) {
+            true => self.early.push(id),
+            false => {
+                self.tell_completions(id);
+                self.rule_over(id, RuleState::Fired);
+            }
+        }
     }
 
     /// A rule is over.

@@ -20,6 +20,8 @@ pub(crate) struct Status {
     pub(crate) ending: Option<Ending>,
     /// The name of the result with which it has ended.
     pub(crate) result: Option<String>,
+    /// The rule that stopped it has started another in its place.
+    pub(crate) taken_over: bool,
 }
 
 /// What has become of a rule.

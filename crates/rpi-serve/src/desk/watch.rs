@@ -13,7 +13,7 @@ pub(crate) struct Watching {
     /// Least time between two updates of values.
     pub(crate) period: Duration,
     /// How long after its last values a command's end is told, for clients that take both apart again. Zero for those
-    /// that take things as they come.
+    /// that take things as they come, and that need not be told either that what was taken over is complete.
     pub(crate) settle: Duration,
     pub(crate) sink: Box<dyn Sink>,
 }
@@ -107,10 +107,7 @@ impl Record {
         let now = Instant::now();
         match self.status.phase {
             Phase::Is(State::Running) => self.held = Some(now + HELD),
-            Phase::Is(State::Terminated) => {
-                self.subscriptions.iter_mut().for_each(|s| s.due = now);
-                self.publish(now);
-            }
+            Phase::Is(State::Terminated) => self.publish_now(),
             Phase::Unloaded => {
                 self.held = None;
                 self.publish(now);
@@ -132,8 +129,33 @@ impl Record {
         self.held = None;
     }
 
+    /// Tells what is new to everybody who may know, however short ago they were told something.
+    pub(super) fn publish_now(&mut self) {
+        let now = Instant::now();
+        self.subscriptions.iter_mut().for_each(|s| s.due = now);
+        self.publish(now);
+    }
+
+    /// Tells those who need time to settle that a Boolean which it exports is this, whatever it is.
+    pub(super) fn tell_flag(&mut self, key: &str, value: bool) {
+        let told = [(key.to_owned(), value.to_string())];
+        let slow = |s: &&mut Subscription| !s.settle.is_zero();
+        self.subscriptions.iter_mut().filter(slow).for_each(|s| {
+            s.sink.tell(&Update::Values(&told));
+        });
+    }
+
+    fn is_held(&self, now: Instant) -> bool {
+        self.held.is_some_and(|until| now < until)
+    }
+
+    /// Whether somebody is not told its values yet.
+    pub(super) fn is_held_back(&self, now: Instant) -> bool {
+        self.is_held(now) && self.subscriptions.iter().any(|s| !s.settle.is_zero())
+    }
+
     fn publish(&mut self, now: Instant) {
-        let held = self.held.is_some_and(|until| now < until);
+        let held = self.is_held(now);
         let free = |s: &&mut Subscription| !held || s.settle.is_zero();
         if self
             .subscriptions

@@ -51,6 +51,7 @@ pub(super) fn status(status: &Status) -> Value {
             "cycles": ending.cycles,
             "cancelled": ending.cancelled,
             "left_moving": ending.left_moving,
+            "taken_over": status.taken_over,
         });
     }
     told

@@ -42,6 +42,8 @@ pub(crate) struct Client {
     tag: u32,
     /// What was heard and not yet asked for.
     heard: Vec<String>,
+    /// How much of it was heard before what was asked for last.
+    before: usize,
 }
 
 impl Client {
@@ -72,6 +74,7 @@ impl Client {
             socket: WebSocket::from_raw_socket(stream, Role::Client, None),
             tag: 0,
             heard: Vec::new(),
+            before: 0,
         }
     }
 
@@ -85,9 +88,21 @@ impl Client {
 
     /// The first message, heard before or to come, of which `wanted` makes something.
     pub(crate) fn wait<T>(&mut self, what: &str, wanted: impl Fn(&str) -> Option<T>) -> T {
+        self.wait_from(0, what, wanted)
+    }
+
+    /// The first such message that came after all that were waited for before.
+    pub(crate) fn wait_for_next<T>(&mut self, what: &str, wanted: impl Fn(&str) -> Option<T>) -> T {
+        self.wait_from(self.before, what, wanted)
+    }
+
+    fn wait_from<T>(&mut self, from: usize, what: &str, wanted: impl Fn(&str) -> Option<T>) -> T {
         let begin = Instant::now();
         loop {
-            if let Some(at) = self.heard.iter().position(|text| wanted(text).is_some()) {
+            let mut later = self.heard.iter().skip(from);
+            if let Some(at) = later.position(|text| wanted(text).is_some()) {
+                let at = from + at;
+                self.before = at.max(self.before.saturating_sub(1));
                 return wanted(&self.heard.remove(at)).unwrap();
             }
             assert!(begin.elapsed() < PATIENCE, "{what}: only {:?}", self.heard);
@@ -105,6 +120,7 @@ impl Client {
                 self.heard.push(text.to_string());
             }
         }
+        self.before = 0;
         std::mem::take(&mut self.heard)
     }
 

@@ -79,10 +79,8 @@ fn replay(file: &str) {
         let message = filled(message, &nets, &names);
         match direction {
             ">" => client.send(&message),
-            "<" | "<!" => {
-                let taken = client.wait(&line, |text| fits(text, &message));
-                names.extend(taken);
-            }
+            "<" => names.extend(client.wait(&line, |text| fits(text, &message))),
+            "<!" => names.extend(client.wait_for_next(&line, |text| fits(text, &message))),
             _ => panic!("what is {line}?"),
         }
     }
@@ -96,6 +94,11 @@ fn a_motion_is_loaded_run_and_ended_as_the_client_expects() {
 #[test]
 fn a_blend_ends_the_predecessor() {
     replay("blend.txt");
+}
+
+#[test]
+fn a_blend_completes_the_predecessor() {
+    replay("takeover.txt");
 }
 
 #[test]
