@@ -2,13 +2,12 @@
 //!
 //! Nothing here allocates, frees, locks, waits for anybody or formats text, once the system was asked for what it grants.
 
-use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
-use std::sync::mpsc::Sender;
+use std::sync::{Arc, OnceLock};
 
 use rpi_core::{Watch, Why};
 use rpi_host::control::Executive;
-use rpi_host::realtime::{self, Beat, Grant, Wanted};
+use rpi_host::realtime::{self, Beat, Grant, RealTime};
 use rpi_sim::SimBank;
 
 /// The core with its devices, its beat, and who looks at every command after each of its cycles.
@@ -22,15 +21,19 @@ pub(crate) struct Cycle {
 }
 
 impl Cycle {
-    /// Asks the system for what is wanted, tells what it grants, and ticks.
-    pub(crate) fn run(mut self, wanted: Option<Wanted>, granted: &Sender<Vec<Grant>>) {
-        let grants = wanted.map(realtime::ask).unwrap_or_default();
-        // Whoever opens the server waits for this.
-        let _ = granted.send(grants);
+    /// Asks the system for what is wanted, tells what it grants, and ticks. Behind a fence it never comes back.
+    pub(crate) fn run(mut self, real_time: Option<RealTime>, granted: &OnceLock<Vec<Grant>>) {
+        let grants = real_time.map(realtime::begin).unwrap_or_default();
+        let fenced = grants.iter().any(realtime::is_fence_up);
         self.beat.restart();
+        // Whoever opens the server looks for this again and again: to tell it takes no system call.
+        let _ = granted.set(grants);
         let around_tick = self.around_tick;
         while !self.closing.load(Ordering::Relaxed) {
             around_tick(&mut || self.tick());
+        }
+        if fenced {
+            realtime::rest();
         }
     }
 

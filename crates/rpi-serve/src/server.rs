@@ -4,16 +4,15 @@ use std::fmt;
 use std::io;
 use std::net::{IpAddr, SocketAddr, TcpListener};
 use std::path::{Path, PathBuf};
-use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
-use std::sync::mpsc::channel;
+use std::sync::{Arc, OnceLock};
 use std::thread::{self, JoinHandle};
 use std::time::Duration;
 
 use rpi_core::{Continuity, Watch};
 use rpi_device::NoDevices;
 use rpi_host::control::{Options, open};
-use rpi_host::realtime::{Beat, Grant, OverrunPolicy, Pace, Wanted};
+use rpi_host::realtime::{self, Beat, Grant, Pace, RealTime};
 use rpi_sim::Cell;
 
 use crate::cycle::Cycle;
@@ -46,10 +45,9 @@ pub struct Settings {
     pub pace: Pace,
     /// How a tick is run: it must run it once. A test puts a trap for allocations around it.
     pub around_tick: fn(&mut dyn FnMut()),
-    /// What is asked of the system for the thread that ticks; nothing for a thread as any other.
-    pub real_time: Option<Wanted>,
-    /// What happens if a tick ends when the next one is due already.
-    pub overrun: OverrunPolicy,
+    /// What is asked of the system for the thread that ticks, and what happens if a tick ends when the next one is due already;
+    /// nothing for a thread as any other.
+    pub real_time: Option<RealTime>,
     /// What happens if a command takes over with a jump. Unless said, programs are refused then, and nets of the reference
     /// system are allowed to: they are written for control cores that do not look.
     pub continuity: Option<Continuity>,
@@ -71,7 +69,6 @@ impl Default for Settings {
             pace: Pace::Real,
             around_tick: |tick| tick(),
             real_time: None,
-            overrun: OverrunPolicy::default(),
             continuity: None,
             on_loss: OnLoss::default(),
             limits: Limits::default(),
@@ -229,16 +226,15 @@ impl Server {
         // Names are resolved by the loader, against a twin of the devices.
         let (control, executive) = open(devices, Box::new(NoDevices), options);
         let office = Office::open(cell, control, settings)?;
+        let overrun = settings.real_time.map(|r| r.overrun).unwrap_or_default();
         let cycle = Cycle {
             executive,
-            beat: Beat::start(settings.pace, tick_ns, settings.overrun),
+            beat: Beat::start(settings.pace, tick_ns, overrun),
             watch,
             around_tick: settings.around_tick,
             closing: Arc::clone(&self.closing),
         };
-        let ((tell, granted), wanted) = (channel(), settings.real_time);
-        self.spawn("rpi-cycle", move || cycle.run(wanted, &tell))?;
-        self.grants = granted.recv().unwrap_or_default();
+        self.run(cycle, settings.real_time)?;
         let (closing, keeper) = (Arc::clone(&self.closing), office.clone());
         self.spawn("rpi-desk", move || {
             while !closing.load(Ordering::Relaxed) {
@@ -247,6 +243,23 @@ impl Server {
             }
         })?;
         Ok(office)
+    }
+
+    /// Has the cycle run on its thread, and waits until that has heard what the system grants.
+    fn run(&mut self, cycle: Cycle, real_time: Option<RealTime>) -> io::Result<()> {
+        let granted = Arc::new(OnceLock::new());
+        let tell = Arc::clone(&granted);
+        self.spawn("rpi-cycle", move || cycle.run(real_time, &tell))?;
+        let ended = |t: &JoinHandle<()>| t.is_finished();
+        while granted.get().is_none() && !self.threads.last().is_some_and(ended) {
+            thread::sleep(KEEP);
+        }
+        self.grants = granted.get().cloned().unwrap_or_default();
+        if self.grants.iter().any(realtime::is_fence_up) {
+            // It cannot end behind its fence: nobody waits for it.
+            self.threads.pop();
+        }
+        Ok(())
     }
 
     #[cfg(unix)]

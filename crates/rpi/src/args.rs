@@ -108,9 +108,6 @@ pub(crate) struct RunArgs {
     /// Assertions and contracts: left out, watched and told with cycle and values, or a fault that ends the run.
     #[arg(long, value_name = "HOW", default_value = "report")]
     pub(crate) contracts: Contracts,
-    /// Forbid the cycle's thread every system call but sleeping and reading the clock: another one ends the process.
-    #[arg(long, requires = "real_time")]
-    pub(crate) fence: bool,
     /// How long it takes to have the next command ready once one has started.
     #[arg(long, value_parser = rpi_driver::parse_period, value_name = "TIME")]
     pub(crate) planning_time: Option<u64>,
@@ -147,6 +144,9 @@ pub(crate) struct ClockArgs {
     /// Core of the cycle; the last one unless said otherwise.
     #[arg(long, value_name = "N", requires = "real_time")]
     pub(crate) core: Option<usize>,
+    /// Forbid the cycle's thread every system call but sleeping and reading the clock: another one ends the process.
+    #[arg(long, requires = "real_time")]
+    pub(crate) fence: bool,
 }
 
 impl ClockArgs {
@@ -158,7 +158,7 @@ impl ClockArgs {
                 core: self.core,
             },
             overrun: self.on_overrun,
-            fence: false,
+            fence: self.fence,
         }
     }
 }

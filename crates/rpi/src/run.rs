@@ -10,7 +10,7 @@ use rpi_diag::{Style, render};
 use rpi_driver::Compiled;
 use rpi_host::claims::ClaimSink;
 use rpi_host::plot;
-use rpi_host::realtime::{Pace, RealTime};
+use rpi_host::realtime::Pace;
 use rpi_host::record::{Digest, Form, Motion, Rows};
 use rpi_host::recording::{Origin, Wanted as Recording};
 use rpi_host::run::{self, CommandEnd, Job, Limits, Outcome, Several, Sink, Status};
@@ -104,10 +104,7 @@ fn execute(
             true => Pace::Real,
             false => Pace::Simulated,
         },
-        real_time: RealTime {
-            fence: args.fence,
-            ..args.clock.real_time()
-        },
+        real_time: args.clock.real_time(),
         continuity: args.on_jump.into(),
         limits: Limits {
             ticks: target::ticks(&args.target, tick_ns),

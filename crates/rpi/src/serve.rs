@@ -12,7 +12,6 @@ use crate::exit::{self, Exit};
 pub(crate) fn serve(args: &ServeArgs) -> exit::Outcome {
     let cell = cell(args.cell.as_deref())?;
     let token = args.token_file.as_deref().map(token).transpose()?;
-    let real_time = args.clock.real_time();
     let settings = Settings {
         listen: args.listen,
         socket: args.socket.clone(),
@@ -20,8 +19,7 @@ pub(crate) fn serve(args: &ServeArgs) -> exit::Outcome {
         tls: tls(args),
         insecure: args.insecure,
         tick_ns: args.period,
-        real_time: args.clock.real_time.then_some(real_time.wanted),
-        overrun: real_time.overrun,
+        real_time: args.clock.real_time.then(|| args.clock.real_time()),
         continuity: args.on_jump.map(Into::into),
         on_loss: args.on_loss,
         ..Settings::default()

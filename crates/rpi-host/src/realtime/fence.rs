@@ -5,6 +5,7 @@
 //! is free and memory that the allocator has at hand take none: for these there is the allocation trap of the tests.
 
 use std::collections::BTreeMap;
+use std::time::Duration;
 
 use seccompiler::{BpfProgram, SeccompAction, SeccompFilter};
 
@@ -21,6 +22,9 @@ const ALLOWED: [libc::c_long; 7] = [
     libc::SYS_exit_group,
 ];
 
+/// What is asked for.
+const WISH: &str = "no system call but the clock's";
+
 /// Forbids the calling thread all system calls but those of the clock, for good: another one ends the process with `SIGSYS`.
 /// A thread cannot leave such a fence, not even to give back what it has: it must sleep until the process ends.
 #[must_use]
@@ -30,8 +34,21 @@ pub fn fence() -> Grant {
         put_up.map_err(|why| why.to_string())
     });
     Grant {
-        wish: "no system call but the clock's".to_owned(),
+        wish: WISH.to_owned(),
         refused: refused.err(),
+    }
+}
+
+/// Whether this is the grant of a fence, and it is up.
+#[must_use]
+pub fn is_fence_up(grant: &Grant) -> bool {
+    grant.wish == WISH && grant.refused.is_none()
+}
+
+/// Sleeps until the process ends: a thread behind a fence can do nothing else in the end.
+pub fn rest() -> ! {
+    loop {
+        std::thread::sleep(Duration::from_secs(3600));
     }
 }
 

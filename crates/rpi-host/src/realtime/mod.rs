@@ -11,7 +11,7 @@ mod overrun;
 
 pub use beat::Beat;
 pub use clock::Pace;
-pub use fence::fence;
+pub use fence::{fence, is_fence_up, rest};
 pub use figures::{Figures, Spread};
 pub use grant::{Grant, Wanted, ask};
 pub use overrun::{OverrunPolicy, Overruns};
@@ -25,4 +25,13 @@ pub struct RealTime {
     pub overrun: OverrunPolicy,
     /// Whether the thread that ticks may make no system call but those of the clock: see [`fence()`].
     pub fence: bool,
+}
+
+/// Asks the system for all of this for the calling thread, and puts up the fence if there is to be one. What a thread behind a
+/// fence does in the end is to [`rest()`].
+#[must_use]
+pub fn begin(real_time: RealTime) -> Vec<Grant> {
+    let mut grants = ask(real_time.wanted);
+    grants.extend(real_time.fence.then(fence));
+    grants
 }

@@ -112,20 +112,16 @@ fn tick_until(
     over: &AtomicBool,
     real_time: RealTime,
 ) {
-    let mut grants = realtime::ask(real_time.wanted);
+    let grants = realtime::begin(real_time);
+    let fenced = grants.iter().any(realtime::is_fence_up);
     cycle.beat.restart();
-    if real_time.fence {
-        grants.push(realtime::fence());
-    }
     while cycle.goes_on(over.load(Ordering::Relaxed)) {
         cycle.tick();
     }
     // There is room for one.
     let _ = done.push((cycle, grants));
-    if real_time.fence {
-        loop {
-            std::thread::sleep(Duration::from_secs(3600));
-        }
+    if fenced {
+        realtime::rest();
     }
 }
 

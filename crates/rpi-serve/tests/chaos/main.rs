@@ -7,6 +7,10 @@
 #[expect(dead_code, reason = "the tests of the server use the rest")]
 mod client;
 mod digest;
+mod fence;
+mod good;
+#[path = "../server/nets.rs"]
+mod nets;
 mod owner;
 mod rogues;
 
@@ -42,7 +46,8 @@ struct Scene {
     socket: PathBuf,
 }
 
-fn server(folder: &tempfile::TempDir, pace: Pace, watch: Digest) -> (Server, Scene) {
+/// Opens a server at an address and a socket of its own, for the cell of the blending example.
+fn open(folder: &tempfile::TempDir, other: Settings, watch: Digest) -> (Server, Scene) {
     let cell = rpi_testkit::workspace_root().join("examples/blending/cell.toml");
     let text = std::fs::read_to_string(cell).unwrap();
     let cell = Cell::parse("cell.toml", &text).unwrap_or_else(|errors| panic!("{errors}"));
@@ -50,9 +55,7 @@ fn server(folder: &tempfile::TempDir, pace: Pace, watch: Digest) -> (Server, Sce
     let settings = Settings {
         token: Some(TOKEN.to_owned()),
         socket: Some(socket.clone()),
-        pace,
-        around_tick: |tick| rpi_testkit::no_alloc(tick),
-        ..settings()
+        ..other
     };
     let server = Server::open(&cell, &settings, watch).unwrap();
     let address = server.address();
@@ -77,7 +80,12 @@ fn set_points_are_the_same_bits_with_and_without_clients() {
 fn run(pace: Pace, clients: impl FnOnce(&Scene, &Digest)) -> Vec<u64> {
     let folder = tempfile::tempdir().unwrap();
     let digest = Digest::new(seconds() + LONGEST);
-    let (server, scene) = server(&folder, pace, digest.clone());
+    let settings = Settings {
+        pace,
+        around_tick: |tick| rpi_testkit::no_alloc(tick),
+        ..settings()
+    };
+    let (server, scene) = open(&folder, settings, digest.clone());
     let over = AtomicBool::new(false);
     thread::scope(|scope| {
         let owner = scope.spawn(|| owner::shuttle(scene.address, &over));

@@ -49,11 +49,11 @@ impl Random {
 
 const AUTHORIZED: &str = "Authorization: Bearer a-secret\r\n";
 
-fn dio(scene: &Scene) -> Client {
+pub(crate) fn dio(scene: &Scene) -> Client {
     Client::at(scene.address, &path("/DirectIO/"))
 }
 
-fn rpc(scene: &Scene) -> Client {
+pub(crate) fn rpc(scene: &Scene) -> Client {
     Client::at(scene.address, &path("/rpc"))
 }
 
