@@ -29,6 +29,12 @@ impl Command {
         self.continuity = continuity;
     }
 
+    /// What happens if its first set-points do not join those before.
+    #[must_use]
+    pub fn continuity(&self) -> Continuity {
+        self.continuity
+    }
+
     /// Makes a set-point that does not join the fault of this cycle, unless that is allowed.
     pub(crate) fn watch_switch(&mut self) {
         let jump = self.machine.jump().map(place);

@@ -8,16 +8,21 @@ use std::sync::{Arc, OnceLock};
 use rpi_core::{Watch, Why};
 use rpi_host::control::Executive;
 use rpi_host::realtime::{self, Beat, Grant, RealTime};
+use rpi_host::recording::{Camera, Taped};
 use rpi_sim::SimBank;
 
 /// The core with its devices, its beat, and who looks at every command after each of its cycles.
 pub(crate) struct Cycle {
-    pub(crate) executive: Executive<SimBank>,
+    pub(crate) executive: Executive<Taped<SimBank>>,
     pub(crate) beat: Beat,
     pub(crate) watch: Box<dyn Watch + Send>,
     /// How a tick is run.
     pub(crate) around_tick: fn(&mut dyn FnMut()),
     pub(crate) closing: Arc<AtomicBool>,
+    /// Takes in what is recorded, if it is.
+    pub(crate) camera: Option<Camera>,
+    /// How many ticks the recording has lost, once there will be no more.
+    pub(crate) lost: Arc<OnceLock<u64>>,
 }
 
 impl Cycle {
@@ -32,6 +37,7 @@ impl Cycle {
         while !self.closing.load(Ordering::Relaxed) {
             around_tick(&mut || self.tick());
         }
+        let _ = self.lost.set(self.camera.as_ref().map_or(0, Camera::lost));
         if fenced {
             realtime::rest();
         }
@@ -40,9 +46,18 @@ impl Cycle {
     fn tick(&mut self) {
         let now = self.executive.now();
         let wall_ns = self.beat.wait(now);
-        self.executive.tick(wall_ns, &mut *self.watch);
+        let (executive, watch) = (&mut self.executive, &mut *self.watch);
+        let Some(camera) = &mut self.camera else {
+            executive.tick(wall_ns, watch);
+            if self.beat.over(now) {
+                executive.halt(Why::Overrun);
+            }
+            return;
+        };
+        camera.tick(executive, wall_ns, watch);
         if self.beat.over(now) {
-            self.executive.halt(Why::Overrun);
+            camera.halt(executive, Why::Overrun);
         }
+        camera.take(executive, (now, wall_ns));
     }
 }

@@ -13,6 +13,7 @@ use rpi_core::{Continuity, Watch};
 use rpi_device::NoDevices;
 use rpi_host::control::{Options, open};
 use rpi_host::realtime::{self, Beat, Grant, Pace, RealTime};
+use rpi_host::recording::{Taped, Wanted, Written, record};
 use rpi_sim::Cell;
 
 use crate::cycle::Cycle;
@@ -166,6 +167,9 @@ pub struct Server {
     grants: Vec<Grant>,
     closing: Arc<AtomicBool>,
     threads: Vec<JoinHandle<()>>,
+    office: Option<Office>,
+    /// How many ticks its recording has lost, once there will be no more.
+    lost: Arc<OnceLock<u64>>,
 }
 
 impl Server {
@@ -179,6 +183,19 @@ impl Server {
         settings: &Settings,
         watch: impl Watch + Send + 'static,
     ) -> Result<Server, CannotOpen> {
+        Server::open_recorded(cell, settings, watch, None)
+    }
+
+    /// As [`Server::open`]; everything that its core does is recorded, until it is [closed](Server::close).
+    ///
+    /// # Errors
+    /// As there, and those of the recording's file.
+    pub fn open_recorded(
+        cell: &Cell,
+        settings: &Settings,
+        watch: impl Watch + Send + 'static,
+        recording: Option<Wanted>,
+    ) -> Result<Server, CannotOpen> {
         settings.guarded()?;
         let identity = settings.identity()?;
         let listener = TcpListener::bind(settings.listen)?;
@@ -190,8 +207,11 @@ impl Server {
             grants: Vec::new(),
             closing: Arc::default(),
             threads: Vec::new(),
+            office: None,
+            lost: Arc::default(),
         };
-        let office = server.start_cycle(cell, settings, Box::new(watch))?;
+        let office = server.start_cycle(cell, settings, Box::new(watch), recording)?;
+        server.office = Some(office.clone());
         let reception = Reception {
             office,
             limits: settings.limits,
@@ -214,6 +234,7 @@ impl Server {
         cell: &Cell,
         settings: &Settings,
         watch: Box<dyn Watch + Send>,
+        recording: Option<Wanted>,
     ) -> io::Result<Office> {
         let (limits, tick_ns) = (settings.limits, settings.tick_ns.max(1));
         let options = Options {
@@ -222,10 +243,13 @@ impl Server {
             requests: REQUESTS,
             ..Options::default()
         };
-        let devices = bank(cell, limits.devices, tick_ns);
+        let devices = Taped::new(bank(cell, limits.devices, tick_ns));
         // Names are resolved by the loader, against a twin of the devices.
-        let (control, executive) = open(devices, Box::new(NoDevices), options);
-        let office = Office::open(cell, control, settings)?;
+        let (mut control, mut executive) = open(devices, Box::new(NoDevices), options);
+        let guard = (tick_ns, settings.continuity.unwrap_or_default());
+        let record = |wanted| record(wanted, cell, guard, (&mut control, &mut executive));
+        let (recorder, camera) = recording.map(record).transpose()?.unzip();
+        let office = Office::open(cell, (control, recorder), settings)?;
         let overrun = settings.real_time.map(|r| r.overrun).unwrap_or_default();
         let cycle = Cycle {
             executive,
@@ -233,6 +257,8 @@ impl Server {
             watch,
             around_tick: settings.around_tick,
             closing: Arc::clone(&self.closing),
+            camera,
+            lost: Arc::clone(&self.lost),
         };
         self.run(cycle, settings.real_time)?;
         let (closing, keeper) = (Arc::clone(&self.closing), office.clone());
@@ -293,8 +319,33 @@ impl Server {
         self.address
     }
 
-    /// Waits until it is closed, which only a fault does from inside.
-    pub fn wait(&mut self) {
+    /// Closes it: commands are no longer run, and devices stand still. What was recorded, if it was.
+    ///
+    /// # Errors
+    /// Those of the recording.
+    pub fn close(mut self) -> io::Result<Option<Written>> {
+        self.end()
+    }
+
+    fn end(&mut self) -> io::Result<Option<Written>> {
+        self.closing.store(true, Ordering::Relaxed);
+        let fenced = self.grants.iter().any(realtime::is_fence_up);
+        self.wait();
+        while fenced && self.lost.get().is_none() {
+            thread::sleep(KEEP);
+        }
+        let lost = self.lost.get().copied().unwrap_or_default();
+        let office = self.office.take();
+        office.map_or(Ok(None), |office| office.desk().finish_recording(lost))
+    }
+
+    /// Whether it still serves: only a fault ends it from inside.
+    #[must_use]
+    pub fn runs(&self) -> bool {
+        !self.threads.iter().any(JoinHandle::is_finished)
+    }
+
+    fn wait(&mut self) {
         self.threads.drain(..).for_each(|thread| {
             let _ = thread.join();
         });
@@ -303,8 +354,8 @@ impl Server {
 
 impl Drop for Server {
     fn drop(&mut self) {
-        self.closing.store(true, Ordering::Relaxed);
-        self.wait();
+        // Whoever wants to know what became of a recording closes it.
+        let _ = self.end();
         if let Some(path) = &self.socket {
             let _ = std::fs::remove_file(path);
         }

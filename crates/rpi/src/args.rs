@@ -237,6 +237,9 @@ pub(crate) struct ServeArgs {
     pub(crate) on_loss: OnLoss,
     #[command(flatten)]
     pub(crate) clock: ClockArgs,
+    /// Record everything until the server is interrupted (SIGINT, SIGTERM): a file .mcap, which viewers open and `rpi replay` runs again.
+    #[arg(long, value_name = "FILE")]
+    pub(crate) record: Option<PathBuf>,
     /// What happens if a command takes over with a jump of position, velocity or acceleration. Unless given, programs are
     /// refused then and nets are allowed to: those of the reference system do not look.
     #[arg(long, value_name = "POLICY")]

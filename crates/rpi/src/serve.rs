@@ -1,16 +1,23 @@
 //! `rpi serve`: the control core as a server.
 
+use std::fs::File;
+use std::io::BufWriter;
 use std::path::Path;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::time::Duration;
 
+use rpi_host::recording::{Origin, Wanted};
 use rpi_serve::{CannotOpen, Server, Settings, TlsFiles};
 use rpi_sim::Cell;
 
 use crate::args::ServeArgs;
 use crate::exit::{self, Exit};
+use crate::run::is_recording;
 
 /// Serves until it is interrupted.
 pub(crate) fn serve(args: &ServeArgs) -> exit::Outcome {
-    let cell = cell(args.cell.as_deref())?;
+    let (cell, text) = cell(args.cell.as_deref())?;
     let token = args.token_file.as_deref().map(token).transpose()?;
     let settings = Settings {
         listen: args.listen,
@@ -24,24 +31,64 @@ pub(crate) fn serve(args: &ServeArgs) -> exit::Outcome {
         on_loss: args.on_loss,
         ..Settings::default()
     };
-    let mut server = Server::open(&cell, &settings, ()).map_err(with_a_way_out)?;
+    let recording = args.record.as_deref().map(|path| recording(path, text));
+    let interrupted = interrupts()?;
+    let server = Server::open_recorded(&cell, &settings, (), recording.transpose()?);
+    let server = server.map_err(with_a_way_out)?;
     server
         .grants()
         .iter()
         .for_each(|grant| eprintln!("{grant}"));
     eprintln!("serving at {}", server.address());
-    server.wait();
+    while server.runs() && !interrupted.load(Ordering::Relaxed) {
+        std::thread::sleep(LOOK);
+    }
+    if let Some(written) = server.close().map_err(|e| format!("the recording: {e}"))? {
+        eprintln!("recorded {} ticks, {} lost", written.ticks, written.lost);
+    }
     Ok(Exit::Good)
 }
 
-fn cell(path: Option<&Path>) -> Result<Cell, String> {
+/// How often it is looked whether somebody has interrupted.
+const LOOK: Duration = Duration::from_millis(20);
+
+/// Becomes true when somebody interrupts this process, or asks it to end.
+fn interrupts() -> std::io::Result<Arc<AtomicBool>> {
+    let interrupted = Arc::new(AtomicBool::new(false));
+    for signal in [signal_hook::consts::SIGINT, signal_hook::consts::SIGTERM] {
+        signal_hook::flag::register(signal, Arc::clone(&interrupted))?;
+    }
+    Ok(interrupted)
+}
+
+/// Where everything is recorded.
+fn recording(path: &Path, cell: String) -> Result<Wanted, String> {
+    let name = path.display();
+    if !is_recording(path) {
+        return Err(format!("{name}: a server records to files .mcap"));
+    }
+    let file = File::create(path).map_err(|e| format!("{name}: {e}"))?;
+    Ok(Wanted {
+        out: Box::new(BufWriter::new(file)),
+        origin: Origin {
+            program: "server".to_owned(),
+            program_bytes: Vec::new(),
+            cell,
+        },
+    })
+}
+
+/// The devices, and the text that describes them.
+fn cell(path: Option<&Path>) -> Result<(Cell, String), String> {
     let Some(path) = path else {
-        return Ok(Cell::default());
+        return Ok((Cell::default(), String::new()));
     };
     let name = path.display().to_string();
     let bytes = std::fs::read(path).map_err(|e| format!("{name}: {e}"))?;
     let text = rpi_driver::utf8(path, &bytes).map_err(|e| e.to_string())?;
-    Cell::parse(&name, text).map_err(|errors| format!("the cell is wrong\n{errors}"))
+    let cell = Cell::parse(&name, text);
+    let cell = cell.map_err(|errors| format!("the cell is wrong\n{errors}"))?;
+    Ok((cell, text.to_owned()))
 }
 
 fn tls(args: &ServeArgs) -> Option<TlsFiles> {

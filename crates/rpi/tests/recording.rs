@@ -175,3 +175,41 @@ fn flows_set_points_sensors_and_events_are_there_for_viewers() {
         assert!(topics.contains_key(topic), "{topics:?}");
     }
 }
+
+/// A server that is asked to end closes in order, and its recording is whole.
+#[cfg(unix)]
+#[test]
+fn a_server_records_until_it_is_interrupted() {
+    use std::io::{BufRead, BufReader};
+    use std::process::Stdio;
+
+    let folder = tempfile::tempdir().unwrap();
+    let (file, socket) = (
+        folder.path().join("out.mcap"),
+        folder.path().join("rpi.sock"),
+    );
+    let mut server = Command::new(env!("CARGO_BIN_EXE_rpi"))
+        .args(["serve", "--listen", "127.0.0.1:0", "--record"])
+        .arg(&file)
+        .arg("--socket")
+        .arg(&socket)
+        .stderr(Stdio::piped())
+        .spawn()
+        .unwrap();
+    let mut lines = BufReader::new(server.stderr.take().unwrap()).lines();
+    let serving = lines.next().unwrap().unwrap();
+    assert!(serving.starts_with("serving at"), "{serving}");
+    std::thread::sleep(std::time::Duration::from_millis(200));
+    let number = server.id().to_string();
+    let asked = Command::new("kill").args(["-TERM", &number]).status();
+    assert!(asked.unwrap().success());
+    let told = lines.next().unwrap().unwrap();
+    assert!(server.wait().unwrap().success(), "{told}");
+    assert!(
+        told.starts_with("recorded ") && told.ends_with(" 0 lost"),
+        "{told}"
+    );
+    assert!(!socket.exists());
+    let (code, told) = replay(&file);
+    assert_eq!(code, Some(0), "{told}");
+}

@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use rpi_core::{CommandId, Rule, RuleId, Why};
+use rpi_core::{CommandId, Continuity, Rule, RuleId, Why};
 use rpi_image::Image;
 
 use super::event::Ticket;
@@ -11,8 +11,8 @@ use super::queue::{Request, Setting};
 /// A request, with all that is needed to make it again.
 #[derive(Clone, Debug)]
 pub enum Asked {
-    /// A command was loaded from this image.
-    Load(CommandId, Arc<Image>),
+    /// A command was loaded from this image, with this policy for jumps.
+    Load(CommandId, Arc<Image>, Continuity),
     /// To start.
     Start(CommandId),
     /// To take off the schedule.
@@ -41,7 +41,8 @@ impl Asked {
     pub(super) fn of<T>(request: &Request<T>) -> Asked {
         match request {
             Request::Insert(id, command, _) => {
-                Asked::Load(*id, Arc::clone(command.machine().image()))
+                let image = Arc::clone(command.machine().image());
+                Asked::Load(*id, image, command.continuity())
             }
             Request::Start(id) => Asked::Start(*id),
             Request::Unschedule(id) => Asked::Unschedule(*id),

@@ -11,6 +11,7 @@ use rpi_image::Image;
 use serde_json::{Value, json};
 
 use super::names::Names;
+use super::recorder::{policy_by_word, word_of_policy};
 use super::told::{why_by_word, word_of};
 use crate::control::{Asked, Request, Setting, Subscription, Ticket};
 
@@ -18,9 +19,10 @@ use crate::control::{Asked, Request, Setting, Subscription, Ticket};
 pub(super) fn write(ticket: Ticket, asked: &Asked, names: &Names) -> Value {
     let about = |ask: &str, id: &CommandId| json!({ "ask": ask, "command": id.number(), "name": names.of_command(*id) });
     let mut object = match asked {
-        Asked::Load(id, _) => {
+        Asked::Load(id, _, continuity) => {
             let mut object = about("load", id);
             object["image"] = json!(names.image_of(*id));
+            object["on_jump"] = json!(word_of_policy(*continuity));
             object
         }
         Asked::Start(id) => about("start", id),
@@ -77,7 +79,7 @@ impl Maker<'_> {
         let command = || object["command"].as_u64().map(CommandId::from_number);
         let rule = || object["rule"].as_u64().map(RuleId);
         let request = match object["ask"].as_str()? {
-            "load" => Request::Insert(command()?, self.load(&object["image"])?, None),
+            "load" => Request::Insert(command()?, self.load(object)?, None),
             "start" => Request::Start(command()?),
             "unschedule" => Request::Unschedule(command()?),
             "cancel" => Request::Cancel(command()?),
@@ -103,10 +105,12 @@ impl Maker<'_> {
         Some((ticket, request))
     }
 
-    fn load(&mut self, image: &Value) -> Option<Box<Command>> {
-        let image = self.images.get(usize::try_from(image.as_u64()?).ok()?)?;
-        let mut command = Command::load(Arc::clone(image), self.bank).ok()?;
-        command.guard(self.continuity);
+    fn load(&mut self, object: &Value) -> Option<Box<Command>> {
+        let image = usize::try_from(object["image"].as_u64()?).ok()?;
+        let mut command = Command::load(Arc::clone(self.images.get(image)?), self.bank).ok()?;
+        // Recordings before servers had one policy for all.
+        let own = object["on_jump"].as_str().and_then(policy_by_word);
+        command.guard(own.unwrap_or(self.continuity));
         Some(Box::new(command))
     }
 }

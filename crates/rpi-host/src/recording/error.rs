@@ -30,7 +30,7 @@ impl fmt::Display for RecordingError {
             RecordingError::Broken(why) => {
                 write!(f, "the recording is cut off or damaged: {why}")
             }
-            RecordingError::Foreign(what) => write!(f, "this is no recording of `rpi run`: {what}"),
+            RecordingError::Foreign(what) => write!(f, "this is no recording of ours: {what}"),
             RecordingError::Missing(what) => write!(f, "the recording has no {what}"),
         }
     }

@@ -19,6 +19,7 @@
 //! set-point and event. This module must not know how programs are compiled.
 
 mod asked;
+mod camera;
 mod error;
 mod file;
 mod json;
@@ -30,12 +31,14 @@ mod rerun;
 mod told;
 mod writer;
 
+pub use camera::{Camera, record};
 pub use error::RecordingError;
 pub use file::Output;
 pub use read::Recording;
-pub(crate) use recorder::Recorder;
-pub use recorder::{Origin, Wanted};
+pub use recorder::{Origin, Recorder, Wanted};
 pub use report::{Difference, Rerun};
 pub use rerun::rerun;
 pub(crate) use told::number_of;
 pub use writer::Written;
+
+pub use crate::tape::Taped;

@@ -36,7 +36,8 @@ pub(super) struct Names {
     bank: SimBank,
     devices: Vec<String>,
     ports: BTreeMap<u32, Named>,
-    images: Vec<Arc<Image>>,
+    /// In the order of their coming; none once nothing runs it any more.
+    images: Vec<Option<Arc<Image>>>,
     /// The flows of each image that are looked at.
     flows: Vec<Vec<Named>>,
     /// Which image a command runs.
@@ -58,7 +59,9 @@ impl Names {
 
     /// A command runs an image; whether the image is a new one.
     pub(super) fn insert(&mut self, command: CommandId, image: &Arc<Image>) -> bool {
-        let known = self.images.iter().position(|i| Arc::ptr_eq(i, image));
+        let same =
+            |known: &Option<Arc<Image>>| known.as_ref().is_some_and(|i| Arc::ptr_eq(i, image));
+        let known = self.images.iter().position(same);
         let index = known.unwrap_or(self.images.len());
         self.commands.insert(command.number(), index);
         if known.is_none() {
@@ -86,7 +89,16 @@ impl Names {
             ty: signal.ty,
         });
         self.flows.push(flows.collect());
-        self.images.push(Arc::clone(image));
+        self.images.push(Some(Arc::clone(image)));
+    }
+
+    /// A command is no more; its image neither, unless another runs it.
+    pub(super) fn forget(&mut self, command: CommandId) {
+        let index = self.commands.remove(&command.number());
+        let index = index.filter(|index| !self.commands.values().any(|other| other == index));
+        if let Some(index) = index {
+            (self.images[index], self.flows[index]) = (None, Vec::new());
+        }
     }
 
     /// Learns what a port is called, and its number.
@@ -153,8 +165,7 @@ impl Names {
 
     /// What a command runs.
     pub(super) fn image(&self, command: CommandId) -> Option<&Image> {
-        let image = self.images.get(self.image_of(command)?)?;
-        Some(image)
+        self.images.get(self.image_of(command)?)?.as_deref()
     }
 
     /// What a command is called.

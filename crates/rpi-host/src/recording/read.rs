@@ -11,7 +11,7 @@ use rpi_sim::Cell;
 use serde_json::Value;
 
 use super::error::RecordingError;
-use super::recorder::CONTINUITY;
+use super::recorder::policy_by_word;
 use super::writer::{EVENTS, REQUESTS, TAPE};
 
 /// A recording, read.
@@ -61,12 +61,10 @@ impl Recording {
         // Without its end the file may lack what happened last.
         let end = parts.metadata.get("rpi-end").and_then(|m| m.get("lost"));
         let lost = end.and_then(|lost| lost.parse().ok());
-        let policy = key("on_jump")?;
-        let policy = CONTINUITY.iter().find(|(_, word)| *word == policy);
         Ok(Recording {
             tick_ns: number(&key("tick_ns")?)?,
             program: key("program")?,
-            continuity: policy.map_or_else(Continuity::default, |p| p.0),
+            continuity: policy_by_word(&key("on_jump")?).unwrap_or_default(),
             cell: parts.cell()?,
             images: parts.images()?,
             requests: parts.json(REQUESTS)?,

@@ -40,7 +40,7 @@ pub struct Wanted {
 const NOTES: usize = 1 << 16;
 
 /// The host's end: passes on what it knows, and waits for the writer in the end.
-pub(crate) struct Recorder {
+pub struct Recorder {
     notes: SyncSender<Note>,
     /// Notes for which there was no room: such a recording cannot be run again.
     lost: Arc<AtomicU64>,
@@ -50,11 +50,22 @@ pub(crate) struct Recorder {
 }
 
 /// Policies, and their words in a recording.
-pub(super) const CONTINUITY: [(Continuity, &str); 3] = [
+const CONTINUITY: [(Continuity, &str); 3] = [
     (Continuity::Refuse, "refuse"),
     (Continuity::Stop, "stop"),
     (Continuity::Allow, "allow"),
 ];
+
+/// The word for a policy.
+pub(super) fn word_of_policy(continuity: Continuity) -> &'static str {
+    let found = CONTINUITY.iter().find(|(c, _)| *c == continuity);
+    found.map_or("", |(_, word)| word)
+}
+
+/// The policy behind a word.
+pub(super) fn policy_by_word(word: &str) -> Option<Continuity> {
+    CONTINUITY.iter().find(|(_, w)| *w == word).map(|p| p.0)
+}
 
 impl Recorder {
     /// Begins a recording.
@@ -77,6 +88,8 @@ impl Recorder {
             tape,
             notes: receiver,
             written: Written::default(),
+            freed: Vec::new(),
+            freed_before: Vec::new(),
             latest: (0, 0),
         };
         scribe.begin()?;
@@ -98,7 +111,7 @@ impl Recorder {
     }
 
     /// Something has happened.
-    pub(crate) fn event(&self, event: &Event) {
+    pub fn event(&self, event: &Event) {
         tell(&self.notes, &self.lost, Note::Event(*event));
     }
 
@@ -106,7 +119,7 @@ impl Recorder {
     ///
     /// # Errors
     /// The first one of the file.
-    pub(crate) fn finish(self, lost: u64) -> io::Result<Written> {
+    pub fn finish(self, lost: u64) -> io::Result<Written> {
         self.over.store(lost, Ordering::Release);
         let written = self.thread.join();
         let written = written.map_err(|_| io::Error::other("the writer has failed"))??;
@@ -131,12 +144,11 @@ fn describe(
     tick_ns: u64,
     continuity: Continuity,
 ) -> io::Result<()> {
-    let policy = CONTINUITY.iter().find(|(c, _)| *c == continuity);
     let hash = Fnv::new().bytes(&origin.program_bytes).finish();
     let keys = [
         ("form", "1".to_owned()),
         ("tick_ns", tick_ns.to_string()),
-        ("on_jump", policy.map_or("", |p| p.1).to_owned()),
+        ("on_jump", word_of_policy(continuity).to_owned()),
         ("program", origin.program.clone()),
         ("program_hash", format!("{hash:016x}")),
         ("version", env!("CARGO_PKG_VERSION").to_owned()),

@@ -17,6 +17,8 @@ pub struct Rerun {
     pub events: u64,
     /// Ticks that the recording has lost. Nothing is known of them, nor of what comes after the first of them.
     pub lost: u64,
+    /// The first tick in which a device was put in or taken out, if one was. Which one is not recorded: nothing is run from there on.
+    pub devices: Option<u64>,
     /// The first thing that was not as recorded.
     pub difference: Option<Difference>,
 }
@@ -40,7 +42,7 @@ impl Rerun {
     /// True if all was as recorded, and all was recorded.
     #[must_use]
     pub fn agrees(&self) -> bool {
-        self.difference.is_none() && self.lost == 0
+        self.difference.is_none() && self.lost == 0 && self.devices.is_none()
     }
 
     /// The report for programs: one JSON object, indented.
@@ -71,9 +73,15 @@ impl fmt::Display for Rerun {
                 self.lost
             )?;
         }
+        if let Some(tick) = self.devices {
+            writeln!(
+                f,
+                "devices came or went in tick {tick}: which ones is not recorded"
+            )?;
+        }
         match &self.difference {
             Some(difference) => write!(f, "{difference}"),
-            None if self.lost > 0 => writeln!(f, "the same bits up to there"),
+            None if !self.agrees() => writeln!(f, "the same bits up to there"),
             None => writeln!(f, "the same bits throughout"),
         }
     }

@@ -1,8 +1,8 @@
 //! Runs a recording again: the same requests in the same ticks, the tape in place of the devices.
 
-use std::collections::{BTreeMap, VecDeque};
+use std::collections::{BTreeMap, BTreeSet, VecDeque};
 
-use rpi_core::Notice;
+use rpi_core::{CommandId, Notice};
 use rpi_sim::SimBank;
 use serde_json::Value;
 
@@ -26,12 +26,13 @@ pub fn rerun(recording: &Recording) -> Result<Rerun, RecordingError> {
     for words in &recording.ticks {
         let tick = Tick::of(words);
         let tick = tick.ok_or_else(|| RecordingError::Broken("a tick on its tape".into()))?;
-        if tick.lost > 0 || stage.report.difference.is_some() {
+        let unknown = stage.report.devices.is_some_and(|from| tick.number >= from);
+        if tick.lost > 0 || unknown || stage.report.difference.is_some() {
             break;
         }
         stage.tick(&tick);
     }
-    if stage.report.difference.is_none() && recording.lost == 0 {
+    if stage.report.agrees() {
         stage.ends();
     }
     Ok(stage.report)
@@ -54,12 +55,21 @@ struct Again<'a> {
 impl<'a> Again<'a> {
     fn new(recording: &'a Recording) -> Result<Again<'a>, RecordingError> {
         let mut names = Names::new(&recording.cell, recording.tick_ns);
-        let requests = requests(recording, &mut names)?;
+        let devices = change_of_devices(recording);
+        let requests = requests(recording, devices.unwrap_or(u64::MAX), &mut names)?;
         let most = recording.requests.len() + 1;
+        let places = recording
+            .requests
+            .iter()
+            .filter_map(|r| r["command"].as_u64());
+        let places = places
+            .map(|number| CommandId::from_number(number).place() + 1)
+            .max();
         let options = Options {
             tick_ns: recording.tick_ns,
             continuity: recording.continuity,
             requests: most.max(Options::default().requests),
+            commands: places.unwrap_or(0).max(Options::default().commands),
             ..Options::default()
         };
         let player = Player::new(recording.cell.devices.len());
@@ -72,7 +82,10 @@ impl<'a> Again<'a> {
             names,
             expected: recording.events.iter().filter(|e| of_core(e)).collect(),
             latest: 0,
-            report: Rerun::default(),
+            report: Rerun {
+                devices,
+                ..Rerun::default()
+            },
         })
     }
 
@@ -233,37 +246,52 @@ fn is_same(recorded: &Value, now: &Value) -> bool {
 /// Requests in the order in which they were taken, by tick.
 type Taken = BTreeMap<u64, Vec<(Ticket, Request<()>)>>;
 
-/// The requests that were taken.
-fn requests(recording: &Recording, names: &mut Names) -> Result<Taken, RecordingError> {
+/// The answers that were recorded: ticket and tick.
+fn answers(recording: &Recording) -> impl Iterator<Item = Result<(u64, u64), RecordingError>> {
+    let answers = recording.events.iter().filter(|e| e["event"] == "answer");
+    answers.map(|answer| {
+        let told = answer["ticket"].as_u64().zip(answer["tick"].as_u64());
+        told.ok_or_else(|| RecordingError::Broken(format!("an answer in it: {answer}")))
+    })
+}
+
+/// The first tick in which a device was put in or taken out: which one is not recorded.
+fn change_of_devices(recording: &Recording) -> Option<u64> {
+    let changes = recording.requests.iter().filter(|r| r["ask"] == "device");
+    let tickets: BTreeSet<u64> = changes.filter_map(|r| r["ticket"].as_u64()).collect();
+    let mut answers = answers(recording).flatten();
+    answers
+        .find(|(ticket, _)| tickets.contains(ticket))
+        .map(|(_, tick)| tick)
+}
+
+/// The requests that were taken before a tick.
+fn requests(recording: &Recording, until: u64, names: &mut Names) -> Result<Taken, RecordingError> {
     let mut bank = SimBank::new(&recording.cell, recording.tick_ns as f64 * 1e-9);
     let mut maker = Maker {
         images: &recording.images,
         bank: &mut bank,
         continuity: recording.continuity,
     };
-    let mut made: BTreeMap<u64, Request<()>> = BTreeMap::new();
-    for object in &recording.requests {
+    let asked = recording.requests.iter();
+    let asked: BTreeMap<u64, &Value> = asked
+        .filter_map(|object| Some((object["ticket"].as_u64()?, object)))
+        .collect();
+    let mut by_tick = Taken::new();
+    for answer in answers(recording) {
+        let (ticket, tick) = answer?;
+        if tick >= until {
+            break;
+        }
+        let object = asked.get(&ticket);
+        let object = object.ok_or_else(|| RecordingError::Missing(format!("request {ticket}")))?;
         let request = maker.read(object);
-        let (ticket, request) =
+        let request =
             request.ok_or_else(|| RecordingError::Broken(format!("a request in it: {object}")))?;
-        if let Request::Insert(id, command, _) = &request {
+        if let Request::Insert(id, command, _) = &request.1 {
             names.insert(*id, command.machine().image());
         }
-        made.insert(ticket.0, request);
-    }
-    let mut by_tick: BTreeMap<u64, Vec<(Ticket, Request<()>)>> = BTreeMap::new();
-    for answer in recording.events.iter().filter(|e| e["event"] == "answer") {
-        let (ticket, tick) = (answer["ticket"].as_u64(), answer["tick"].as_u64());
-        let (Some(ticket), Some(tick)) = (ticket, tick) else {
-            return Err(RecordingError::Broken(format!("an answer in it: {answer}")));
-        };
-        let request = made.remove(&ticket);
-        let request =
-            request.ok_or_else(|| RecordingError::Missing(format!("request {ticket}")))?;
-        by_tick
-            .entry(tick)
-            .or_default()
-            .push((Ticket(ticket), request));
+        by_tick.entry(tick).or_default().push(request);
     }
     Ok(by_tick)
 }

@@ -61,6 +61,9 @@ pub(super) struct Scribe {
     pub(super) tape: TapeOut,
     pub(super) notes: Receiver<Note>,
     pub(super) written: Written,
+    /// Commands that are no more, of this turn and of the one before.
+    pub(super) freed: Vec<CommandId>,
+    pub(super) freed_before: Vec<CommandId>,
     /// Number and time of the latest tick.
     pub(super) latest: (u64, u64),
 }
@@ -115,14 +118,24 @@ impl Scribe {
             self.note(note)?;
         }
         taken.iter().try_for_each(|words| self.tick(words))?;
+        if taken.len() < TURN {
+            self.forget();
+        }
         Ok(taken.len())
+    }
+
+    /// Forgets commands that were freed before the turn that is over, so that none of their ticks can still come.
+    fn forget(&mut self) {
+        let recent = std::mem::take(&mut self.freed);
+        let old = std::mem::replace(&mut self.freed_before, recent);
+        old.into_iter().for_each(|id| self.names.forget(id));
     }
 
     fn note(&mut self, note: Note) -> io::Result<()> {
         let (tick, time) = self.latest;
         match note {
             Note::Asked(ticket, asked) => {
-                if let Asked::Load(id, image) = &asked {
+                if let Asked::Load(id, image, _) = &asked {
                     self.insert(*id, image)?;
                 }
                 let text = asked::write(ticket, &asked, &self.names).to_string();
@@ -131,6 +144,9 @@ impl Scribe {
             Note::Event(event) => {
                 let tick = told::tick_of(&event).unwrap_or(tick);
                 let text = told::event(&event, tick, &self.names).to_string();
+                if let Event::Freed(id) = event {
+                    self.freed.push(id);
+                }
                 self.file.message(EVENTS, time, text.as_bytes())
             }
         }
@@ -142,7 +158,7 @@ impl Scribe {
             return Ok(());
         }
         let number = self.names.image_of(id).unwrap_or(0);
-        let name = format!("images/{number:04}.rpib");
+        let name = format!("images/{number:08}.rpib");
         let media = "application/octet-stream";
         self.file.attach(&name, media, &image.to_bytes())?;
         let flows = self.names.flows(number).to_vec();

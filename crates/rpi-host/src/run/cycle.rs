@@ -4,11 +4,12 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
 
 use rpi_core::{Command, CommandId, Watch, Why};
-use rpi_device::{DeviceBank, PortId};
+use rpi_device::PortId;
 use rpi_image::Image;
 use rpi_image::image::Signal;
 use rpi_sim::SimBank;
 
+use super::devices;
 use super::samples::Tap;
 use super::sights::Sights;
 use crate::control::Executive;
@@ -46,7 +47,7 @@ pub(super) struct Cycle {
 }
 
 /// A device port that is sampled in every tick.
-pub(super) struct DeviceTap {
+pub(crate) struct DeviceTap {
     pub(super) port: PortId,
     pub(super) channel: usize,
     /// Room for its value.
@@ -146,14 +147,14 @@ impl Cycle {
 
     /// Samples the devices after they have moved.
     fn sample(&mut self, tick: u64) {
-        let bank = self.executive.plant().plant();
+        let (bank, watcher) = (self.executive.plant().plant(), &mut self.watcher);
         for tap in &mut self.devices {
-            let there = bank.read(tap.port, &mut tap.value);
-            let value = there.then_some(&*tap.value);
-            self.watcher.tap.put(tap.channel, tick, value);
-            if let Some(sights) = &mut self.watcher.sights {
-                sights.sample(tap.channel, value);
-            }
+            devices::sample(tap, bank, |channel, value| {
+                watcher.tap.put(channel, tick, value);
+                if let Some(sights) = &mut watcher.sights {
+                    sights.sample(channel, value);
+                }
+            });
         }
     }
 

@@ -30,7 +30,7 @@ fn sampled(kind: &Kind) -> Vec<(&'static str, usize, Scalar)> {
 }
 
 /// Taps at the devices of a cell, and the channels that they feed, which are the first ones.
-pub(super) fn taps(cell: &Cell, bank: &mut SimBank) -> (Box<[DeviceTap]>, Vec<Channel>) {
+pub(crate) fn taps(cell: &Cell, bank: &mut SimBank) -> (Box<[DeviceTap]>, Vec<Channel>) {
     let (mut taps, mut channels) = (Vec::new(), Vec::new());
     for device in &cell.devices {
         for (port, count, scalar) in sampled(&device.kind) {
@@ -70,6 +70,16 @@ fn channel_name(device: &str, port: &str, index: usize, count: usize) -> String 
         1 => format!("{device}.{port}"),
         _ => format!("{device}.{port}[{index}]"),
     }
+}
+
+/// Looks at a port after the devices have moved.
+pub(crate) fn sample(
+    tap: &mut DeviceTap,
+    bank: &mut SimBank,
+    mut take: impl FnMut(usize, Option<&[u64]>),
+) {
+    let there = bank.read(tap.port, &mut tap.value);
+    take(tap.channel, there.then_some(&*tap.value));
 }
 
 /// How the devices ended.

@@ -22,6 +22,8 @@ mod sides;
 mod sights;
 mod task;
 
+pub(crate) use cycle::DeviceTap;
+pub(crate) use devices::{sample, taps};
 pub(crate) use end::fault_text;
 pub(crate) use print::time as time_text;
 pub(crate) use sides::sampled_flows;

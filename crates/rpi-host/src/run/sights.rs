@@ -22,7 +22,7 @@ pub(crate) struct Sights {
 }
 
 impl Sights {
-    /// Of commands that run these images.
+    /// Of commands that run these images, and of what others export.
     pub(crate) fn new(images: &[Arc<Image>]) -> Sights {
         let flows = |image: &Arc<Image>| {
             let flows = sampled_flows(image).into_iter();
@@ -46,7 +46,7 @@ impl Sights {
     }
 
     /// A port of a device that is looked at after the tick.
-    pub(super) fn sample(&mut self, channel: usize, value: Option<&[u64]>) {
+    pub(crate) fn sample(&mut self, channel: usize, value: Option<&[u64]>) {
         // Fewer than 2^32 ports.
         let (key, cells) = (channel as u32, value.unwrap_or(&[]));
         self.stage.put(Kind::Sample, key, value.is_some(), &[cells]);
@@ -57,14 +57,19 @@ impl Watch for Sights {
     fn cycle(&mut self, id: CommandId, command: &Command) {
         let machine = command.machine();
         let mine = |(image, _): &&(Arc<Image>, _)| Arc::ptr_eq(image, machine.image());
-        let Some((_, flows)) = self.images.iter().find(mine) else {
-            return;
-        };
-        for (key, &(signal, fragment)) in (0..).zip(flows) {
+        let stage = &mut self.stage;
+        let mut note = |key: u32, signal: Signal, fragment: u32| {
             let value = machine.value(signal);
             let value = value.filter(|_| machine.is_active(fragment));
             let parts = [&[id.number()][..], value.unwrap_or(&[])];
-            self.stage.put(Kind::Flow, key, value.is_some(), &parts);
+            stage.put(Kind::Flow, key, value.is_some(), &parts);
+        };
+        match self.images.iter().find(mine) {
+            Some((_, flows)) => (0..).zip(flows).for_each(|(k, f)| note(k, f.0, f.1)),
+            // As `sampled_flows` has it for an image that was lowered to run.
+            None => (0..)
+                .zip(&machine.image().exports)
+                .for_each(|(k, e)| note(k, e.value, 0)),
         }
     }
 }

@@ -23,4 +23,4 @@ pub(crate) use entry::{Entry, Kind, entries};
 pub(crate) use player::{Mismatch, Player};
 pub(crate) use ring::{TapeIn, TapeOut, Tick, tape};
 pub(crate) use stage::Stage;
-pub(crate) use taped::Taped;
+pub use taped::Taped;

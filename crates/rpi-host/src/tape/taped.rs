@@ -10,7 +10,7 @@ use super::stage::Stage;
 use crate::control::Plant;
 
 /// Devices, and what passed between them and the core in this tick, if somebody wants to know.
-pub(crate) struct Taped<P> {
+pub struct Taped<P> {
     plant: P,
     /// Questions do not change the devices, but are noted, too. One thread owns all this: the cell is never taken twice.
     stage: Option<RefCell<Stage>>,
@@ -21,7 +21,8 @@ const CAPACITY: usize = 1 << 16;
 
 impl<P> Taped<P> {
     /// Devices of which nothing is noted.
-    pub(crate) fn new(plant: P) -> Taped<P> {
+    #[must_use]
+    pub fn new(plant: P) -> Taped<P> {
         Taped { plant, stage: None }
     }
 

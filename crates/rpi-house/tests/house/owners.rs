@@ -45,6 +45,7 @@ const OWNERS: &[(&str, &[&str])] = &[
             "xtask",
         ],
     ),
+    ("signal-hook", &["rpi"]),
     (
         "smallvec",
         &["rpi-image", "rpi-lower", "rpi-net", "rpi-sema"],

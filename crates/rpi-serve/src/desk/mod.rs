@@ -17,9 +17,11 @@ mod types;
 mod watch;
 
 use std::collections::BTreeMap;
+use std::fmt;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 use rpi_host::control::{CommandId, Control, Rejected, RuleId, Ticket};
+use rpi_host::recording::Recorder;
 use rpi_sim::{Cell, SimBank};
 
 use crate::limits::{Limits, OnLoss};
@@ -46,6 +48,8 @@ pub(crate) struct Desk {
     /// What becomes of a session's commands when its client is gone, where the client does not say.
     on_loss: OnLoss,
     control: Control,
+    /// Who writes down what happens, if somebody does.
+    recorder: Option<Recorder>,
     errands: BTreeMap<Ticket, Errand>,
     sessions: BTreeMap<u64, Session>,
     commands: BTreeMap<u64, Record>,
@@ -82,6 +86,12 @@ enum Then {
 #[derive(Clone)]
 pub(crate) struct Office(Arc<Mutex<Desk>>);
 
+impl fmt::Debug for Office {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str("Office")
+    }
+}
+
 impl Office {
     /// A desk for the devices of a cell, with its loader running.
     ///
@@ -89,7 +99,7 @@ impl Office {
     /// If the system gives no thread.
     pub(crate) fn open(
         cell: &Cell,
-        control: Control,
+        (control, recorder): (Control, Option<Recorder>),
         settings: &Settings,
     ) -> std::io::Result<Office> {
         let (limits, tick_ns) = (settings.limits, settings.tick_ns.max(1));
@@ -103,6 +113,7 @@ impl Office {
             tick_ns,
             on_loss: settings.on_loss,
             control,
+            recorder,
             errands: BTreeMap::new(),
             sessions: BTreeMap::new(),
             commands: BTreeMap::new(),

@@ -4,6 +4,8 @@ use rpi_host::control::{
     Cause, CommandId, Control, Ending, Event, Notice, Outcome, Refused, State, Ticket,
 };
 
+use rpi_host::recording::Written;
+
 use super::commands::results;
 use super::rules::RuleRecord;
 use super::{Desk, Errand, Failure, Phase, Record, RuleState, Then, answer, cause};
@@ -12,6 +14,7 @@ impl Desk {
     /// Does all that there is to do now; called again and again beside the cycle.
     pub(crate) fn keep(&mut self) {
         while let Some(event) = self.control.poll() {
+            self.recorder.iter().for_each(|r| r.event(&event));
             match event {
                 Event::Answer {
                     ticket, refused, ..
@@ -27,6 +30,13 @@ impl Desk {
         self.tell_early();
         self.finish_evals();
         self.publish();
+    }
+
+    /// The cycle is over: tells what it has told last, and ends the recording, of which so many ticks were lost.
+    pub(crate) fn finish_recording(&mut self, lost: u64) -> std::io::Result<Option<Written>> {
+        self.keep();
+        let recorder = self.recorder.take();
+        recorder.map(|recorder| recorder.finish(lost)).transpose()
     }
 
     fn answered(&mut self, ticket: Ticket, refused: Option<Refused>) {

@@ -90,7 +90,7 @@ fn whatever_is_planted_is_caught() {
     }
 }
 
-/// The server behind a fence, blending for one client while others ask for everything that there is, in order and out of it.
+/// The server behind a fence, recording, and blending for one client while others ask for everything that there is, in order and out of it.
 fn traffic(around_tick: Around) {
     let folder = tempfile::tempdir().unwrap();
     let real_time = RealTime {
@@ -104,7 +104,7 @@ fn traffic(around_tick: Around) {
         ..settings()
     };
     let digest = Digest::new(LONGEST);
-    let (server, scene) = open(&folder, settings, digest.clone());
+    let (server, scene) = open(&folder, settings, digest.clone(), true);
     let refused = server.grants().last().is_none_or(|g| g.refused.is_some());
     if refused {
         std::process::exit(NO_FENCE);
@@ -116,7 +116,8 @@ fn traffic(around_tick: Around) {
         good_and_bad(&scene);
         over.store(true, Ordering::Relaxed);
     });
-    drop(server);
+    let written = server.close().unwrap().unwrap();
+    assert!(written.ticks > 0, "{written:?}");
 }
 
 fn good_and_bad(scene: &Scene) {

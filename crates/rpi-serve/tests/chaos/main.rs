@@ -14,6 +14,8 @@ mod nets;
 mod owner;
 mod rogues;
 
+use std::fs::File;
+use std::io::BufWriter;
 use std::net::SocketAddr;
 use std::panic::{AssertUnwindSafe, catch_unwind, resume_unwind};
 use std::path::PathBuf;
@@ -22,6 +24,7 @@ use std::thread;
 use std::time::{Duration, Instant};
 
 use rpi_host::realtime::Pace;
+use rpi_host::recording::{Origin, Wanted};
 use rpi_serve::{Server, Settings};
 use rpi_sim::Cell;
 
@@ -46,8 +49,13 @@ struct Scene {
     socket: PathBuf,
 }
 
-/// Opens a server at an address and a socket of its own, for the cell of the blending example.
-fn open(folder: &tempfile::TempDir, other: Settings, watch: Digest) -> (Server, Scene) {
+/// Opens a server at an address and a socket of its own, for the cell of the blending example. It may record into a file.
+fn open(
+    folder: &tempfile::TempDir,
+    other: Settings,
+    watch: Digest,
+    records: bool,
+) -> (Server, Scene) {
     let cell = rpi_testkit::workspace_root().join("examples/blending/cell.toml");
     let text = std::fs::read_to_string(cell).unwrap();
     let cell = Cell::parse("cell.toml", &text).unwrap_or_else(|errors| panic!("{errors}"));
@@ -57,7 +65,15 @@ fn open(folder: &tempfile::TempDir, other: Settings, watch: Digest) -> (Server, 
         socket: Some(socket.clone()),
         ..other
     };
-    let server = Server::open(&cell, &settings, watch).unwrap();
+    let out = || File::create(folder.path().join("out.mcap")).unwrap();
+    let recording = records.then(|| Wanted {
+        out: Box::new(BufWriter::new(out())),
+        origin: Origin {
+            cell: text,
+            ..Origin::default()
+        },
+    });
+    let server = Server::open_recorded(&cell, &settings, watch, recording).unwrap();
     let address = server.address();
     (server, Scene { address, socket })
 }
@@ -85,7 +101,7 @@ fn run(pace: Pace, clients: impl FnOnce(&Scene, &Digest)) -> Vec<u64> {
         around_tick: |tick| rpi_testkit::no_alloc(tick),
         ..settings()
     };
-    let (server, scene) = open(&folder, settings, digest.clone());
+    let (server, scene) = open(&folder, settings, digest.clone(), false);
     let over = AtomicBool::new(false);
     thread::scope(|scope| {
         let owner = scope.spawn(|| owner::shuttle(scene.address, &over));

@@ -9,3 +9,4 @@ mod limits;
 mod native;
 mod nets;
 mod order;
+mod recording;

@@ -15,6 +15,23 @@ pub(crate) fn swing(axis: usize, seconds: f64) -> String {
     )
 }
 
+/// Swings axis 0 as [`swing`] does; exports `blend` after `seconds`, and after a second `completed`, or `cancelled` if it was.
+#[allow(dead_code, reason = "the tests of bad clients use the others")]
+pub(crate) fn way(seconds: f64) -> String {
+    let results = format!(
+        ",c=Cancel(),n=Core::BooleanNot(inValue=c.outCancel),\
+         d=Core::DoubleGreater(inFirst=clock.outValue,Second='1.0'),\
+         b=Core::DoubleGreater(inFirst=clock.outValue,Second='{seconds}'),\
+         nd=Core::BooleanAnd(inFirst=n.outValue,inSecond=d.outValue),\
+         cd=Core::BooleanAnd(inFirst=d.outValue,inSecond=c.outCancel),\
+         x1=Core::BooleanNetcommOut(inValue=nd.outValue,Key='completed'),\
+         x2=Core::BooleanNetcommOut(inValue=cd.outValue,Key='cancelled'),\
+         x3=Core::BooleanNetcommOut(inValue=b.outValue,Key='blend')}}"
+    );
+    let swing = swing(0, seconds);
+    swing.trim_end_matches('}').to_owned() + &results
+}
+
 /// Holds axis `axis` where it is commanded.
 pub(crate) fn hold(axis: usize) -> String {
     format!(

@@ -3,7 +3,7 @@
 use std::time::Duration;
 
 use crate::client::{Client, open};
-use crate::nets::{ECHO, hold, swing};
+use crate::nets::{ECHO, hold, swing, way};
 
 fn position(heard: &[String], what: &str) -> usize {
     let found = heard.iter().position(|text| text.contains(what));
@@ -63,6 +63,45 @@ fn a_predecessor_ends_when_its_successor_takes_over() {
     assert!(client.ask(&format!("neun(\"{first}\")")).is_ok());
     let again = client.ask(&format!("neca(\"{first}\")"));
     assert!(again.unwrap_err().contains("no command"));
+}
+
+/// A motion of the framework is complete for its handle, once and before its rule has fired, however soon the next takes over.
+#[test]
+fn what_is_taken_over_is_told_to_be_complete_after_its_own_start() {
+    let server = open();
+    let mut client = Client::dio(server.address());
+    let session = client.ask("nse(\"test\")").unwrap();
+    for round in 0..10 {
+        let first = client.load(&session, &way(f64::from(round % 5) * 0.01));
+        let second = client.load(&session, &hold(0));
+        client.ask(&format!("gne(\"{first}\",0.02)")).unwrap();
+        for key in ["completed", "cancelled"] {
+            let end = format!("nesc(\"{first}.out{key}\",[\"{first}\"],[],[])");
+            client.ask(&end).unwrap();
+        }
+        let blend = format!("nesc(\"{first}.outblend\",[\"{first}\"],[],[\"{second}\"])");
+        let blend = client.ask(&blend).unwrap();
+        client.send(&format!("b=gsy(\"{blend}\")"));
+        let start = client
+            .ask(&format!("nesc(\"t\",[],[],[\"{first}\"])"))
+            .unwrap();
+        client.send(&format!("s=gsy(\"{start}\")"));
+        let heard = client.listen(Duration::from_millis(300));
+        let complete = heard
+            .iter()
+            .filter(|t| t.contains("nc({\"outcompleted\":\"true\"})"));
+        assert_eq!(complete.count(), 1, "{heard:?}");
+        let order = [
+            "s=rs(\"FIRED\")",
+            "nc({\"outcompleted\":\"true\"})",
+            "nc({\"outcompleted\":\"false\"})",
+            "b=rs(\"FIRED\")",
+            "ns(\"TERMINATED\")",
+        ];
+        let at = order.map(|what| position(&heard, what));
+        assert!(at.is_sorted(), "{heard:?}");
+        client.ask(&format!("neab(\"{second}\")")).unwrap();
+    }
 }
 
 #[test]

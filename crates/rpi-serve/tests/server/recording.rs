@@ -1,0 +1,85 @@
+//! What a server has done is recorded, and gives the same bits when it is run again.
+
+use std::fs::File;
+use std::io::BufWriter;
+use std::path::Path;
+
+use rpi_host::recording::{Origin, Recording, Rerun, Wanted, rerun};
+use rpi_serve::Server;
+use rpi_sim::Cell;
+
+use crate::client::{CELL, Client, settings};
+use crate::nets::{ECHO, hold, swing};
+
+/// A server over the arm of the other tests that records into a file.
+fn recorded(path: &Path) -> Server {
+    let cell = Cell::parse("cell.toml", CELL).unwrap_or_else(|errors| panic!("{errors}"));
+    let wanted = Wanted {
+        out: Box::new(BufWriter::new(File::create(path).unwrap())),
+        origin: Origin {
+            program: "server".to_owned(),
+            program_bytes: Vec::new(),
+            cell: CELL.to_owned(),
+        },
+    };
+    Server::open_recorded(&cell, &settings(), (), Some(wanted)).unwrap()
+}
+
+/// Loads, values, a takeover, a cancel, an abort, unloads, the end of a session.
+fn traffic(client: &mut Client) {
+    let session = client.ask("nse(\"test\")").unwrap();
+    let texts = [swing(0, 0.05), hold(0), ECHO.to_owned()];
+    let [first, second, echo] = texts.map(|text| client.load(&session, &text));
+    let blend = format!("nesc(\"{first}.out_1\",[\"{first}\"],[],[\"{second}\"])");
+    let rule = client.ask(&blend).unwrap();
+    client.send(&format!("r=gsy(\"{rule}\")"));
+    for net in [&echo, &first] {
+        client.ask(&format!("nest(\"{net}\")")).unwrap();
+    }
+    let set = format!("snc({{\"{echo}\":{{\"ingain\":\"21.0\"}}}})");
+    client.ask(&set).unwrap();
+    client.wait("the takeover", |text| {
+        text.contains("r=rs(\"FIRED\")").then_some(())
+    });
+    client.ask(&format!("neca(\"{echo}\")")).unwrap();
+    client.ask(&format!("neab(\"{second}\")")).unwrap();
+    client.ask(&format!("neun(\"{first}\")")).unwrap();
+    client.ask(&format!("ase(\"{session}\")")).unwrap();
+}
+
+fn again(path: &Path) -> Rerun {
+    let recording = Recording::read(&std::fs::read(path).unwrap()).unwrap();
+    rerun(&recording).unwrap()
+}
+
+#[test]
+fn what_clients_asked_for_gives_the_same_bits_again() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("out.mcap");
+    let server = recorded(&path);
+    (0..3).for_each(|_| traffic(&mut Client::dio(server.address())));
+    let written = server.close().unwrap().unwrap();
+    assert_eq!(written.lost, 0);
+    let report = again(&path);
+    assert!(report.agrees(), "{report}");
+    assert_eq!((report.ticks, report.commands), (written.ticks, 9));
+    assert!(report.values > 100 && report.events > 60, "{report}");
+}
+
+#[test]
+fn what_comes_after_a_change_of_devices_is_not_run_again() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("out.mcap");
+    let server = recorded(&path);
+    let mut client = Client::dio(server.address());
+    traffic(&mut client);
+    let made = crate::client::post(server.address(), "/devices/", "name=two&type=kuka_lwr_sim");
+    assert!(made.contains("200"), "{made}");
+    traffic(&mut client);
+    server.close().unwrap().unwrap();
+    let report = again(&path);
+    assert_eq!(report.difference, None);
+    assert_eq!(report.commands, 3);
+    assert!(report.devices.is_some_and(|tick| tick == report.ticks));
+    assert!(!report.agrees());
+}
