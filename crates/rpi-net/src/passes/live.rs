@@ -95,5 +95,11 @@ fn used(net: &Net, live: &[bool]) -> Vec<bool> {
 fn finding((span, name): (Span, &str)) -> Finding {
     Finding::new(Code::RPI3101, format!("nothing uses `{name}`"))
         .at(span, "computed here")
-        .help(format!("delete it, or call it `_{name}` if it shall stay"))
+        .help(
+            match name.contains(|c: char| !c.is_alphanumeric() && c != '_') {
+                // A path is nothing that can be declared: which part of it is the flow's name, the text at the label shows.
+                true => "delete it, or let its name begin with `_` if it shall stay".to_owned(),
+                false => format!("delete it, or call it `_{name}` if it shall stay"),
+            },
+        )
 }

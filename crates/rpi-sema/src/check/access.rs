@@ -4,6 +4,7 @@ use super::body::Body;
 use super::locals::Local;
 use super::names::plain_name;
 use super::report::{Wanted, listed, no_member};
+use super::types::is_foreign;
 use crate::program::{DeclKind, Lookup};
 use crate::ty::{DevicePortTy, DeviceTy, Geometry, Subst, Ty};
 use crate::typed::{BlockId, ExprId, FlowId, Kind, Leaf, Place};
@@ -329,6 +330,9 @@ impl<'a> Body<'_, 'a> {
     pub(super) fn index(&mut self, index: &'a Index, span: Span) -> ExprId {
         let base = self.expr(&index.base);
         let at = self.expr(&index.index);
+        if is_foreign(self.ty_of(base), &["map<"]) {
+            return self.not_an_array(base, span);
+        }
         self.expect(
             at,
             &Ty::Int,
@@ -386,7 +390,8 @@ impl<'a> Body<'_, 'a> {
 
     fn not_an_array(&mut self, base: ExprId, span: Span) -> ExprId {
         let ty = self.ty_of(base).clone();
-        if ty.is_unknown() {
+        // What a map of Kind 2 holds is of no interest: the map has been told.
+        if ty.is_unknown() || is_foreign(&ty, &["map<"]) {
             return self.fault(span);
         }
         let finding = Finding::new(Code::RPI2006, "only an array has elements")

@@ -111,9 +111,10 @@ impl<'a> Body<'_, 'a> {
         let mut cases: Vec<(u32, ExprId)> = Vec::new();
         let mut ty = Ty::Unknown;
         for case in &merge.cases {
-            let then = self.expr(&case.then);
+            let mut then = self.expr(&case.then);
             ty = self.case_type(ty, &cases, then);
             if let Some(value) = self.case_value(&of, &case.value) {
+                then = self.activated_by(on, value, then);
                 self.add_case(&mut cases, value, then, case);
             }
         }

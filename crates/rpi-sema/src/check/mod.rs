@@ -14,10 +14,11 @@
 //! | `blocks.rs`, `elements.rs` | blocks of equations, and arrays that are defined element by element |
 //! | `sample.rs` | what needs arguments that nobody gives, checked all the same |
 //! | `bound.rs`, `quantifier.rs`, `data.rs` | names that expressions bring in: quantifiers, conditions of types, alternatives |
-//! | `expr.rs`, `names.rs`, `ops.rs`, `access.rs`, `compose.rs`, `clocked.rs` | expressions |
+//! | `expr.rs`, `names.rs`, `ops.rs`, `access.rs`, `compose.rs`, `clocked.rs`, `case.rs` | expressions |
 //! | `call.rs`, `args.rs`, `applied.rs`, `prim.rs`, `predef.rs`, `special.rs`, `iterate.rs`, `condact.rs` | calls |
 //! | `task.rs` | tasks: steps, branches, results |
 //! | `nesting.rs`, `recursion.rs` | how deep declarations may need one another, and calls without end |
+//! | `dialect.rs` | where other compilers for Lustre read something else |
 //! | `report.rs`, `quantity.rs`, `frames.rs`, `unknown.rs`, `foreign.rs` | words that several of them use: of types, of units, of frames, of names |
 //! | `words.rs` | names that are there without a declaration, for others |
 
@@ -31,6 +32,7 @@ mod blocks;
 mod body;
 mod bound;
 mod call;
+mod case;
 mod clocked;
 mod compose;
 mod condact;
@@ -39,6 +41,7 @@ mod contract;
 mod data;
 mod definitions;
 mod device;
+mod dialect;
 mod elements;
 mod expr;
 mod foreign;
@@ -137,6 +140,7 @@ pub fn check(program: &Program<'_>) -> Checked {
     checker.check_queued();
     checker.check_samples();
     checker.findings.extend(recursion::check(&checker.units));
+    checker.findings.extend(dialect::check(&checker.units));
     unknown::once_for_each_fix(&mut checker.findings);
     if !checker.outside.is_empty() {
         checker

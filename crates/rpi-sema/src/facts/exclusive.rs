@@ -41,7 +41,7 @@ fn opposite(unit: &Unit, blocks: &[BlockId]) -> bool {
 }
 
 /// A flow or its negation.
-fn literal(unit: &Unit, id: ExprId, holds: bool) -> Option<(u32, bool)> {
+pub(crate) fn literal(unit: &Unit, id: ExprId, holds: bool) -> Option<(u32, bool)> {
     match &unit.expr(id).kind {
         Kind::Flow(flow) => Some((flow.0, holds)),
         Kind::Prim(call) if call.prim.desc().name == "Core::BooleanNot" => {

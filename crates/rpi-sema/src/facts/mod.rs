@@ -10,4 +10,5 @@ mod presence;
 mod reads;
 
 pub use absence::Absence;
+pub(crate) use exclusive::literal;
 pub use presence::{Facts, find};

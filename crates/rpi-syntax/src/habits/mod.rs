@@ -6,6 +6,7 @@
 
 mod bodies;
 mod heads;
+mod kind2;
 mod operators;
 mod signs;
 
@@ -36,6 +37,10 @@ pub(crate) enum Mend {
 
 /// The habits, each a look at the token that was not accepted and at its neighbours.
 const HABITS: &[fn(&Found<'_, '_>) -> Option<Habit>] = &[
+    kind2::container,
+    kind2::reachable,
+    kind2::recursive,
+    kind2::condition_of_port,
     operators::remainder,
     operators::else_if,
     operators::no_else,
