@@ -18,6 +18,17 @@ pub struct Rule {
     pub(crate) cancel: Vec<CommandId>,
     pub(crate) start: Vec<CommandId>,
     pub(crate) kept: bool,
+    /// What those that it starts are given of those that have ended.
+    pub(crate) handed: Vec<Handed>,
+}
+
+/// A value that a command leaves to one that follows it.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub(crate) struct Handed {
+    pub(crate) from: CommandId,
+    pub(crate) export: u32,
+    pub(crate) to: CommandId,
+    pub(crate) input: u32,
 }
 
 impl Rule {
@@ -31,6 +42,7 @@ impl Rule {
             cancel: Vec::new(),
             start: Vec::new(),
             kept: false,
+            handed: Vec::new(),
         }
     }
 
@@ -73,6 +85,19 @@ impl Rule {
     #[must_use]
     pub fn start(mut self, command: CommandId) -> Rule {
         self.start.push(command);
+        self
+    }
+
+    /// Hands what a command has exported in its last cycle (by index) to an input of one that this rule starts. A value that is
+    /// absent or of another size leaves the input as it is.
+    #[must_use]
+    pub fn hand(mut self, (from, export): (CommandId, u32), (to, input): (CommandId, u32)) -> Rule {
+        self.handed.push(Handed {
+            from,
+            export,
+            to,
+            input,
+        });
         self
     }
 

@@ -7,7 +7,7 @@ use crate::facts::holds;
 use crate::id::{CommandId, RuleId};
 use crate::lifecycle::{Event, State};
 use crate::notice::{Notice, Outcome};
-use crate::rule::{Pending, Rule};
+use crate::rule::{Handed, Pending, Rule};
 use rpi_device::DeviceBank;
 
 impl Core {
@@ -59,6 +59,7 @@ impl Core {
         for command in &rule.start {
             self.take_over(*command, due, predecessor, bank);
         }
+        rule.handed.iter().for_each(|handed| self.hand(handed));
         // There is room: both lists together never hold more rules than one of them has room for.
         self.spent.push((id, rule));
     }
@@ -107,6 +108,22 @@ impl Core {
         if let Some(entry) = self.entries[place].as_mut() {
             entry.command.machine.join();
             entry.command.moment.predecessor = predecessor;
+        }
+    }
+
+    /// Copies what a command has exported last to an input of its successor.
+    fn hand(&mut self, handed: &Handed) {
+        let (Some(from), Some(to)) = (self.find(handed.from), self.find(handed.to)) else {
+            return;
+        };
+        let Ok([Some(from), Some(to)]) = self.entries.get_disjoint_mut([from, to]) else {
+            return;
+        };
+        let machine = &from.command.machine;
+        let export = machine.image().exports.get(handed.export as usize);
+        if let Some(value) = export.and_then(|export| machine.value(export.value)) {
+            // One of another size is no value for it.
+            to.command.set_input(handed.input as usize, value);
         }
     }
 

@@ -1,7 +1,8 @@
 //! Rules as plain numbers, for those who record requests and make them again: a recording, another machine.
 //!
 //! ```text
-//! rule      = condition, stop, cancel, start (each its length, then its words), kept (0 or 1)
+//! rule      = condition, stop, cancel, start (each its length, then its words), kept (0 or 1), then what is handed over
+//! handed    = predecessor, export, successor, input
 //! condition = words of three numbers: what, command, argument
 //! set       = commands by their numbers
 //! ```
@@ -23,6 +24,10 @@ impl Rule {
             put(&mut words, set.iter().map(|c| c.number()));
         }
         words.push(u64::from(self.kept));
+        for handed in &self.handed {
+            let (export, input) = (u64::from(handed.export), u64::from(handed.input));
+            words.extend([handed.from.number(), export, handed.to.number(), input]);
+        }
         words
     }
 
@@ -33,7 +38,10 @@ impl Rule {
         let (stop, rest) = take(rest)?;
         let (cancel, rest) = take(rest)?;
         let (start, rest) = take(rest)?;
-        let &[kept @ (0 | 1)] = rest else {
+        let (&[kept @ (0 | 1)], handed) = rest.split_first_chunk()? else {
+            return None;
+        };
+        let (handed, []) = handed.as_chunks() else {
             return None;
         };
         let condition = condition.chunks(3).map(Word::of_numbers);
@@ -41,6 +49,11 @@ impl Rule {
         rule = named(stop).fold(rule, Rule::stop);
         rule = named(cancel).fold(rule, Rule::cancel);
         rule = named(start).fold(rule, Rule::start);
+        for [from, export, to, input] in handed {
+            let [from, to] = [*from, *to].map(CommandId::from_number);
+            let [export, input] = [*export, *input].map(u32::try_from);
+            rule = rule.hand((from, export.ok()?), (to, input.ok()?));
+        }
         Some(if kept == 1 { rule.keep() } else { rule })
     }
 }
@@ -79,7 +92,8 @@ mod tests {
         let all = all.into_iter().reduce(|a, b| a & !b);
         let condition = all.map_or_else(Condition::always, |all| all | Condition::always());
         let rule = Rule::when(condition).stop(command(4)).stop(command(3));
-        rule.cancel(command(5)).start(command(6)).keep()
+        let rule = rule.cancel(command(5)).start(command(6)).keep();
+        rule.hand((command(4), 2), (command(6), 1))
     }
 
     #[test]

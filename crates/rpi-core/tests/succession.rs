@@ -18,7 +18,6 @@ fn steps(bank: &Axes, axis: u32) -> Vec<i64> {
         .collect()
 }
 
-/// M10.1.
 #[test]
 fn a_command_runs_to_its_end() {
     let mut bank = Axes::new();

@@ -146,6 +146,7 @@ codes! {
     RPI8001 Error "end of a command in the wrong place";
     RPI8002 Error "result that nothing follows";
     RPI8003 Warning "two branches for one result";
+    RPI8004 Error "value that nothing hands over";
     RPI9001 Error "claim that does not hold";
     RPI9002 Error "claim that was never made";
     RPI9003 Error "fault while running";

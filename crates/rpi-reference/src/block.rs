@@ -81,12 +81,7 @@ impl<'p> Reference<'p> {
             return Ok(*known);
         }
         let automaton = self.automaton(here, block, k);
-        let start = State {
-            index: automaton.initial,
-            afresh: false,
-        };
-        let memory = self.instances[here.instance].memory(Some(block));
-        let before = memory.states.get(&k).copied().unwrap_or(start);
+        let before = self.before(here, block, k);
         let unless = &automaton.states[before.index as usize].unless;
         let state = self.taken(here, unless)?.unwrap_or(before);
         let now = &mut self.instances[here.instance].now;
@@ -94,18 +89,33 @@ impl<'p> Reference<'p> {
         Ok(state)
     }
 
+    /// The state that an automaton is in before strong transitions act.
+    fn before(&mut self, here: Here, block: BlockId, k: usize) -> State {
+        let start = State {
+            index: self.automaton(here, block, k).initial,
+            afresh: false,
+        };
+        let memory = self.instances[here.instance].memory(Some(block));
+        memory.states.get(&k).copied().unwrap_or(start)
+    }
+
     /// The transitions of an automaton: weak ones act in the next cycle. All conditions are evaluated: those of strong
-    /// transitions stand around the states, those of weak ones in them.
+    /// transitions stand around the states, and fault only in theirs; those of weak ones stand in them.
     pub(crate) fn transitions(&mut self, here: Here, block: BlockId, k: usize) -> Result<(), Stop> {
         let automaton = self.automaton(here, block, k);
         let state = self.state(here, block, k)?;
+        let before = self.before(here, block, k);
         let mut next = State {
             index: state.index,
             afresh: false,
         };
-        for inner in &automaton.states {
+        for (index, inner) in (0..).zip(&automaton.states) {
+            let around = Here {
+                chosen: here.chosen && before.index == index,
+                ..here
+            };
             for condition in inner.unless.iter().filter_map(|one| one.condition) {
-                self.visit(here, condition)?;
+                self.visit(around, condition)?;
             }
             if self.is_active(here.instance, inner.block)? {
                 let inside = self.inside(here.instance, inner.block);

@@ -172,6 +172,10 @@ impl<'p> Reference<'p> {
                     ..here
                 }
             }
+            Kind::Each(Each::Arrow, _) => Here {
+                chosen: here.chosen && self.first(here, id) == (number == 0),
+                ..here
+            },
             Kind::Each(Each::Pre | Each::Last | Each::Hold, _) | Kind::Current(_) => {
                 here.unguarded()
             }

@@ -129,8 +129,9 @@ impl<'p> Reference<'p> {
             (Each::Pre, [x]) => self.pre(here, id, *x, k),
             (Each::Last, [x]) => self.last(here, *x, k),
             (Each::Arrow, [a, b]) => {
-                let side = if self.first(here, id) { a } else { b };
-                self.leaf(here, *side, k)
+                let (side, number) = if self.first(here, id) { (a, 0) } else { (b, 1) };
+                let there = self.operand(here, id, number)?;
+                self.leaf(there, *side, k)
             }
             (Each::Coalesce, [a, b]) => match self.read_by(here, id, *a, k)? {
                 None => self.read_by(here, id, *b, k),

@@ -85,9 +85,10 @@ pub(crate) struct TestArgs {
     /// Only tests whose title contains this.
     #[arg(long, value_name = "TEXT")]
     pub(crate) filter: Option<String>,
-    /// A test that does not finish by itself ends after so many cycles.
-    #[arg(long, default_value_t = 1000, value_name = "N", value_parser = clap::value_parser!(u64).range(1..))]
-    pub(crate) cycles: u64,
+    /// A test ends after so many cycles, and fails if it has a `finish` that did not come; 1000 unless given, 100000 where
+    /// there is a `finish`.
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(1..))]
+    pub(crate) cycles: Option<u64>,
     /// Period of the cycle.
     #[arg(long, default_value = "1ms", value_parser = rpi_driver::parse_period, value_name = "TIME")]
     pub(crate) period: u64,

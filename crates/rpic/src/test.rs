@@ -196,6 +196,14 @@ fn ended(test: &Test, report: &Report, end: &Ended) -> Option<Finding> {
     let cycle = report.cycles.saturating_sub(1);
     match end {
         Ended::Finished => None,
+        Ended::Unfinished => Some(
+            Finding::new(
+                Code::RPI9001,
+                format!("it did not finish in {} cycles", report.cycles),
+            )
+            .at(test.span, "this test has a `finish`")
+            .help("correct its condition, or give the test more time by `--cycles`"),
+        ),
         Ended::Failed(name) => Some(
             Finding::new(
                 Code::RPI9001,

@@ -50,6 +50,19 @@ impl Slot {
         }
     }
 
+    /// Its rule will not start it any more.
+    fn drop_rule(&mut self, outcome: Outcome) {
+        self.dropped = true;
+        if let Outcome::Failed(why) = outcome {
+            self.refused = Some(why);
+        }
+    }
+
+    /// True if what was asked for did not start it.
+    fn is_refused(&self) -> bool {
+        self.first_tick.is_none() && (self.dropped || self.refused.is_some())
+    }
+
     /// True while it may still be started by what was asked for.
     fn is_open(&self) -> bool {
         self.first_tick.is_none() && !self.dropped && self.refused.is_none()
@@ -85,7 +98,7 @@ impl<'a> Task<'a> {
                 .for_each(|s| s.ending = Some(ending)),
             Event::Notice(Notice::Rule { rule, outcome }) if outcome != Outcome::Fired => slots
                 .filter(|s| s.rule == Some(rule))
-                .for_each(|s| s.dropped = true),
+                .for_each(|s| s.drop_rule(outcome)),
             Event::Answer {
                 ticket, refused, ..
             } => {
@@ -107,7 +120,7 @@ impl<'a> Task<'a> {
                 Some(cursor) => self.start(cursor, desk, books),
                 None => self.over = true,
             },
-            Some(slot) if slot.refused.is_some() => self.refuse(desk, books),
+            Some(slot) if slot.is_refused() => self.refuse(desk, books),
             Some(slot) if slot.ending.is_some() => self.go_on(desk, books),
             Some(_) => self.look_ahead(desk, books),
         }
@@ -163,7 +176,7 @@ impl<'a> Task<'a> {
         let mut ahead = Vec::new();
         for successor in self.plan.successors(&slot.cursor, image) {
             let index = self.plan.command(&successor.cursor);
-            match schedule(id, successor, index, desk) {
+            match schedule((id, image), successor, index, desk) {
                 Ok(slot) => ahead.push(slot),
                 Err(rejected) => return self.give_up(index, rejected, books),
             }
@@ -180,22 +193,47 @@ impl<'a> Task<'a> {
         let Some(ended) = self.running.take() else {
             return;
         };
-        // It can only be refused if it is unloaded already.
-        let _ = desk.control.unload(ended.id);
         let ahead = self.ahead.take().unwrap_or_default();
         let refused = ahead.iter().filter(|s| s.refused.is_some());
         refused.for_each(|s| drop(desk.control.unload(s.id)));
         self.running = ahead.into_iter().find(|s| s.first_tick.is_some());
-        if self.running.is_some() {
-            return self.look_ahead(desk, books);
-        }
         let image = &desk.images[self.plan.command(&ended.cursor)];
-        match self.after(&ended, image) {
-            After::Run(cursor) => {
-                desk.late += 1;
-                self.start(cursor, desk, books);
-            }
-            After::Done | After::Error => self.over = true,
+        let after = match self.running {
+            Some(_) => None,
+            None => Some(self.after(&ended, image)),
+        };
+        if let Some(After::Run(cursor)) = &after {
+            desk.late += 1;
+            self.start_late(&ended, cursor, desk, books);
+        }
+        // It can only be refused if it is unloaded already.
+        let _ = desk.control.unload(ended.id);
+        match after {
+            Some(After::Done | After::Error) => self.over = true,
+            _ if self.over => {}
+            _ => self.look_ahead(desk, books),
+        }
+    }
+
+    /// Starts what follows a command that has ended already, by a rule as in time: it takes over the same, and knows whom it
+    /// follows.
+    fn start_late(
+        &mut self,
+        ended: &Slot,
+        cursor: &Cursor,
+        desk: &mut Desk<'_>,
+        books: &mut Books<'_>,
+    ) {
+        let before = &desk.images[self.plan.command(&ended.cursor)];
+        let mut successors = self.plan.successors(&ended.cursor, before).into_iter();
+        let Some(successor) = successors.find(|s| s.cursor == *cursor) else {
+            self.over = true;
+            return;
+        };
+        let index = self.plan.command(cursor);
+        match schedule((ended.id, before), successor, index, desk) {
+            Ok(slot) => (self.running, self.ahead) = (Some(slot), None),
+            Err(rejected) => self.give_up(index, rejected, books),
         }
     }
 
@@ -212,17 +250,28 @@ impl<'a> Task<'a> {
     }
 }
 
-/// Loads a successor and makes the rule that starts it.
+/// Loads a successor and makes the rule that starts it, with what it takes over.
 fn schedule(
-    after: CommandId,
+    (after, image): (CommandId, &Image),
     successor: Successor,
     index: usize,
     desk: &mut Desk<'_>,
 ) -> Result<Slot, Rejected> {
     let id = desk.load(index)?;
-    let rule = Rule::when(condition(after, &successor)).start(id);
+    let mut rule = Rule::when(condition(after, &successor)).start(id);
+    for (export, input) in handed(image, &desk.images[index]) {
+        rule = rule.hand((after, export), (id, input));
+    }
     let (rule, ticket) = desk.control.schedule(rule)?;
     Ok(Slot::new(id, successor.cursor, ticket, Some(rule)))
+}
+
+/// The exports of a command from which its successor takes inputs over: those of the same key.
+fn handed(from: &Image, to: &Image) -> Vec<(u32, u32)> {
+    let key_of = |key: &str| from.exports.iter().position(|export| export.key == key);
+    let inputs = to.inputs.iter().zip(0..);
+    let pairs = inputs.filter_map(|(input, k)| Some((u32::try_from(key_of(&input.key)?).ok()?, k)));
+    pairs.collect()
 }
 
 /// It has ended by one of these results; without named ones, regularly.

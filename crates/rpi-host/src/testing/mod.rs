@@ -27,9 +27,15 @@ pub struct Case<'a> {
     pub claims: &'a [Claim],
     /// `path.port` of the Booleans that are to be seen both ways.
     pub branches: &'a [String],
-    /// It ends after so many cycles if it does not end itself.
-    pub cycles: u64,
+    /// It ends after so many cycles if it does not end itself; unless said, after [`CYCLES`], or [`MOST`] if it can finish.
+    pub cycles: Option<u64>,
 }
+
+/// Cycles of a test that cannot finish by itself.
+pub const CYCLES: u64 = 1000;
+
+/// The most cycles that a test has time for its `finish`.
+pub const MOST: u64 = 100_000;
 
 /// Something that must be true in every cycle in which it is present.
 #[derive(Clone, Debug)]
@@ -49,7 +55,7 @@ pub struct Report {
     pub verdicts: Vec<Holds>,
     /// What is told of claims that did not hold.
     pub broken: Vec<Finding>,
-    /// How it ended, if not by its last cycle.
+    /// How it ended, if it can finish.
     pub end: Option<Ended>,
     /// What was active and chosen.
     pub coverage: Coverage,
@@ -76,6 +82,8 @@ pub enum Holds {
 pub enum Ended {
     /// By `finish` or `yield`.
     Finished,
+    /// Not: it can finish, and did not in its cycles.
+    Unfinished,
     /// By `fail`, whose name this is.
     Failed(String),
     /// By a fault.
@@ -105,9 +113,18 @@ pub fn run(case: Case<'_>) -> Result<Report, String> {
         let faults: Vec<String> = faults.iter().map(ToString::to_string).collect();
         faults.join("; ")
     })?;
+    let finishes = can_finish(&machine.image().end);
     let mut watch = Watch::new(machine, case.conditions, case.claims, case.branches);
-    let end = (0..case.cycles).find_map(|cycle| watch.cycle(cycle));
-    Ok(watch.report(end))
+    let cycles = case.cycles.unwrap_or(if finishes { MOST } else { CYCLES });
+    let end = (0..cycles).find_map(|cycle| watch.cycle(cycle));
+    Ok(watch.report(end.or(finishes.then_some(Ended::Unfinished))))
+}
+
+fn can_finish(end: &End) -> bool {
+    match end {
+        End::Results(results) => results.iter().any(|result| result.kind != EndKind::Fail),
+        End::Ports { .. } => false,
+    }
 }
 
 /// A test under way.

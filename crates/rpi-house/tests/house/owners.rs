@@ -51,6 +51,7 @@ const OWNERS: &[(&str, &[&str])] = &[
         &["rpi-image", "rpi-lower", "rpi-net", "rpi-sema"],
     ),
     ("tempfile", &["xtask"]),
+    ("terminal_size", &["rpi-diag"]),
     ("thread-priority", &["rpi-host"]),
     ("toml", &["rpi-driver", "rpi-sim"]),
     ("tungstenite", &["rpi-client", "rpi-serve"]),

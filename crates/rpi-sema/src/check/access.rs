@@ -8,7 +8,7 @@ use super::types::is_foreign;
 use crate::program::{DeclKind, Lookup};
 use crate::ty::{DevicePortTy, DeviceTy, Geometry, Subst, Ty};
 use crate::typed::{BlockId, ExprId, FlowId, Kind, Leaf, Place};
-use crate::units::Dim;
+use crate::units::{Base, Dim};
 use rpi_diag::{Code, Finding, Fix, Span};
 use rpi_image::Scalar;
 use rpi_syntax::Name;
@@ -24,6 +24,8 @@ pub(super) const SPATIAL_PARTS: &[(Scalar, &str, &str, u32)] = &[
     (Scalar::Pose, "rotation", "World::FrameToPosRot", 1),
     (Scalar::Twist, "linear", "World::TwistToVelocities", 0),
     (Scalar::Twist, "angular", "World::TwistToVelocities", 1),
+    (Scalar::Wrench, "force", "Rpi::WrenchToParts", 0),
+    (Scalar::Wrench, "torque", "Rpi::WrenchToParts", 1),
 ];
 
 /// A range of an array's elements that is known when the program is checked.
@@ -536,11 +538,17 @@ fn part_type(scalar: Scalar, geometry: &Rc<Geometry>, field: &str) -> Ty {
         )
     };
     let speed = |dim: Dim| dim.over(Dim::TIME);
+    let force = || {
+        let acceleration = Dim::LENGTH.over(Dim::TIME)?.over(Dim::TIME)?;
+        Dim::base(Base::Mass).times(acceleration)
+    };
     match (scalar, field) {
         (Scalar::Vector, _) => Ty::Real(geometry.dim.unwrap_or(Dim::ONE)),
         (_, "rotation") => Ty::Spatial(Scalar::Rotation, geometry.clone()),
         (_, "linear") => vector(speed(Dim::LENGTH)),
         (_, "angular") => vector(speed(Dim::ANGLE)),
+        (_, "force") => vector(force()),
+        (_, "torque") => vector(force().and_then(|force| force.times(Dim::LENGTH))),
         _ => vector(Some(Dim::LENGTH)),
     }
 }

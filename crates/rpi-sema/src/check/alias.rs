@@ -1,13 +1,13 @@
 //! Another name for a callable, `node f = g<<3>>;`, as a unit of its own: it is run by itself, or named where a unit is
 //! needed. Calls of it are calls of what it stands for.
 
+use super::Checker;
 use super::args::Given;
 use super::body::Body;
-use super::call::Callable;
+use super::call::{Callable, Fixed};
 use super::header::{Header, Port};
 use super::statics::{Param, Statics, missing};
 use super::types::PortTy;
-use super::{Checker, Constant};
 use crate::program::DeclId;
 use crate::ty::Ty;
 use crate::typed::{Activation, Equation, FlowId, FlowRole, Place, Target};
@@ -147,7 +147,7 @@ impl<'a> Body<'_, 'a> {
         &mut self,
         id: DeclId,
         statics: &Statics,
-        fixed: &[(Name, Constant)],
+        fixed: &[(Name, Fixed)],
         span: Span,
     ) -> Option<Ports> {
         let mut statics = statics.clone();

@@ -45,17 +45,23 @@ impl<'a> Body<'_, 'a> {
             self.declare_state(index, state.block, ast, &places);
             self.within(state.block, |body| body.declare_body(&ast.body, later));
         }
+        let passed = automaton
+            .states
+            .iter()
+            .filter(|state| is_only_passed(automaton, state));
+        let active = states.len() - passed.count();
         for shared in &mut self.current().automata[index].shared {
-            shared.partial = shared.states.len() < states.len();
+            shared.partial = shared.states.len() < active;
         }
         later.push((self.block, Later::Automaton(index, automaton)));
     }
 
-    /// The flow of the surroundings for each name that states define and do not declare, in text order.
+    /// The flow of the surroundings for each name that states define and do not declare, in text order. What only the
+    /// automata in one state define stays in that state.
     fn shared_flows(&mut self, automaton: &'a ast::Automaton) -> (Vec<Shared>, Map<Name, usize>) {
         let (mut flows, mut places) = (Vec::new(), Map::default());
-        for name in automaton.states.iter().flat_map(defined_names) {
-            if places.contains_key(&name.name) {
+        for (name, stays) in candidates(automaton) {
+            if stays && !self.is_around(name) {
                 continue;
             }
             let flow = match self.find_in(self.block, &name.name) {
@@ -76,6 +82,13 @@ impl<'a> Body<'_, 'a> {
         (flows, places)
     }
 
+    /// Whether a flow of the surroundings bears a name.
+    fn is_around(&self, name: &Ident) -> bool {
+        let here = matches!(self.find_in(self.block, &name.name), Some(Local::Flow(_)));
+        let output = self.local_flow(&name.name);
+        here || output.is_some_and(|flow| self.unit.flow(flow).role == FlowRole::Output)
+    }
+
     /// Declares, in one state, its own version of each flow that it shares.
     fn declare_state(
         &mut self,
@@ -84,7 +97,7 @@ impl<'a> Body<'_, 'a> {
         state: &'a ast::State,
         places: &Map<Name, usize>,
     ) {
-        for name in defined_names(state) {
+        for name in all_defined_names(state) {
             let Some(&place) = places.get(&name.name) else {
                 continue;
             };
@@ -112,9 +125,10 @@ impl<'a> Body<'_, 'a> {
         inner
     }
 
-    /// The flow of the surroundings that a state's flow is a version of.
-    pub(super) fn shared_flow(&self, flow: FlowId) -> Option<FlowId> {
-        self.shares.get(&flow).copied()
+    /// The flows of the surroundings that a state's flow is a version of, from the inside out.
+    pub(super) fn shared_around(&self, flow: FlowId) -> impl Iterator<Item = FlowId> + '_ {
+        let outer = |flow: &FlowId| self.shares.get(flow).copied();
+        std::iter::successors(outer(&flow), outer)
     }
 
     /// Checks an automaton's transitions, each in its state.
@@ -191,13 +205,78 @@ impl<'a> Body<'_, 'a> {
     }
 }
 
+/// Whether a state is never active: it is always left before it runs, and nothing enters it in the cycle in which it would run.
+fn is_only_passed(automaton: &ast::Automaton, state: &ast::State) -> bool {
+    let mut strong = automaton.states.iter().flat_map(|other| &other.unless);
+    let is_left = state.unless.iter().any(|one| one.condition.is_none());
+    is_left
+        && !strong.any(|one| one.target.name == state.name.name)
+        && state.body.statements.is_empty()
+}
+
 fn initial(automaton: &ast::Automaton) -> u32 {
     let index = automaton.states.iter().position(|state| state.initial);
     index.and_then(|k| u32::try_from(k).ok()).unwrap_or(0)
 }
 
-/// Plain names that a state defines and does not declare itself.
+/// The names that states define and do not declare, each once, in text order; with each, whether only the automata in one
+/// state define it.
+fn candidates(automaton: &ast::Automaton) -> Vec<(&Ident, bool)> {
+    let mut names: Vec<(&Ident, bool)> = Vec::new();
+    let mut places: Map<&Name, (usize, usize)> = Map::default();
+    for (k, state) in automaton.states.iter().enumerate() {
+        let direct = defined_names(state);
+        let count = direct.len();
+        let all = direct.into_iter().chain(defined_by_automata(state));
+        for (name, inner) in all.enumerate().map(|(n, name)| (name, n >= count)) {
+            let (place, first) = *places.entry(&name.name).or_insert((names.len(), k));
+            match names.get_mut(place) {
+                Some((_, stays)) => *stays &= inner && first == k,
+                None => names.push((name, inner)),
+            }
+        }
+    }
+    names
+}
+
+/// Plain names that a state or an automaton in it defines, and that it does not declare itself.
+fn all_defined_names(state: &ast::State) -> Vec<&Ident> {
+    let mut names = defined_names(state);
+    names.extend(defined_by_automata(state));
+    names
+}
+
+/// Plain names that automata in a state define, and that it does not declare itself.
+fn defined_by_automata(state: &ast::State) -> Vec<&Ident> {
+    let declared = declared_names(state);
+    let automata = state.body.statements.iter().filter_map(|s| match &s.kind {
+        StatementKind::Automaton(automaton) => Some(automaton),
+        _ => None,
+    });
+    let states = automata.flat_map(|automaton| &automaton.states);
+    states
+        .flat_map(all_defined_names)
+        .filter(|name| !declared.contains_key(&name.name))
+        .collect()
+}
+
+/// Plain names that equations of a state define, and that it does not declare itself.
 fn defined_names(state: &ast::State) -> Vec<&Ident> {
+    let declared = declared_names(state);
+    let equations = state.body.statements.iter().filter_map(|s| match &s.kind {
+        StatementKind::Equation(equation) => Some(equation),
+        _ => None,
+    });
+    let plain = equations
+        .flat_map(|equation| &equation.targets)
+        .filter(|target| target.path.is_empty());
+    plain
+        .map(|target| &target.name)
+        .filter(|name| !declared.contains_key(&name.name))
+        .collect()
+}
+
+fn declared_names(state: &ast::State) -> Map<&Name, ()> {
     let mut declared: Map<&Name, ()> = Map::default();
     for section in &state.body.locals {
         match section {
@@ -217,15 +296,5 @@ fn defined_names(state: &ast::State) -> Vec<&Ident> {
             }
         }
     }
-    let equations = state.body.statements.iter().filter_map(|s| match &s.kind {
-        StatementKind::Equation(equation) => Some(equation),
-        _ => None,
-    });
-    let plain = equations
-        .flat_map(|equation| &equation.targets)
-        .filter(|target| target.path.is_empty());
-    plain
-        .map(|target| &target.name)
-        .filter(|name| !declared.contains_key(&name.name))
-        .collect()
+    declared
 }

@@ -11,6 +11,7 @@ use super::report::not_a;
 use super::special::{SPECIALS, Special};
 use super::statics::{Static, Statics, missing};
 use super::unit::is_callable;
+use crate::elab::NotConstant;
 use crate::program::{DeclId, DeclKind, Lookup, Space};
 use crate::ty::{Subst, Ty};
 use crate::typed::{
@@ -25,8 +26,8 @@ use std::rc::Rc;
 /// Something that can be called, or passed to an iterator.
 #[derive(Clone, Debug)]
 pub(super) enum Callable {
-    /// A declaration, with the static arguments given so far and constants for its ports.
-    Unit(DeclId, Rc<Statics>, Rc<[(Name, Constant)]>),
+    /// A declaration, with the static arguments given so far and values for its ports.
+    Unit(DeclId, Rc<Statics>, Rc<[(Name, Fixed)]>),
     /// A registered primitive.
     Prim(PrimId),
     /// An operator.
@@ -39,7 +40,28 @@ pub(super) enum Callable {
     Iteration(Rc<Iteration>),
 }
 
+/// What a port of something to call is given with its static arguments.
+#[derive(Clone, Debug)]
+pub(super) enum Fixed {
+    /// A value that is known when the program is checked.
+    Constant(Constant),
+    /// One that is known when the command is loaded: an expression of the body in which this stands.
+    Loaded(ExprId),
+}
+
 impl Callable {
+    /// A value that it is given and that only the body knows in which it stands.
+    pub(super) fn loaded(&self) -> Option<ExprId> {
+        match self {
+            Callable::Unit(_, _, fixed) => fixed.iter().find_map(|(_, fixed)| match fixed {
+                Fixed::Loaded(value) => Some(*value),
+                Fixed::Constant(_) => None,
+            }),
+            Callable::Iteration(iteration) => iteration.callee()?.loaded(),
+            _ => None,
+        }
+    }
+
     pub(super) fn name(&self) -> String {
         match self {
             Callable::Unit(id, ..) => format!("#{}", id.0),
@@ -57,8 +79,8 @@ impl Callable {
         match self {
             Callable::Unit(id, statics, fixed) => {
                 key.push_str(&super::statics::key(*id, statics));
-                for (name, constant) in &**fixed {
-                    key.push_str(&format!(",{name}={:?}", constant.leaves));
+                for (name, fixed) in &**fixed {
+                    key.push_str(&format!(",{name}={fixed:?}"));
                 }
             }
             other => key.push_str(&other.name()),
@@ -190,6 +212,7 @@ impl<'a> Body<'_, 'a> {
         let mut body = Body::of_module(self.c, decl.module);
         body.statics = Rc::new(bound.statics);
         let callable = body.callable(&callee.name.name, &callee.statics, callee.span);
+        let callable = callable.and_then(|callable| body.leaves_the_body(callable));
         body.leave();
         self.c.aliases.pop();
         callable
@@ -357,14 +380,30 @@ impl<'a> Body<'_, 'a> {
         }
     }
 
-    fn fixed_ports(&mut self, ports: &[Given<'a>]) -> Option<Rc<[(Name, Constant)]>> {
+    fn fixed_ports(&mut self, ports: &[Given<'a>]) -> Option<Rc<[(Name, Fixed)]>> {
         let mut fixed = Vec::new();
         for port in ports {
-            let leaves = self.fold(port.value)?;
-            let ty = self.ty_of(port.value).clone();
-            fixed.push((port.name?.name.clone(), Constant { ty, leaves }));
+            let value = match self.try_fold(port.value) {
+                Err(NotConstant::Flow(_)) if self.is_fixed(port.value) => Fixed::Loaded(port.value),
+                _ => Fixed::Constant(Constant {
+                    leaves: self.fold(port.value)?,
+                    ty: self.ty_of(port.value).clone(),
+                }),
+            };
+            fixed.push((port.name?.name.clone(), value));
         }
         Some(fixed.into())
+    }
+
+    /// Refuses something to call that is given values which only this body knows.
+    pub(super) fn leaves_the_body(&mut self, callable: Callable) -> Option<Callable> {
+        match callable.loaded() {
+            None => Some(callable),
+            Some(value) => {
+                self.fold(value);
+                None
+            }
+        }
     }
 
     /// Calls something with checked arguments.
@@ -391,14 +430,17 @@ impl<'a> Body<'_, 'a> {
         &mut self,
         id: DeclId,
         statics: &Rc<Statics>,
-        fixed: &Rc<[(Name, Constant)]>,
+        fixed: &Rc<[(Name, Fixed)]>,
         mut given: Vec<Given<'a>>,
         activation: Activation,
         span: Span,
     ) -> ExprId {
         let params = self.c.params_of(id);
-        for (name, constant) in &**fixed {
-            let value = self.constant_expr(constant, span);
+        for (name, fixed) in &**fixed {
+            let value = match fixed {
+                Fixed::Constant(constant) => self.constant_expr(constant, span),
+                Fixed::Loaded(value) => *value,
+            };
             let param = params.iter().find(|p| p.name().name == *name);
             given.push(Given {
                 name: param.map(|p| p.name()),
@@ -434,6 +476,9 @@ impl<'a> Body<'_, 'a> {
         span: Span,
     ) -> Result<Fitted, Ty> {
         let given = self.spread_tuples(given);
+        if !self.bind_sizes_of_arguments(id, &given, &mut statics) {
+            return Err(Ty::Unknown);
+        }
         let open = self.c.complete(id, &mut statics);
         if self.c.lacks_sizes(id, &open, &statics, span) {
             self.report_missing(id, &open, span);

@@ -195,7 +195,7 @@ impl<'a> Body<'_, 'a> {
         }
         let id = self.expr(operand);
         if let Kind::Flow(flow) = self.unit.expr(id).kind
-            && let Some(outer) = self.shared_flow(flow)
+            && let Some(outer) = self.shared_around(flow).last()
         {
             return self.flow_expr(outer, operand.span);
         }

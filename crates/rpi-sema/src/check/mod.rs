@@ -7,7 +7,7 @@
 //!
 //! | file | idea |
 //! |---|---|
-//! | `unit.rs`, `header.rs`, `alias.rs`, `statics.rs` | callables, their ports and static arguments |
+//! | `unit.rs`, `header.rs`, `alias.rs`, `statics.rs`, `sizes.rs` | callables, their ports and static arguments |
 //! | `assumptions.rs` | what contracts assume, and which they take up |
 //! | `types.rs`, `device.rs`, `consts.rs` | types and constants |
 //! | `body.rs`, `locals.rs`, `order.rs`, `untold.rs`, `statement.rs`, `contract.rs`, `targets.rs`, `definitions.rs`, `automaton.rs` | bodies, their flows and equations |
@@ -60,6 +60,7 @@ mod quantity;
 mod recursion;
 mod report;
 mod sample;
+mod sizes;
 mod special;
 mod statement;
 mod statics;

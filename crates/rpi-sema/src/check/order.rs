@@ -148,8 +148,8 @@ impl<'a> Body<'_, 'a> {
             let Some(flow) = *flow else {
                 continue;
             };
-            let outer = self.shared_flow(flow);
-            for flow in std::iter::once(flow).chain(outer) {
+            let around: Vec<FlowId> = self.shared_around(flow).collect();
+            for flow in std::iter::once(flow).chain(around) {
                 let known = &mut self.unit.flows[flow.0 as usize].ty;
                 if known.has_unknown() {
                     *known = ty.clone();

@@ -197,10 +197,9 @@ impl<'a> Body<'_, 'a> {
             _ if !may || self.is_declared(&target.name) => return None,
             _ => self.introduce_flow(&target.name),
         };
-        let outer = self
-            .shared_flow(flow)
-            .filter(|outer| self.waits_for_type(*outer));
-        for flow in std::iter::once(flow).chain(outer) {
+        let around = self.shared_around(flow);
+        let around: Vec<FlowId> = around.filter(|outer| self.waits_for_type(*outer)).collect();
+        for flow in std::iter::once(flow).chain(around) {
             self.defined_by[flow.0 as usize] = Some(index);
         }
         Some(flow)

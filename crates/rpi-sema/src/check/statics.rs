@@ -297,7 +297,9 @@ impl<'a> Body<'_, 'a> {
             Param::Type(_) => self.static_type(arg).map(Static::Ty),
             Param::Node(signature) => {
                 let known = bound.statics.clone();
-                self.static_callable(arg).map(|callable| {
+                let callable = self.static_callable(arg);
+                let callable = callable.and_then(|callable| self.leaves_the_body(callable));
+                callable.map(|callable| {
                     let misfit = self.unlike(id, &known, signature, &callable, arg.span);
                     Static::Callee(callable, misfit.map(Rc::new))
                 })

@@ -90,10 +90,28 @@ impl<'u> Elab<'u> {
                 continue;
             }
             let here = self.is_state(&memory.state, k, at, span);
-            let strong = self.transitions(scope, &state.unless, memory.clone(), at, span);
+            let inside = self.where_it_counts(scope, &state.unless, &here, at, span);
+            let strong = self.transitions(scope, &state.unless, memory.clone(), inside, span);
             current = self.pick(&here, strong, current, at, span);
         }
         current
+    }
+
+    /// Where conditions of strong transitions are evaluated: what can fault in them does so only in their state. State in them
+    /// goes on in all cycles, for it is that of the surroundings.
+    fn where_it_counts(
+        &mut self,
+        scope: &Scope<'u>,
+        transitions: &[Transition],
+        here: &Signal,
+        at: At,
+        span: Span,
+    ) -> At {
+        let mut conditions = transitions.iter().filter_map(|one| one.condition);
+        match conditions.any(|one| super::guarded::can_fault(self.units, scope.unit, one)) {
+            true => self.guarded_by(here.clone(), at, span),
+            false => at,
+        }
     }
 
     /// The first transition whose condition holds, or else what is given.

@@ -190,10 +190,10 @@ fn push_target_name(text: &mut String, unit: &Unit, equation: &Equation) {
     for target in targets {
         match &target.place {
             Place::Flow { flow, at } => {
-                let flow = unit.flow(*flow);
+                let (flow, count) = (unit.flow(*flow), target.ty.leaf_count());
                 text.push_str(&flow.name);
-                if *at != 0 || target.ty.leaf_count() != flow.ty.leaf_count() {
-                    text.push_str(&format!("@{at}"));
+                if *at != 0 || count != flow.ty.leaf_count() {
+                    text.push_str(&flow.ty.path_of(*at as usize, count));
                 }
                 return;
             }

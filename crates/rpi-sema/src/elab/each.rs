@@ -131,18 +131,26 @@ impl<'u> Elab<'u> {
                     span,
                 ),
             };
-            let here = match at.guard {
-                Some(outer) => self.simple(
-                    prim!("Core::BooleanAnd"),
-                    &[Signal::Port(outer), here],
-                    at,
-                    span,
-                ),
-                None => here,
-            };
-            guards[k] = self.port_of(&here, Scalar::Bool, at, span);
+            guards[k] = self.guarded_by(here, at, span).guard;
         }
         guards
+    }
+
+    /// A place where what can fault counts only while a condition holds.
+    pub(super) fn guarded_by(&mut self, condition: Signal, at: At, span: Span) -> At {
+        let here = match at.guard {
+            Some(outer) => self.simple(
+                prim!("Core::BooleanAnd"),
+                &[Signal::Port(outer), condition],
+                at,
+                span,
+            ),
+            None => condition,
+        };
+        At {
+            guard: self.port_of(&here, Scalar::Bool, at, span),
+            ..at
+        }
     }
 
     /// `pre x`: which of both delays depends on whether x can be absent.
@@ -224,7 +232,8 @@ impl<'u> Elab<'u> {
         Signal::Port(PortRef { node, port: 0 })
     }
 
-    /// `a -> b`. `none -> pre x` is the delay that starts absent.
+    /// `a -> b`: what can fault in either is guarded by whether this is the first cycle. `none -> pre x` is the delay that
+    /// starts absent.
     fn arrow(&mut self, scope: &mut Scope<'u>, a: ExprId, b: ExprId, id: ExprId, at: At) -> Wire {
         let unit = scope.unit;
         let span = unit.expr(id).span;
@@ -237,9 +246,11 @@ impl<'u> Elab<'u> {
             return self.delayed(scope, operands[0], b, at, |_| true);
         }
         let scalars = leaf_scalars(&unit.expr(id).ty);
-        let a = self.wide(scope, a, scalars.len(), at);
-        let b = self.wide(scope, b, scalars.len(), at);
         let first = self.first(at.fragment, span);
+        let guards = self.guards(scope, &first, [a, b], at, span);
+        let [in_a, in_b] = guards.map(|guard| At { guard, ..at });
+        let a = self.wide(scope, a, scalars.len(), in_a);
+        let b = self.wide(scope, b, scalars.len(), in_b);
         let mut leaves = Vec::with_capacity(scalars.len());
         for (k, scalar) in scalars.into_iter().enumerate() {
             let (Some(a), Some(b)) = (a.get(k), b.get(k)) else {

@@ -229,13 +229,17 @@ impl<'u> Elab<'u> {
         {
             let declared = unit.flow(*flow);
             self.begin(&declared.name);
+            let default = declared.default.map(|id| self.expr(scope, id, At::ROOT));
             let mut leaves: Vec<(String, Ty)> = Vec::new();
             declared.ty.leaves(&mut |path, ty| {
                 leaves.push((format!("{}{path}", declared.name), ty.clone()))
             });
             let mut wire = Vec::with_capacity(leaves.len());
-            for (key, ty) in leaves {
-                wire.push(self.outside(&key, ty.scalar().unwrap_or(Scalar::Bool), declared.span));
+            for (k, (key, ty)) in leaves.into_iter().enumerate() {
+                let default = default.as_ref().and_then(|wire| wire.get(k));
+                let value = default.and_then(|signal| self.settled_constant(signal));
+                let scalar = ty.scalar().unwrap_or(Scalar::Bool);
+                wire.push(self.outside_at((&key, value), scalar, At::ROOT, declared.span));
                 shapes.push(PortShape { key, ty });
             }
             *scope.state(*flow) = State::Known(wire.into());
@@ -257,21 +261,29 @@ impl<'u> Elab<'u> {
         let leaves = leaves.into_iter();
         let signals = leaves.map(|(key, ty)| {
             let scalar = ty.scalar().unwrap_or(Scalar::Bool);
-            self.outside_at(&key, scalar, at, expr.span)
+            self.outside_at((&key, None), scalar, at, expr.span)
         });
         signals.collect()
     }
 
     fn outside(&mut self, key: &str, scalar: Scalar, span: rpi_diag::Span) -> Signal {
-        self.outside_at(key, scalar, At::ROOT, span)
+        self.outside_at((key, None), scalar, At::ROOT, span)
     }
 
-    fn outside_at(&mut self, key: &str, scalar: Scalar, at: At, span: rpi_diag::Span) -> Signal {
+    /// What is set from outside by a key, with the value that it has until then, if one is said.
+    fn outside_at(
+        &mut self,
+        (key, default): (&str, Option<Value>),
+        scalar: Scalar,
+        at: At,
+        span: rpi_diag::Span,
+    ) -> Signal {
         let Some(prim) = super::families::member(super::families::Family::Input, scalar) else {
             return Signal::Absent;
         };
         let value = |param: &rpi_image::Param| match param.name {
             "Key" => Some(Value::Str(key.to_owned())),
+            "Value" if default.is_some() => default.clone(),
             _ => crate::check::param_default(param),
         };
         let params = prim.desc().params.iter().filter_map(value).collect();

@@ -195,6 +195,46 @@ impl Ty {
         self.leaves_below(&mut String::new(), visit);
     }
 
+    /// The path of the part that begins at a leaf and has so many: `[2].x`, `[1..3]`.
+    #[must_use]
+    pub fn path_of(&self, mut at: usize, count: usize) -> String {
+        let (mut ty, mut path) = (self, String::new());
+        while at != 0 || ty.leaf_count() != count {
+            let (inner, first) = match ty {
+                Ty::Array(element, _) => {
+                    let size = element.leaf_count().max(1);
+                    let (k, last) = (at / size, (at + count.max(1) - 1) / size);
+                    if k != last {
+                        return format!("{path}[{k}..{last}]");
+                    }
+                    path.push_str(&format!("[{k}]"));
+                    (&**element, k * size)
+                }
+                Ty::Struct(_) | Ty::Tuple(_) => match ty.member_at(at) {
+                    Some((member, first)) => {
+                        let name = member.name.as_deref().unwrap_or_default();
+                        path.push_str(&format!(".{name}"));
+                        (&member.ty, first)
+                    }
+                    None => return path,
+                },
+                _ => return path,
+            };
+            (ty, at) = (inner, at - first);
+        }
+        path
+    }
+
+    /// The member that a leaf belongs to, and its first leaf.
+    fn member_at(&self, at: usize) -> Option<(&Member, usize)> {
+        let mut first = 0;
+        self.members().iter().find_map(|member| {
+            let begins = first;
+            first += member.ty.leaf_count();
+            (at < first).then_some((member, begins))
+        })
+    }
+
     fn leaves_below(&self, path: &mut String, visit: &mut impl FnMut(&str, &Ty)) {
         let length = path.len();
         match self {
@@ -248,5 +288,8 @@ mod tests {
             ["[0].x: int", "[0].on: bool", "[1].x: int", "[1].on: bool"]
         );
         assert_eq!(ty.leaf_count(), 4);
+        let parts = [(0, 4), (1, 1), (2, 2), (3, 1)].map(|(at, count)| ty.path_of(at, count));
+        assert_eq!(parts, ["", "[0].on", "[1]", "[1].on"]);
+        assert_eq!(Ty::Array(Rc::new(Ty::Int), 5).path_of(1, 3), "[1..3]");
     }
 }

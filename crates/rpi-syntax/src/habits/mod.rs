@@ -9,6 +9,7 @@ mod heads;
 mod kind2;
 mod operators;
 mod signs;
+mod updates;
 
 pub(crate) use signs::{foreign_sign, sign};
 
@@ -47,6 +48,8 @@ const HABITS: &[fn(&Found<'_, '_>) -> Option<Habit>] = &[
     operators::conditional,
     operators::bare_unit,
     operators::field_by_colon,
+    updates::no_parentheses,
+    updates::no_dot,
     heads::size_in_brackets,
     heads::unit_of_int,
     operators::end_if,

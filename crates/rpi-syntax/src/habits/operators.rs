@@ -120,7 +120,7 @@ pub(super) fn conditional(found: &Found<'_, '_>) -> Option<Habit> {
 }
 
 /// The element of a list, or the right side of an equation, in which a token stands.
-fn operand(found: &Found<'_, '_>, at: usize) -> (usize, usize) {
+pub(super) fn operand(found: &Found<'_, '_>, at: usize) -> (usize, usize) {
     let level = found.structure.parent(at);
     let phrase = found.structure.phrase(at);
     let same = |i: &usize| found.structure.parent(*i) == level;

@@ -5,7 +5,9 @@
 //! |---|---|
 //! | `results.rs` | branches and the results of a command |
 //! | `takeover.rs` | what follows a `yield` |
+//! | `handing.rs` | values that a command takes over |
 
+mod handing;
 mod results;
 mod takeover;
 
@@ -15,6 +17,7 @@ use super::report::{Wanted, not_a, unknown};
 use crate::program::{DeclId, DeclKind, Lookup, twice};
 use crate::ty::Ty;
 use crate::typed::{ExprId, TaskStep};
+use handing::Follows;
 use rpi_diag::{Code, Finding};
 use rpi_syntax::ast::{Expr, Ident, Next, Run, Step, StepKind, TaskDecl};
 
@@ -24,11 +27,22 @@ type Labels<'a> = Vec<(&'a Ident, &'a Run)>;
 impl<'a> Body<'_, 'a> {
     /// Checks a task.
     pub(super) fn check_task(&mut self, task: &'a TaskDecl) {
-        self.steps(&task.steps, None, &mut Labels::new());
+        let mut follows: Vec<Follows<'a>> = first_of(&task.steps)
+            .map(|run| (None, run))
+            .into_iter()
+            .collect();
+        self.steps(&task.steps, None, &mut Labels::new(), &mut follows);
+        self.hand_over(&follows);
     }
 
     /// Checks a list of steps, which is followed by another run of itself if it is repeated.
-    fn steps(&mut self, steps: &'a [Step], again: Option<&'a Run>, labels: &mut Labels<'a>) {
+    fn steps(
+        &mut self,
+        steps: &'a [Step],
+        again: Option<&'a Run>,
+        labels: &mut Labels<'a>,
+        follows: &mut Vec<Follows<'a>>,
+    ) {
         let outer = labels.len();
         for run in steps.iter().filter_map(run_of) {
             let Some(label) = &run.label else { continue };
@@ -42,13 +56,16 @@ impl<'a> Body<'_, 'a> {
             labels.push((label, run));
         }
         for (k, step) in steps.iter().enumerate() {
-            let next = steps.get(k + 1).map_or(again, run_of);
+            let next = steps.get(k + 1).map_or(again, entry_of);
             match &step.kind {
-                StepKind::Run(run) => self.run(run, next, labels),
+                StepKind::Run(run) => {
+                    self.run(run, next, labels);
+                    follows.extend(handing::followers(run, next, labels));
+                }
                 StepKind::Repeat { count, steps } => {
                     self.times(count.as_ref());
-                    let first = steps.first().and_then(run_of);
-                    self.steps(steps, first, labels);
+                    let first = first_of(steps);
+                    self.steps(steps, first, labels, follows);
                 }
                 StepKind::Start(label) => {
                     self.label(label, labels);
@@ -159,6 +176,30 @@ fn run_of(step: &Step) -> Option<&Run> {
     match &step.kind {
         StepKind::Run(run) => Some(run),
         _ => None,
+    }
+}
+
+/// The step with which a list begins.
+fn first_of(steps: &[Step]) -> Option<&Run> {
+    let start = steps.iter().find_map(|step| match &step.kind {
+        StepKind::Start(label) => Some(&label.name),
+        _ => None,
+    });
+    let is_start = |run: &&Run| {
+        let label = run.label.as_ref().map(|label| &label.name);
+        label.is_some() && label == start
+    };
+    match start {
+        None => steps.first().and_then(entry_of),
+        Some(_) => steps.iter().filter_map(run_of).find(is_start),
+    }
+}
+
+/// What a step runs first.
+fn entry_of(step: &Step) -> Option<&Run> {
+    match &step.kind {
+        StepKind::Repeat { steps, .. } => first_of(steps),
+        _ => run_of(step),
     }
 }
 

@@ -1,0 +1,106 @@
+//! Sizes that nobody gives: those of the arrays that a call is given tell them, as their types tell type parameters.
+
+use super::args::Given;
+use super::body::Body;
+use super::statics::{Param, Static, Statics, params};
+use super::{Checker, Constant};
+use crate::program::{DeclId, DeclKind};
+use crate::ty::Ty;
+use rpi_image::Value;
+use rpi_syntax::Name;
+use rpi_syntax::ast::{ExprKind, Ident, Signature, Type, TypeKind, VarDecl};
+
+impl<'a> Body<'_, 'a> {
+    /// Binds the sizes of a declaration that are not given and that an argument's type tells, before defaults; false if one
+    /// depends on an argument of which the type is not known yet.
+    pub(super) fn bind_sizes_of_arguments(
+        &mut self,
+        id: DeclId,
+        given: &[Given<'a>],
+        statics: &mut Statics,
+    ) -> bool {
+        let Some(signature) = self.c.signature(id).filter(|_| self.is_rpi()) else {
+            return true;
+        };
+        let mut known = true;
+        for param in params(&signature.statics) {
+            let Param::Value(name, _) = param else {
+                continue;
+            };
+            if statics.contains_key(&name.name) || given.iter().any(|arg| is_named(arg, &name.name))
+            {
+                continue;
+            }
+            match self.size_told(signature, &name.name, given) {
+                Told::Size(size) => {
+                    let constant = Constant {
+                        ty: Ty::Int,
+                        leaves: [Value::int(i64::from(size))].into(),
+                    };
+                    statics.insert(name.name.clone(), Static::Value(constant));
+                }
+                Told::Later => known = false,
+                Told::Nothing => {}
+            }
+        }
+        known
+    }
+
+    fn size_told(&self, signature: &'a Signature, name: &Name, given: &[Given<'a>]) -> Told {
+        let ports = signature.inputs.iter().flatten();
+        let ports = ports.flat_map(|port: &VarDecl| port.names.iter().map(move |n| (n, &port.ty)));
+        let mut by_place = given.iter().filter(|arg| arg.name.is_none());
+        let mut told = Told::Nothing;
+        for (port, ty) in ports {
+            let named = given.iter().find(|arg| is_named(arg, &port.name));
+            let Some(arg) = named.or_else(|| by_place.next()) else {
+                continue;
+            };
+            match size_in(ty, self.ty_of(arg.value), name) {
+                Told::Nothing => {}
+                Told::Later => told = Told::Later,
+                size @ Told::Size(_) => return size,
+            }
+        }
+        told
+    }
+}
+
+impl<'a> Checker<'a> {
+    fn signature(&self, id: DeclId) -> Option<&'a Signature> {
+        match self.program.decl(id).kind {
+            DeclKind::Node(decl) => Some(&decl.signature),
+            DeclKind::Fragment(decl) => Some(&decl.signature),
+            _ => None,
+        }
+    }
+}
+
+/// What an argument tells of a size.
+enum Told {
+    Size(u32),
+    /// The type of the argument is not known yet.
+    Later,
+    Nothing,
+}
+
+fn is_named(arg: &Given<'_>, name: &Name) -> bool {
+    arg.name.is_some_and(|given: &Ident| given.name == *name)
+}
+
+/// The size `n` of `T^n`, `T^n^3`, `T^n?`, given the type of an argument.
+fn size_in(mut declared: &Type, mut found: &Ty, name: &Name) -> Told {
+    loop {
+        match (&declared.kind, found) {
+            (TypeKind::Optional(inner), _) => declared = inner,
+            (TypeKind::Array(array), Ty::Array(element, size)) => {
+                if matches!(&array.size.kind, ExprKind::Name(size) if size == name) {
+                    return Told::Size(*size);
+                }
+                (declared, found) = (&array.element, element);
+            }
+            (TypeKind::Array(_), Ty::Unknown) => return Told::Later,
+            _ => return Told::Nothing,
+        }
+    }
+}

@@ -1,0 +1,45 @@
+//! Habits around changed values: `(p with .x = 1; [2] = 3)`.
+
+use super::operators::operand;
+use super::{Habit, Mend, habit};
+use crate::explain::Found;
+use crate::token::Token;
+use rpi_diag::Fix;
+
+/// `y = a with [1] = 7;`
+pub(super) fn no_parentheses(found: &Found<'_, '_>) -> Option<Habit> {
+    let at = found.fault.at;
+    let is_value = found.expects(Token::Semi) && found.expects(Token::Plus);
+    if found.token(at) != Some(Token::With) || !is_value {
+        return None;
+    }
+    let (start, end) = operand(found, at);
+    let finding = habit("a changed value stands in parentheses")
+        .at(found.span_at(at), "`(a with [1] = x)`")
+        .fix(
+            Fix::sure("put it in parentheses")
+                .insert_before(found.span_at(start), "(")
+                .insert_after(found.span_at(end - 1), ")"),
+        );
+    let mend = Mend::Tokens(vec![
+        found.before_token(start, Token::LParen),
+        found.before_token(end, Token::RParen),
+    ]);
+    Some(Habit { finding, mend })
+}
+
+/// `(p with x = 1)`
+pub(super) fn no_dot(found: &Found<'_, '_>) -> Option<Habit> {
+    let at = found.fault.at;
+    let is_path = found.expects(Token::Dot) && found.expects(Token::LBracket);
+    let is_name = found.token(at) == Some(Token::Ident);
+    let begins = matches!(found.token_before(), Some(Token::With | Token::Semi));
+    if !is_name || !is_path || !begins || found.expects(Token::Plus) {
+        return None;
+    }
+    let finding = habit("a field that changes is written with its dot")
+        .at(found.span_at(at), format!("`.{}`", found.written(at)))
+        .fix(Fix::sure("write the dot").insert_before(found.span_at(at), "."));
+    let mend = Mend::Tokens(vec![found.before_token(at, Token::Dot)]);
+    Some(Habit { finding, mend })
+}

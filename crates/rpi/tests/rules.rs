@@ -1,0 +1,79 @@
+//! Rules of the semantics that show in a run: which result counts, what a fault does.
+
+use std::path::Path;
+use std::process::Command;
+
+/// What the tool prints and records of a program on the cell of the first example.
+fn run(program: &str) -> (serde_json::Value, String) {
+    let folder = tempfile::tempdir().unwrap();
+    let [path, cell, record] =
+        ["program.rpi", "cell.toml", "record.csv"].map(|n| folder.path().join(n));
+    let example = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../examples/first/cell.toml");
+    std::fs::write(&path, program).unwrap();
+    std::fs::copy(example, cell).unwrap();
+    let output = Command::new(env!("CARGO_BIN_EXE_rpi"))
+        .args(["run", "--json", "--record"])
+        .args([&record, &path])
+        .output()
+        .unwrap();
+    let said = String::from_utf8_lossy(&output.stderr);
+    let outcome = serde_json::from_slice(&output.stdout).unwrap_or_else(|_| panic!("{said}"));
+    (outcome, std::fs::read_to_string(record).unwrap())
+}
+
+/// How a command ends of which these results come true in one cycle.
+fn end(results: &str) -> serde_json::Value {
+    let program = format!("command Both\nlet\n  n = 0 -> pre n + 1;\n{results}tel\n");
+    run(&program).0["commands"][0]["end"].clone()
+}
+
+/// M10.1.
+#[test]
+fn an_error_goes_before_other_results_then_the_order_of_the_text() {
+    let of_errors = end("finish a when n = 2;\nfail b when n = 2;\nfail c when n >= 2;\n");
+    assert_eq!(of_errors["how"], "error", "{of_errors}");
+    assert_eq!(
+        [&of_errors["name"], &of_errors["number"]],
+        [&"b".into(), &serde_json::json!(1)]
+    );
+    let of_others = end("fail e when n > 9;\nfinish a when n >= 2;\nfinish b when n = 2;\n");
+    assert_eq!(of_others["name"], "a", "{of_others}");
+}
+
+/// M2.2: the set-point of the cycle is dropped, the device stops on its own limits.
+#[test]
+fn a_fault_ends_the_command_and_the_arm_stops_by_itself() {
+    let program = "use motion;
+command Fault (arm: Arm)
+let
+  n = 0 -> pre n + 1;
+  ahead = pose(100[mm], 0[mm], 0[mm], 0[deg], 0[deg], 0[deg]);
+  way = Line(from: arm.pose, to: arm.pose * ahead);
+  arm.tcp = way.pose;
+  share = 10 div (50 - n);
+  export share;
+  finish there when way.done;
+  fail broken when arm.error;
+tel
+";
+    let (outcome, rows) = run(program);
+    let command = &outcome["commands"][0];
+    assert_eq!(command["end"]["how"], "fault", "{outcome}");
+    assert_eq!(command["cycles"], 51);
+    assert_eq!(outcome["devices"][0]["moving"], false);
+    let of_arm = rows
+        .lines()
+        .filter(|row| row.contains("arm.tcp.commanded_position"));
+    let places: Vec<&str> = of_arm
+        .filter_map(|row| row.split_once(','))
+        .map(|r| r.1)
+        .collect();
+    assert!(
+        places.len() > 60,
+        "it goes on after the fault: {}",
+        places.len()
+    );
+    assert_ne!(places[50], places[52], "it does not stand still at once");
+    let last = &places[places.len() - 2..];
+    assert_eq!(last[0], last[1], "it stands in the end");
+}
