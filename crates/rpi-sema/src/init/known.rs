@@ -14,6 +14,8 @@ pub(super) enum Known {
     Never,
     /// This value.
     Value(Rc<Value>),
+    /// One of these integers, ascending: the states that an automaton can be in.
+    OneOf(Rc<[i64]>),
     /// Some value.
     Defined,
     /// It may have none.
@@ -50,7 +52,27 @@ impl Known {
             (undefined @ Undefined { .. }, _) | (_, undefined @ Undefined { .. }) => {
                 undefined.clone()
             }
-            _ => Defined,
+            (a, b) => match (a.integers(), b.integers()) {
+                (Some(a), Some(b)) => one_of(&a, &b),
+                _ => Defined,
+            },
+        }
+    }
+
+    /// The integers of which it is one, if they are known.
+    fn integers(&self) -> Option<Rc<[i64]>> {
+        match self {
+            Known::Value(value) => value.as_int().map(|value| [value].into()),
+            Known::OneOf(values) => Some(values.clone()),
+            _ => None,
+        }
+    }
+
+    /// Whether it is certainly another integer.
+    pub(super) fn differs(&self, other: &Known) -> bool {
+        match (self.integers(), other.integers()) {
+            (Some(a), Some(b)) => a.iter().all(|value| b.binary_search(value).is_err()),
+            _ => false,
         }
     }
 
@@ -90,5 +112,34 @@ impl Known {
             },
             known => known,
         }
+    }
+}
+
+/// Integers that are told apart, at most: states of an automaton. Of more it is only known that there is a value.
+const MOST: usize = 16;
+
+fn one_of(a: &[i64], b: &[i64]) -> Known {
+    let mut values = [a, b].concat();
+    values.sort_unstable();
+    values.dedup();
+    match values.len() {
+        0..=MOST => Known::OneOf(values.into()),
+        _ => Known::Defined,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn integers_are_told_apart_up_to_a_number() {
+        let [one, two, three] = [1, 2, 3].map(|k| Known::value(Value::int(k)));
+        let either = one.join(&two);
+        assert!(either.differs(&three) && !either.differs(&two));
+        assert!(!either.join(&three).differs(&three));
+        assert!(!Known::Defined.differs(&three));
+        let all = (0..=MOST as i64).map(|k| Known::value(Value::int(k)));
+        assert_eq!(all.reduce(|a, b| a.join(&b)), Some(Known::Defined));
     }
 }

@@ -4,6 +4,7 @@ use super::known::{Condition, Known};
 use super::phases::Active;
 use super::solve::{Seen, Solution, before};
 use crate::hash::Map;
+use crate::prims::prim;
 use rpi_image::{Presence, PrimDesc, Role, Value};
 use rpi_net::{Input, Net, Node, NodeId, PortRef};
 use rpi_prims::{PrimId, fold};
@@ -110,6 +111,12 @@ pub(super) fn apply(rule: Rule, all: &Solution<'_>, id: NodeId, phase: usize) ->
         Rule::Implies => connective(true, all, id, phase, [true, false]),
         Rule::Coalesce => coalesce(all, id, phase),
         Rule::Guarded if input(0).truth() == Some(false) => Known::Defined,
+        Rule::Strict
+            if all.net().node(id).prim == prim!("Core::IntEquals")
+                && input(0).differs(&input(1)) =>
+        {
+            Known::value(Value::bool(false))
+        }
         Rule::Guarded | Rule::Not | Rule::Strict => strict(all, id, phase),
     }
 }
@@ -215,7 +222,7 @@ fn strict_of(all: &Solution<'_>, id: NodeId, inputs: impl Iterator<Item = Known>
         match known {
             Known::Never => return Known::Never,
             Known::Value(value) if values.len() == count => values.push(value),
-            Known::Value(_) | Known::Defined => {}
+            Known::Value(_) | Known::OneOf(_) | Known::Defined => {}
             undefined @ Known::Undefined { .. } => worst = worst.join(&undefined),
         }
         count += 1;

@@ -9,7 +9,9 @@ use rpi_diag::Fix;
 /// `y = a with [1] = 7;`
 pub(super) fn no_parentheses(found: &Found<'_, '_>) -> Option<Habit> {
     let at = found.fault.at;
-    let is_value = found.expects(Token::Semi) && found.expects(Token::Plus);
+    // That a value was complete is known from what may follow it: after `with` the grammar looks no further.
+    let ends = [Token::Semi, Token::Comma, Token::RParen];
+    let is_value = ends.into_iter().any(|token| found.expects(token));
     if found.token(at) != Some(Token::With) || !is_value {
         return None;
     }
