@@ -4,7 +4,7 @@
 use super::Checker;
 use super::args::Given;
 use super::body::Body;
-use super::call::{Callable, Fixed};
+use super::callable::{Callable, Fixed};
 use super::header::{Header, Port};
 use super::statics::{Param, Statics, missing};
 use super::types::PortTy;

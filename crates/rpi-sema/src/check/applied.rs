@@ -2,7 +2,7 @@
 
 use super::args::Given;
 use super::body::Body;
-use super::call::Callable;
+use super::callable::Callable;
 use super::predef::Predef;
 use crate::ty::Ty;
 use crate::typed::{self, ExprId, Kind};

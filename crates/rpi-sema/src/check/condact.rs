@@ -3,7 +3,7 @@
 
 use super::args::Given;
 use super::body::Body;
-use super::call::Callable;
+use super::callable::Callable;
 use super::report::Wanted;
 use crate::ty::Ty;
 use crate::typed::{Activation, Each, ExprId, Kind};

@@ -3,7 +3,7 @@
 use super::access::leaves;
 use super::args::Given;
 use super::body::Body;
-use super::call::Callable;
+use super::callable::Callable;
 use super::report::Wanted;
 use crate::prims::prim;
 use crate::ty::{Member, Ty};

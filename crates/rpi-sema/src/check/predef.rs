@@ -1,6 +1,6 @@
 //! The names that Lustre V6 gives to operators: `Lustre::plus` is `+` of whatever has one, `Lustre::iplus` that of integers.
 
-use super::call::Callable;
+use super::callable::Callable;
 use crate::ty::Ty;
 use crate::units::Dim;
 use rpi_syntax::ast::StaticOp;

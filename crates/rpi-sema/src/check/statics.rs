@@ -2,7 +2,7 @@
 
 use super::args::Given;
 use super::body::Body;
-use super::call::Callable;
+use super::callable::Callable;
 use super::report::{listed, unknown};
 use super::{Checker, Constant};
 use crate::program::{DeclId, DeclKind};
