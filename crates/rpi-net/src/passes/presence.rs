@@ -5,11 +5,16 @@
 //! names them. A port that is total costs nothing at run time.
 
 use crate::net::{Activation, FragmentId, Input, Net, Node, NodeId, PortRef};
+use crate::passes::schedule::Schedule;
 use crate::passes::users::Users;
 use crate::tree::Tree;
 use crate::violation::Violation;
 use rpi_image::{Presence, Role};
+use smallvec::SmallVec;
 use std::ops::BitOr;
+
+/// Fragments between a flow and its reader; few, as a rule.
+type Gates = SmallVec<[FragmentId; 4]>;
 
 /// Whether a flow is present in the cycles in which its fragment is active.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Debug)]
@@ -42,11 +47,21 @@ pub struct Presences {
 
 impl Presences {
     /// Infers the presence of every flow. Ports for which `forced` says so count as optional whatever their rule says
-    /// (a replay may force an absent value on them).
+    /// (a replay may force an absent value on them). The order of evaluation, where there is one, saves second looks.
     #[must_use]
-    pub fn infer(net: &Net, tree: &Tree, users: &Users, forced: impl Fn(PortRef) -> bool) -> Self {
+    pub fn infer(
+        net: &Net,
+        tree: &Tree,
+        users: &Users,
+        order: Option<&Schedule>,
+        forced: impl Fn(PortRef) -> bool,
+    ) -> Self {
         let mut presences = Presences::unknown(net);
-        let mut queue: Vec<NodeId> = net.node_ids().rev().collect();
+        let mut queue: Vec<NodeId> = match order {
+            Some(schedule) => schedule.nodes().collect(),
+            None => net.node_ids().collect(),
+        };
+        queue.reverse();
         let mut queued = vec![true; net.nodes.len()];
         while let Some(id) = queue.pop() {
             queued[id.index()] = false;
@@ -81,7 +96,7 @@ impl Presences {
         through.reverse();
         View {
             own: self.own(port),
-            through,
+            through: through.into_vec(),
         }
     }
 
@@ -124,16 +139,17 @@ impl Presences {
         forced: &impl Fn(PortRef) -> bool,
     ) -> bool {
         let node = net.node(id);
+        let desc = node.desc();
         let inputs = self.inputs(net, tree, node);
+        let first = self.first[id.index()] as usize;
         let mut changed = false;
-        for (port, output) in (0..).zip(node.desc().outputs) {
-            let port = PortRef { node: id, port };
-            let state = match (forced(port), node.desc().role) {
+        for (port, output) in (0..).zip(desc.outputs) {
+            let state = match (forced(PortRef { node: id, port }), desc.role) {
                 (true, _) => States::EITHER,
                 (_, Role::Delay) => delayed(output.presence, inputs.first),
                 _ => inputs.output(output.presence),
             };
-            let at = self.at(port);
+            let at = first + usize::from(port);
             let joined = self.states[at] | state;
             changed |= joined != self.states[at];
             self.states[at] = joined;
@@ -170,13 +186,13 @@ impl Presences {
     }
 
     /// Fragments around a flow that may be inactive while `reader` is active, outermost first.
-    fn gates(&self, net: &Net, tree: &Tree, reader: FragmentId, port: PortRef) -> Vec<FragmentId> {
+    fn gates(&self, net: &Net, tree: &Tree, reader: FragmentId, port: PortRef) -> Gates {
         let origin = net.node(port.node).fragment;
         let common = tree.common(reader, origin);
         if common == origin {
-            return Vec::new();
+            return Gates::new();
         }
-        let mut gates: Vec<FragmentId> = tree.between(origin, common).collect();
+        let mut gates: Gates = tree.between(origin, common).collect();
         gates.reverse();
         let mut implied = true;
         gates.retain(|gate| {

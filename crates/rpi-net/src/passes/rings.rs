@@ -4,14 +4,11 @@ use crate::passes::dependencies::Graph;
 use petgraph::algo::kosaraju_scc;
 use petgraph::graph::{EdgeIndex, NodeIndex};
 use petgraph::visit::EdgeRef;
-use rustc_hash::FxHashMap;
+use std::cell::RefCell;
 use std::collections::VecDeque;
 
 /// Vertices that a search for the shortest ring of a component may begin with, times the size of the component.
 const PATIENCE: usize = 1_000_000;
-
-/// Looked up only, never walked.
-type Map<K, V> = FxHashMap<K, V>;
 
 /// The components of a graph in which every vertex depends on itself.
 pub(crate) struct Rings<'g> {
@@ -20,6 +17,44 @@ pub(crate) struct Rings<'g> {
     pub(crate) components: Vec<Vec<NodeIndex>>,
     /// For each vertex the number of its component, if it is in one.
     component_of: Vec<Option<usize>>,
+    search: RefCell<Search>,
+}
+
+/// What a search has reached; kept from one to the next, as there can be one for every ring of a large net.
+struct Search {
+    /// For each vertex the search that reached it last, and by which edge.
+    reached: Vec<(usize, EdgeIndex)>,
+    /// The number of the current search.
+    number: usize,
+    /// Where it goes on, and how many edges away from its start.
+    queue: VecDeque<(NodeIndex, usize)>,
+}
+
+impl Search {
+    fn new(vertices: usize) -> Search {
+        Search {
+            reached: vec![(0, EdgeIndex::end()); vertices],
+            number: 0,
+            queue: VecDeque::new(),
+        }
+    }
+
+    fn begin(&mut self, start: NodeIndex) {
+        self.number += 1;
+        self.queue.clear();
+        self.queue.push_back((start, 0));
+    }
+
+    /// The edge by which the current search has reached a vertex.
+    fn edge_to(&self, v: NodeIndex) -> Option<EdgeIndex> {
+        let (search, edge) = self.reached[v.index()];
+        (search == self.number).then_some(edge)
+    }
+
+    fn reach(&mut self, v: NodeIndex, edge: EdgeIndex, length: usize) {
+        self.reached[v.index()] = (self.number, edge);
+        self.queue.push_back((v, length));
+    }
 }
 
 impl<'g> Rings<'g> {
@@ -38,6 +73,7 @@ impl<'g> Rings<'g> {
             graph,
             components,
             component_of,
+            search: RefCell::new(Search::new(graph.node_count())),
         }
     }
 
@@ -73,24 +109,22 @@ impl<'g> Rings<'g> {
 
     /// The shortest ring through a vertex, if it has fewer than `limit` edges: breadth first.
     fn ring_through(&self, start: NodeIndex, limit: usize) -> Option<Vec<EdgeIndex>> {
-        let mut reached: Map<NodeIndex, EdgeIndex> = Map::default();
-        let mut queue = VecDeque::from([(start, 0)]);
-        while let Some((v, length)) = queue.pop_front() {
+        let mut search = self.search.borrow_mut();
+        search.begin(start);
+        let component = self.component_of[start.index()];
+        let mut edges = Vec::new();
+        while let Some((v, length)) = search.queue.pop_front() {
             if length + 1 >= limit {
                 return None;
             }
             // petgraph gives the edges made last first.
-            let mut edges: Vec<_> = self.graph.edges(v).collect();
-            edges.reverse();
-            for edge in edges {
-                let w = edge.target();
+            edges.extend(self.graph.edges(v).map(|e| (e.target(), e.id())));
+            for (w, edge) in edges.drain(..).rev() {
                 if w == start {
-                    return Some(self.path_to(v, start, &reached, edge.id()));
+                    return Some(self.path_to(v, start, &search, edge));
                 }
-                let inside = self.component_of[w.index()] == self.component_of[start.index()];
-                if inside && !reached.contains_key(&w) {
-                    reached.insert(w, edge.id());
-                    queue.push_back((w, length + 1));
+                if self.component_of[w.index()] == component && search.edge_to(w).is_none() {
+                    search.reach(w, edge, length + 1);
                 }
             }
         }
@@ -101,16 +135,16 @@ impl<'g> Rings<'g> {
         &self,
         end: NodeIndex,
         start: NodeIndex,
-        reached: &Map<NodeIndex, EdgeIndex>,
+        search: &Search,
         last: EdgeIndex,
     ) -> Vec<EdgeIndex> {
         let mut ring = vec![last];
         let mut at = end;
-        while let Some(edge) = reached.get(&at).filter(|_| at != start) {
-            ring.push(*edge);
+        while let Some(edge) = search.edge_to(at).filter(|_| at != start) {
+            ring.push(edge);
             at = self
                 .graph
-                .edge_endpoints(*edge)
+                .edge_endpoints(edge)
                 .map_or(start, |(from, _)| from);
         }
         ring.reverse();

@@ -1,6 +1,6 @@
 //! Which nodes read a node.
 
-use crate::net::{Net, NodeId};
+use crate::net::{Input, Net, NodeId};
 
 /// For each node the nodes that read one of its out-ports, in declaration order.
 #[derive(Clone, Debug)]
@@ -15,20 +15,18 @@ impl Users {
     #[must_use]
     pub fn new(net: &Net) -> Self {
         let mut start = vec![0_u32; net.nodes.len() + 1];
-        for (source, _) in links(net) {
-            start[source.index() + 1] += 1;
-        }
+        each_link(net, |source, _| start[source.index() + 1] += 1);
         for k in 1..start.len() {
             start[k] += start[k - 1];
         }
         let mut next = start.clone();
         let total = start.last().map_or(0, |n| *n as usize);
         let mut readers = vec![NodeId(0); total];
-        for (source, reader) in links(net) {
+        each_link(net, |source, reader| {
             let at = &mut next[source.index()];
             readers[*at as usize] = reader;
             *at += 1;
-        }
+        });
         Users { start, readers }
     }
 
@@ -40,9 +38,11 @@ impl Users {
     }
 }
 
-fn links(net: &Net) -> impl Iterator<Item = (NodeId, NodeId)> + '_ {
-    net.node_ids().flat_map(move |reader| {
-        let inputs = net.node(reader).inputs.iter();
-        inputs.filter_map(move |input| Some((input.port()?.node, reader)))
-    })
+/// Calls `visit` with every node that is read and the node that reads it, in the order of the readers.
+fn each_link(net: &Net, mut visit: impl FnMut(NodeId, NodeId)) {
+    for (reader, node) in net.node_ids().zip(&net.nodes) {
+        for port in node.inputs.iter().filter_map(Input::port) {
+            visit(port.node, reader);
+        }
+    }
 }
