@@ -1,7 +1,7 @@
 //! Fixes as the program can take them: their first values with units and values of enums, of which passes over nets know
 //! nothing, and none for what is not the program's own.
 
-use crate::modules::{library_modules, library_path};
+use crate::modules::is_library_path;
 use rpi_diag::{Edit, Finding, Fix, SourceMap, Span};
 use rpi_sema::Checked;
 use rpi_sema::ty::Ty;
@@ -52,8 +52,7 @@ impl<'c> Places<'c> {
 
 /// Takes out the fixes that would change the standard library, which is part of the compiler.
 pub(crate) fn of_the_program(findings: &mut [Finding], sources: &SourceMap) {
-    let is_library =
-        |span: Span| library_modules().any(|name| sources.name(span.file) == library_path(name));
+    let is_library = |span: Span| is_library_path(sources.name(span.file));
     for finding in findings {
         finding
             .fixes

@@ -270,6 +270,13 @@ pub(crate) fn library_path(name: &str) -> String {
     format!("stdlib/{name}.rpi")
 }
 
+/// Whether messages show a module of the standard library under this name.
+pub(crate) fn is_library_path(path: &str) -> bool {
+    let name = path.strip_prefix("stdlib/");
+    let name = name.and_then(|name| name.strip_suffix(".rpi"));
+    name.is_some_and(|name| library_text(name).is_some())
+}
+
 /// The text of a module of the standard library.
 #[must_use]
 pub fn library_text(name: &str) -> Option<&'static str> {

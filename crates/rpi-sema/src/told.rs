@@ -75,13 +75,16 @@ fn exprs<'u>(units: &'u [&Unit]) -> impl Iterator<Item = (&'u Unit, &'u Expr)> {
 }
 
 fn dimensions(units: &[&Unit]) -> String {
-    let (mut reals, mut with_unit, mut known) = (0, 0, BTreeSet::new());
+    let (mut reals, mut with_unit, mut known, mut last) = (0, 0, BTreeSet::new(), None);
     for (_, expr) in exprs(units) {
         if let Ty::Real(dim) = &expr.ty {
             reals += 1;
             if !dim.is_plain() {
                 with_unit += 1;
-                known.insert(*dim);
+                // Neighbours mostly have the same.
+                if last.replace(*dim) != Some(*dim) {
+                    known.insert(*dim);
+                }
             }
         }
     }

@@ -18,10 +18,12 @@ const CLASSES: &[(&str, Token, &str)] = &[
 
 /// The token that the grammar means by a name, `"let"` or `NAME`.
 pub(crate) fn token(name: &str) -> Option<Token> {
-    let class = CLASSES.iter().find(|(class, ..)| *class == name);
-    match class {
-        Some((_, token, _)) => Some(*token),
-        None => Token::of_spelling(name.trim_matches('"')),
+    match name.starts_with('"') {
+        true => Token::of_spelling(name.trim_matches('"')),
+        false => {
+            let class = CLASSES.iter().find(|(class, ..)| *class == name);
+            class.map(|(_, token, _)| *token)
+        }
     }
 }
 

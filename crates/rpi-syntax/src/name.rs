@@ -81,9 +81,12 @@ impl fmt::Debug for Name {
     }
 }
 
+/// Hashes short texts.
+pub(crate) type NameHash = BuildHasherDefault<NameHasher>;
+
 /// Makes equal names of one text share their memory.
 #[derive(Default)]
-pub(crate) struct Interner(RefCell<HashSet<Name, BuildHasherDefault<NameHasher>>>);
+pub(crate) struct Interner(RefCell<HashSet<Name, NameHash>>);
 
 impl Interner {
     pub(crate) fn name(&self, text: &str) -> Name {
@@ -99,7 +102,7 @@ impl Interner {
 
 /// A hash for short texts that nobody chooses to collide: multiply and rotate, eight bytes at a time.
 #[derive(Default)]
-struct NameHasher(u64);
+pub(crate) struct NameHasher(u64);
 
 impl NameHasher {
     fn add(&mut self, word: u64) {

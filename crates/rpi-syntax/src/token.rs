@@ -5,8 +5,9 @@
 //! documentation, editors and completion read it.
 
 use crate::Mode;
+use crate::name::NameHash;
 use logos::Logos;
-use std::collections::BTreeMap;
+use std::collections::HashMap;
 use std::sync::OnceLock;
 
 /// Where a word is a keyword. Everywhere else it is a name, like any other.
@@ -296,7 +297,7 @@ impl Token {
 
     /// The word or sign that is always written like this.
     pub(crate) fn of_spelling(text: &str) -> Option<Token> {
-        static SPELLED: OnceLock<BTreeMap<&str, Token>> = OnceLock::new();
+        static SPELLED: OnceLock<HashMap<&str, Token, NameHash>> = OnceLock::new();
         let spelled = SPELLED.get_or_init(|| {
             let signs = SIGNS.iter().map(|(token, sign)| (*sign, *token));
             let words = KEYWORDS.iter().map(|word| (word.text, word.token));

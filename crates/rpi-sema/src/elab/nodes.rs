@@ -10,7 +10,6 @@ use rpi_diag::{Code, Finding, Span};
 use rpi_image::{InPort, Need, PortDefault, PortType, Scalar, ShapeArgs, Type, Value};
 use rpi_net::{FragmentId, Input, Node, NodeId, Origin, PortRef, Types};
 use rpi_prims::{FaultCode, PrimId, fold};
-use std::fmt::Write;
 
 impl Elab<'_> {
     /// A primitive with its in-ports connected, `None` where they are open, and all its parameters. Gives the leaves of
@@ -133,9 +132,7 @@ impl Elab<'_> {
             self.too_large(span);
             return NodeId(0);
         }
-        let mut name = String::with_capacity(self.name.len() + 4);
-        // Writing to a text does not fail.
-        let _ = write!(name, "{}#{}", self.name, self.serial);
+        let name = numbered(&self.name, self.serial);
         self.serial += 1;
         self.net.add_node(Node {
             name,
@@ -287,6 +284,17 @@ impl Elab<'_> {
         }
         signal
     }
+}
+
+/// `name#serial`, digit by digit: every node is given such a name, and most a short one.
+fn numbered(name: &str, serial: u32) -> String {
+    let digits = serial.checked_ilog10().unwrap_or(0);
+    let digit = |k| char::from_digit(serial / 10_u32.pow(k) % 10, 10);
+    let mut text = String::with_capacity(name.len() + digits as usize + 2);
+    text.push_str(name);
+    text.push('#');
+    text.extend((0..=digits).rev().filter_map(digit));
+    text
 }
 
 /// All parameters of a primitive by their defaults.

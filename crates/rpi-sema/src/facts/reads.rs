@@ -39,9 +39,9 @@ impl<'u> Reads<'u> {
         }
         Reads {
             blocks: blocks(unit),
-            parents: Lists::new(exprs, parents),
-            of_flows: Lists::new(unit.flows.len(), of_flows),
-            defines: Lists::new(exprs + unit.flows.len(), defined(&definitions, exprs)),
+            parents: Lists::new(exprs, &parents),
+            of_flows: Lists::new(unit.flows.len(), &of_flows),
+            defines: Lists::new(exprs + unit.flows.len(), &defined(&definitions, exprs)),
             definitions,
             exprs,
         }
@@ -151,20 +151,23 @@ struct Lists {
 }
 
 impl Lists {
-    /// Of pairs of list and item.
-    fn new(lists: usize, mut pairs: Vec<(u32, u32)>) -> Self {
-        pairs.sort_unstable();
+    /// Of pairs of list and item; the items of a list stay in their order.
+    fn new(lists: usize, pairs: &[(u32, u32)]) -> Self {
         let mut first = vec![0; lists + 1];
-        for (list, _) in &pairs {
+        for (list, _) in pairs {
             first[*list as usize + 1] += 1;
         }
         for k in 1..first.len() {
             first[k] += first[k - 1];
         }
-        Lists {
-            first,
-            items: pairs.into_iter().map(|(_, item)| item).collect(),
+        let mut next = first.clone();
+        let mut items = vec![0; pairs.len()];
+        for (list, item) in pairs {
+            let at = &mut next[*list as usize];
+            items[*at as usize] = *item;
+            *at += 1;
         }
+        Lists { first, items }
     }
 
     fn of(&self, list: usize) -> &[u32] {
