@@ -1,9 +1,10 @@
 //! `rpic check`: what is wrong with programs and nets.
 
+use std::collections::BTreeMap;
 use std::io::IsTerminal;
 use std::path::Path;
 
-use rpi_diag::{Finding, Format, Severity, SourceMap, Style, render_as};
+use rpi_diag::{Code, Finding, Format, Severity, SourceMap, Span, Style, render_as};
 use rpi_driver::Compiled;
 
 use crate::args::CheckArgs;
@@ -40,16 +41,23 @@ pub(crate) fn compile(path: &Path) -> Result<Compiled, Box<dyn std::error::Error
 struct Report {
     findings: Vec<Finding>,
     sources: SourceMap,
+    /// Where in `findings` those are that are about the same place: there can be a hundred thousand.
+    told: BTreeMap<(Code, Span), Vec<usize>>,
 }
 
 impl Report {
     fn add(&mut self, compiled: Compiled) {
         let files = self.sources.absorb(&compiled.sources);
         for finding in compiled.findings {
-            let finding = finding.renumbered(&files);
-            if !self.findings.contains(&finding) {
-                self.findings.push(finding);
-            }
+            self.tell(finding.renumbered(&files));
+        }
+    }
+
+    fn tell(&mut self, finding: Finding) {
+        let here = self.told.entry((finding.code, finding.span())).or_default();
+        if here.iter().all(|told| self.findings[*told] != finding) {
+            here.push(self.findings.len());
+            self.findings.push(finding);
         }
     }
 }

@@ -19,7 +19,12 @@ use std::process::ExitCode;
 
 use args::{Cli, Task};
 use clap::Parser;
+use mimalloc::MiMalloc;
 use outcome::Exit;
+
+/// Programs are many small pieces: the platform's allocator would take a quarter of the time of a check.
+#[global_allocator]
+static ALLOCATOR: MiMalloc = MiMalloc;
 
 fn main() -> ExitCode {
     let done = match Cli::parse().task {

@@ -23,6 +23,7 @@ const OWNERS: &[(&str, &[&str])] = &[
     ("lsp-types", &["rpi-lsp"]),
     ("mcap", &["rpi-host"]),
     ("miette", &["rpi-diag"]),
+    ("mimalloc", &["rpic"]),
     ("nalgebra", &["rpi-kin", "rpi-prims", "rpi-sim"]),
     ("petgraph", &["rpi-net", "rpi-sema"]),
     ("pulldown-cmark", &["rpi-doc"]),
