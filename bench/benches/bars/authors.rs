@@ -1,8 +1,8 @@
 //! The authors' nets: what a cycle takes.
 
 use crate::MS;
-use crate::table::Table;
 use rpi_bench::clock::timed;
+use rpi_bench::table::Table;
 use rpi_bench::{Puppet, twin};
 use rpi_core::{Machine, Moment};
 use rpi_diag::FileId;

@@ -1,7 +1,7 @@
 //! Inactive fragments: what each costs, whatever is inside.
 
-use crate::table::Table;
 use crate::{MS, scratch};
+use rpi_bench::table::Table;
 use rpi_bench::yardstick::Ours;
 use rpi_bench::{Build, build, twin};
 use rpi_core::{Machine, Moment};

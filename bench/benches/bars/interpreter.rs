@@ -1,7 +1,7 @@
 //! Generated nets in the interpreter beside gcc -O2 of the same net as C.
 
-use crate::table::Table;
 use rpi_bench::generate;
+use rpi_bench::table::Table;
 use rpi_bench::yardstick::{Gcc, Ours};
 use rpi_net::Net;
 use tempfile::TempDir;

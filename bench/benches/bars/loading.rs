@@ -1,8 +1,8 @@
 //! From a text to a command that can run.
 
 use crate::MS;
-use crate::table::Table;
 use rpi_bench::clock::timed;
+use rpi_bench::table::Table;
 use rpi_bench::{Puppet, generate};
 use rpi_core::Machine;
 use rpi_diag::FileId;

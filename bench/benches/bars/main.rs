@@ -1,19 +1,16 @@
 //! The bars: what the interpreter, the loader and the memory do, beside the yardsticks, in one run.
 //!
 //! `cargo bench -p rpi-bench --bench bars [-- NAME...]` prints one table; names choose rows by a part of theirs.
-//! `.. -- program SHAPE SIZE` prints a program that the rows `check, SHAPE` measure.
 
 mod authors;
-mod checking;
 mod inactive;
 mod interpreter;
 mod loading;
 mod memory;
 mod switching;
-mod table;
 
+use rpi_bench::table::Table;
 use std::path::Path;
-use table::Table;
 
 /// Nanoseconds in a millisecond.
 const MS: u64 = 1_000_000;
@@ -36,16 +33,6 @@ fn main() {
     {
         return memory::load_and_tell(Path::new(path));
     }
-    if let [mode, path] = &arguments[..]
-        && mode == checking::CHILD
-    {
-        return checking::check_and_tell(Path::new(path)).unwrap_or_else(|e| eprintln!("{e}"));
-    }
-    if let [mode, shape, size] = &arguments[..]
-        && mode == checking::PRINT
-    {
-        return checking::print(shape, size.parse().unwrap_or(0));
-    }
     let names = arguments.into_iter().filter(|a| !a.starts_with('-'));
     let mut table = Table::new(names.collect());
     interpreter::rows(&mut table);
@@ -53,7 +40,6 @@ fn main() {
     inactive::rows(&mut table);
     switching::rows(&mut table);
     loading::rows(&mut table);
-    checking::rows(&mut table);
     memory::rows(&mut table);
     table.print();
 }

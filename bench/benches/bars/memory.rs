@@ -1,8 +1,8 @@
 //! Bytes per primitive, running and while loading.
 
-use crate::table::Table;
 use crate::{MS, scratch};
-use rpi_bench::{generate, twin};
+use rpi_bench::table::Table;
+use rpi_bench::{generate, resident::resident, twin};
 use rpi_core::Machine;
 use rpi_device::NoDevices;
 use rpi_lower::LowerOptions;
@@ -56,12 +56,4 @@ pub(crate) fn load_and_tell(path: &Path) {
     let text = std::fs::read_to_string(path).unwrap_or_default();
     crate::loading::load(&text);
     println!("{}", resident("VmHWM:"));
-}
-
-/// A figure of this process's memory in kB: `VmHWM:` is the highest so far.
-pub(crate) fn resident(what: &str) -> u64 {
-    let status = std::fs::read_to_string("/proc/self/status").unwrap_or_default();
-    let line = status.lines().find(|l| l.starts_with(what));
-    let number = line.and_then(|l| l.split_whitespace().nth(1));
-    number.and_then(|n| n.parse().ok()).unwrap_or(0)
 }

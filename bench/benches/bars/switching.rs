@@ -1,7 +1,7 @@
 //! What a switch from one command to the next costs on the cycle's thread, whatever the size of the commands.
 
-use crate::table::Table;
 use crate::{MS, scratch};
+use rpi_bench::table::Table;
 use rpi_bench::{Build, Puppet, build, twin};
 use rpi_core::{Command, CommandId, Core, Rule, Why};
 use rpi_image::{Image, Scalar, Value};

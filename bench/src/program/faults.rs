@@ -56,9 +56,16 @@ pub(super) fn one_ring(n: usize) -> String {
     )
 }
 
-/// Delays that are read in the first cycle.
+/// Delays that are read in the first cycle: all of them reach the out-port.
 pub(super) fn no_first_value(n: usize) -> String {
-    node(n, |k| format!("  a{k} = pre u + {k}.0;"))
+    let body = lines(n, |k| match k {
+        0 => "  a0 = u;".to_owned(),
+        _ => format!("  a{k} = a{} + pre u;", k - 1),
+    });
+    format!(
+        "node faulty (u: real) returns (y: real)\nlet\n{body}  y = a{};\ntel\n",
+        n - 1
+    )
 }
 
 /// Flows that may be absent where one is needed.

@@ -52,7 +52,7 @@ pub const SOUND: &[Shape] = &[
     shape("commands", "rpi", parts::commands),
 ];
 
-/// Programs in which much is found.
+/// Programs in which much is found: what their names say.
 pub const FAULTY: &[Shape] = &[
     shape("broken items", "rpi", faults::broken_items),
     shape("broken equations", "rpi", faults::broken_equations),
@@ -116,6 +116,31 @@ mod tests {
         for shape in SOUND {
             let found = findings(shape.ending, shape.text(200));
             assert_eq!(found, [], "{}.{}", shape.name, shape.ending);
+        }
+    }
+
+    /// The codes of the findings that each faulty program is about.
+    const CODES: &[(&str, &str)] = &[
+        ("broken items", "RPI0001"),
+        ("broken equations", "RPI0001"),
+        ("unknown names", "RPI1001"),
+        ("duplicates", "RPI1002"),
+        ("defined twice", "RPI1008"),
+        ("wrong types", "RPI2002"),
+        ("unused flows", "RPI3101"),
+        ("rings", "RPI4001"),
+        ("one ring", "RPI4001"),
+        ("no first value", "RPI5001"),
+        ("absent", "RPI3001"),
+    ];
+
+    #[test]
+    fn what_is_found_is_what_the_name_says() {
+        for (shape, (name, code)) in FAULTY.iter().zip(CODES) {
+            assert_eq!(shape.name, *name);
+            for finding in findings(shape.ending, shape.text(100)) {
+                assert_eq!(finding.code.as_str(), *code, "{name}");
+            }
         }
     }
 

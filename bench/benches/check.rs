@@ -1,17 +1,25 @@
 //! What `rpic check` takes for programs of all shapes and sizes, and whether it grows as they do.
+//!
+//! `cargo bench -p rpi-bench --bench check [-- NAME...]` prints one table; names choose rows by a part of theirs.
+//! `.. -- program SHAPE SIZE` prints a program that the rows `check, SHAPE` measure. Apart from the other bars, for it is
+//! measured with the allocator of `rpic`.
 
-use crate::scratch;
-use crate::table::Table;
+use mimalloc::MiMalloc;
 use rpi_bench::clock::{process_ns, timed};
 use rpi_bench::program::{FAULTY, SOUND, Shape};
+use rpi_bench::resident::resident;
+use rpi_bench::table::Table;
 use std::path::Path;
 use std::process::Command;
 
+#[global_allocator]
+static ALLOCATOR: MiMalloc = MiMalloc;
+
 /// The argument with which this program checks a file and tells what that took.
-pub(crate) const CHILD: &str = "check-child";
+const CHILD: &str = "check-child";
 
 /// The argument with which it prints a program: its shape and its size follow.
-pub(crate) const PRINT: &str = "program";
+const PRINT: &str = "program";
 
 /// Sizes in equations; the bars are for the last one.
 const SIZES: [usize; 3] = [1_000, 10_000, 100_000];
@@ -33,18 +41,36 @@ struct Cost {
     findings: u64,
 }
 
+fn main() {
+    let arguments: Vec<String> = std::env::args().skip(1).collect();
+    let words: Vec<&str> = arguments.iter().map(String::as_str).collect();
+    let done = match words[..] {
+        [CHILD, path] => check_and_tell(Path::new(path)),
+        [PRINT, shape, size] => print(shape, size.parse().unwrap_or(0)),
+        _ => {
+            let names = words.iter().filter(|word| !word.starts_with('-'));
+            measure(names.map(ToString::to_string).collect())
+        }
+    };
+    done.unwrap_or_else(|error| eprintln!("{error}"));
+}
+
 /// Sound and faulty programs of three sizes, then a file as people write it.
-pub(crate) fn rows(table: &mut Table) {
+fn measure(names: Vec<String>) -> Result<(), String> {
+    let dir = tempfile::tempdir().map_err(|e| e.to_string())?;
+    let mut table = Table::new(names);
     for shape in SOUND.iter().chain(FAULTY) {
         let name = format!("check, {}.{}", shape.name, shape.ending);
         if table.wants(&name) {
-            scratch(|dir| grown(table, dir, shape, &name));
+            grown(&mut table, dir.path(), shape, &name)?;
         }
     }
     let name = "check, file of 300 lines";
     if table.wants(name) {
-        scratch(|dir| real(table, dir, name));
+        real(&mut table, dir.path(), name)?;
     }
+    table.print();
+    Ok(())
 }
 
 fn grown(table: &mut Table, dir: &Path, shape: &Shape, name: &str) -> Result<(), String> {
@@ -122,23 +148,24 @@ fn child(path: &Path) -> Result<Cost, String> {
 }
 
 /// Does what `rpic check` does, and prints milliseconds of processor time, resident megabytes and findings.
-pub(crate) fn check_and_tell(path: &Path) -> Result<(), String> {
+fn check_and_tell(path: &Path) -> Result<(), String> {
     let input = rpi_driver::read(path).map_err(|e| e.to_string())?;
     let compiled = rpi_driver::compile(&input).map_err(|e| e.to_string())?;
     let style = rpi_diag::Style::PLAIN;
     let text = rpi_diag::render(&compiled.findings, &compiled.sources, style);
     std::fs::write(path.with_extension("txt"), text).map_err(|e| e.to_string())?;
-    let mb = crate::memory::resident("VmHWM:") as f64 / 1024.0;
+    let mb = resident("VmHWM:") as f64 / 1024.0;
     println!("{} {mb} {}", process_ns() / 1e6, compiled.findings.len());
     Ok(())
 }
 
 /// Prints the program of a shape (`chain.lus`) and size.
-pub(crate) fn print(shape: &str, size: usize) {
+fn print(shape: &str, size: usize) -> Result<(), String> {
     let named = |s: &&Shape| format!("{}.{}", s.name, s.ending) == shape;
     match SOUND.iter().chain(FAULTY).find(named) {
         Some(shape) => print!("{}", shape.text(size)),
         None if shape == "written.rpi" => print!("{}", rpi_bench::program::written()),
-        None => eprintln!("there is no shape {shape}"),
+        None => return Err(format!("there is no shape {shape}")),
     }
+    Ok(())
 }

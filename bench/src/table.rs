@@ -3,7 +3,7 @@
 use std::process::Command;
 
 /// Rows of figures against bars.
-pub(crate) struct Table {
+pub struct Table {
     only: Vec<String>,
     rows: Vec<Row>,
 }
@@ -17,19 +17,21 @@ struct Row {
 }
 
 impl Table {
-    /// A table of the rows whose names begin as one of these; all if there are none.
-    pub(crate) fn new(only: Vec<String>) -> Self {
+    /// A table of the rows in whose names one of these words is; all if there are none.
+    #[must_use]
+    pub fn new(only: Vec<String>) -> Self {
         let rows = Vec::new();
         Table { only, rows }
     }
 
     /// Whether a row is to be measured.
-    pub(crate) fn wants(&self, name: &str) -> bool {
+    #[must_use]
+    pub fn wants(&self, name: &str) -> bool {
         self.only.is_empty() || self.only.iter().any(|o| name.contains(o.as_str()))
     }
 
     /// Adds a row: a figure, and what it must not exceed.
-    pub(crate) fn row(&mut self, name: &str, value: f64, bar: f64, unit: &'static str, note: &str) {
+    pub fn row(&mut self, name: &str, value: f64, bar: f64, unit: &'static str, note: &str) {
         eprintln!("{name}: {value:.2} {unit} ({note})");
         self.rows.push(Row {
             name: name.to_owned(),
@@ -41,7 +43,7 @@ impl Table {
     }
 
     /// Prints all rows under the machine that they were measured on.
-    pub(crate) fn print(&self) {
+    pub fn print(&self) {
         println!("{}", machine());
         println!("Times are processor time of the measuring thread, the best of several tries.");
         println!(
