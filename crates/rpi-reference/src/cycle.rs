@@ -173,7 +173,7 @@ impl<'p> Reference<'p> {
                 }
             }
             Kind::Each(Each::Arrow, _) => Here {
-                chosen: here.chosen && self.first(here, id) == (number == 0),
+                chosen: here.chosen && self.is_first(here, id) == (number == 0),
                 ..here
             },
             Kind::Each(Each::Pre | Each::Last | Each::Hold, _) | Kind::Current(_) => {

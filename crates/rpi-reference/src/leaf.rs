@@ -200,10 +200,13 @@ impl<'p> Reference<'p> {
     /// Whether this is the first cycle of what stands here.
     pub(crate) fn first(&mut self, here: Here, id: ExprId) -> bool {
         self.keep.push((here, Keep::Begun(id)));
-        !self.instances[here.instance]
-            .memory(here.block)
-            .begun
-            .contains(&id)
+        self.is_first(here, id)
+    }
+
+    /// The same, looked at only: what does not tick in this cycle has not had its first one.
+    pub(crate) fn is_first(&mut self, here: Here, id: ExprId) -> bool {
+        let memory = self.instances[here.instance].memory(here.block);
+        !memory.begun.contains(&id)
     }
 
     /// `x = y`: all leaves are equal.
