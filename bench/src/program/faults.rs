@@ -56,16 +56,11 @@ pub(super) fn one_ring(n: usize) -> String {
     )
 }
 
-/// Delays that are read in the first cycle: all of them reach the out-port.
+/// Delays that are read in the first cycle: each by an out-port.
 pub(super) fn no_first_value(n: usize) -> String {
-    let body = lines(n, |k| match k {
-        0 => "  a0 = u;".to_owned(),
-        _ => format!("  a{k} = a{} + pre u;", k - 1),
-    });
-    format!(
-        "node faulty (u: real) returns (y: real)\nlet\n{body}  y = a{};\ntel\n",
-        n - 1
-    )
+    let body = lines(n, |k| format!("  y{k} = pre u + {k}.0;"));
+    let flows = names("y", n);
+    format!("node faulty (u: real) returns ({flows}: real)\nlet\n{body}tel\n")
 }
 
 /// Flows that may be absent where one is needed.
