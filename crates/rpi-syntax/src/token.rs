@@ -37,6 +37,8 @@ pub enum Place {
     Binder,
     /// After `(`, before what a conversion converts.
     Conversion,
+    /// Before an operand, where none ends; in Lustre everywhere.
+    Prefix,
 }
 
 /// One row of the table of words.
@@ -67,7 +69,12 @@ impl Keyword {
 
     /// Whether it can never be a name in files of this mode.
     pub fn is_reserved_in(&self, mode: Mode) -> bool {
-        self.is_in(mode) && self.place == Place::Reserved
+        let reserved = match self.place {
+            Place::Reserved => true,
+            Place::Prefix => mode == Mode::Lustre,
+            _ => false,
+        };
+        self.is_in(mode) && reserved
     }
 }
 
@@ -169,7 +176,7 @@ tokens! {
         Assert    "assert"    Both Reserved     "a condition that holds in every cycle, by the writer's word";
         BoolType  "bool"      Both Reserved     "the type of `true` and `false`";
         Const     "const"     Both Reserved     "declares constants";
-        Current   "current"   Both Reserved     "the latest value of a sampled flow";
+        Current   "current"   Both Prefix       "the latest value of a sampled flow";
         Div       "div"       Both Reserved     "integer quotient";
         Else      "else"      Both Reserved     "the value if the condition does not hold";
         Enum      "enum"      Both Reserved     "a type with named values";

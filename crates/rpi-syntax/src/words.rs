@@ -15,7 +15,7 @@ pub(crate) fn settle(lexemes: &mut [Lexeme], mode: Mode) {
         if token == Token::Str {
             settle_text(lexemes, at);
         } else if let Some(word) = token.keyword()
-            && word.place != Place::Reserved
+            && !word.is_reserved_in(mode)
             && !Around::new(lexemes, at).makes_keyword(word)
             && !(mode == Mode::Lustre && Around::new(lexemes, at).begins_check(word))
         {
@@ -194,6 +194,7 @@ impl Around {
             Place::Branch => self.is_before_name() && self.is_after_operand_or_bar(),
             Place::Binder => self.binds,
             Place::Conversion => self.converts(),
+            Place::Prefix => !self.is_after_operand() && self.after.is_some_and(begins_operand),
         }
     }
 
@@ -275,6 +276,19 @@ impl Around {
     fn is_alternative(&self) -> bool {
         use Token::{Bar, Unless, Until};
         matches!(self.before, Some(Bar | Unless | Until))
+    }
+}
+
+/// Whether the token begins an operand and goes on with none: `x - y` is a difference, also if `x` is a prefix elsewhere.
+fn begins_operand(token: Token) -> bool {
+    use Token::{
+        Current, False, Hash, Ident, If, Int, IntType, LParen, Last, Merge, Nor, Not, Path, Pre,
+        Real, RealType, True,
+    };
+    match token {
+        Ident | Path | Int | Real | True | False | LParen => true,
+        If | Not | Pre | Current | Last | Merge | Nor | Hash | IntType | RealType => true,
+        _ => false,
     }
 }
 

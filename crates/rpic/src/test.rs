@@ -255,16 +255,26 @@ impl Seen {
 
     fn text(&self, sources: &SourceMap) -> String {
         let active = self.fragments.values().filter(|seen| seen.1).count();
-        let ways: usize = self.branches.values().flatten().filter(|way| **way).count();
+        let own = |place: &&Span| !is_of_library(sources, **place);
+        let branches: Vec<(&Span, &[bool; 2])> = self
+            .branches
+            .iter()
+            .filter(|(place, _)| own(place))
+            .collect();
+        let ways = branches
+            .iter()
+            .flat_map(|(_, ways)| *ways)
+            .filter(|way| **way)
+            .count();
         let mut text = format!(
             "coverage: {active} of {} fragments, {ways} of {} branches\n",
             self.fragments.len(),
-            2 * self.branches.len()
+            2 * branches.len()
         );
         for (path, _) in self.fragments.values().filter(|seen| !seen.1) {
             text.push_str(&format!("  never active: {path}\n"));
         }
-        for (span, ways) in &self.branches {
+        for (span, ways) in branches {
             let missing = [(ways[0], "else"), (ways[1], "then")];
             for (_, branch) in missing.iter().filter(|(seen, _)| !seen) {
                 let (file, at) = (sources.name(span.file), sources.line_col(*span));
@@ -276,4 +286,10 @@ impl Seen {
         }
         text
     }
+}
+
+/// Whether a place is in a module of the standard library that a program uses: that has tests of its own.
+fn is_of_library(sources: &SourceMap, place: Span) -> bool {
+    let own = place.file == rpi_diag::FileId(0);
+    !own && sources.name(place.file).starts_with("stdlib/")
 }

@@ -136,7 +136,7 @@ impl<'a> Body<'_, 'a> {
             };
             sound &= match port {
                 Some(k) => self.give(header, &mut args, k, arg),
-                None => self.no_port(header, arg, given.len()),
+                None => self.no_port(header, arg, given),
             };
         }
         // What was given under a wrong name is not missing as well.
@@ -189,12 +189,15 @@ impl<'a> Body<'_, 'a> {
         true
     }
 
-    fn no_port(&mut self, header: &Header, arg: &Given<'a>, count: usize) -> bool {
-        let ports = by_place(header).len();
+    fn no_port(&mut self, header: &Header, arg: &Given<'a>, given: &[Given<'a>]) -> bool {
+        let (ports, count) = (by_place(header).len(), given.len());
         let finding = match arg.name {
             Some(name) => {
                 let names = header.inputs.iter().map(|p| p.name.as_str());
-                let near = rpi_diag::suggest(&name.name, names.clone());
+                let named = given.iter().filter_map(|arg| arg.name);
+                let named: Vec<&str> = named.map(|name| name.name.as_str()).collect();
+                let open = names.clone().filter(|name| !named.contains(name));
+                let near = rpi_diag::suggest(&name.name, open);
                 super::statics::no_param(&header.name, name, near)
                     .also(header.span, format!("it has {}", listed(names)))
             }

@@ -90,12 +90,25 @@ impl<'a> Body<'_, 'a> {
             Local::Flow(flow) => self.flow_expr(*flow, span),
             Local::Constant(constant) => self.constant_expr(constant, span),
             Local::Block(block) => {
+                // States are no flows: a state may be called as what holds in it.
+                if let Some(value) = self.value_called(name) {
+                    return self.declared(value, span);
+                }
                 let declared = self.unit.block(*block).span;
                 let finding = not_a("a flow", name, "a fragment", span, declared)
                     .help(format!("read one of its flows: `{name}.x`"));
                 self.fault_with(finding, span)
             }
         }
+    }
+
+    /// The constant or the value of an enum that is declared by a name.
+    fn value_called(&self, name: &Name) -> Option<DeclId> {
+        let Lookup::Found(id) = self.c.program.lookup_in(Space::Value, self.module, name) else {
+            return None;
+        };
+        let kind = &self.c.program.decl(id).kind;
+        matches!(kind, DeclKind::Const(_) | DeclKind::EnumValue { .. }).then_some(id)
     }
 
     /// A flow, read.

@@ -545,6 +545,8 @@ pub(super) fn missing(name: &Name, open: &[Name], span: Span, declared: Span) ->
 
 /// A static argument that nothing takes.
 pub(super) fn no_param(of: &Name, name: &Ident, near: Option<String>) -> Finding {
+    // Without the types that an instance was made for: they are not what is wrong.
+    let of = of.split("<<").next().unwrap_or(of);
     let finding = unknown(
         &format!("parameter of `{of}` called"),
         &name.name,

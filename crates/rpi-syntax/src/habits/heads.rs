@@ -80,15 +80,24 @@ pub(super) fn no_let(found: &Found<'_, '_>) -> Option<Habit> {
     Some(Habit { finding, mend })
 }
 
-/// `(x: real, b: bool)`
+/// `(x: real, b: bool)`, `{x = 1.0, y = 2.0}`
 pub(super) fn comma(found: &Found<'_, '_>) -> Option<Habit> {
     let at = found.fault.at;
     let names = found.token(at + 1) == Some(Token::Ident);
-    let typed = matches!(found.token(at + 2), Some(Token::Colon | Token::Comma));
-    if found.token(at) != Some(Token::Comma) || !found.expects(Token::Semi) || !names || !typed {
+    let open = found.structure.parent(at).and_then(|at| found.token(at));
+    let what = match open {
+        Some(Token::LBrace) => "fields",
+        _ => "declarations",
+    };
+    let defined = match found.token(at + 2) {
+        Some(Token::Colon | Token::Comma) => true,
+        Some(Token::Eq) => open == Some(Token::LBrace),
+        _ => false,
+    };
+    if found.token(at) != Some(Token::Comma) || !found.expects(Token::Semi) || !names || !defined {
         return None;
     }
-    let finding = habit("declarations are kept apart by `;`")
+    let finding = habit(format!("{what} are kept apart by `;`"))
         .at(
             found.span_at(at),
             "`,` stands between names of one type: `x, y: real`",

@@ -4,6 +4,7 @@
 //! nothing follows from it. Signs are known as such ([`sign`]); everything else is recognised where the grammar
 //! did not accept a token ([`recognise`]).
 
+mod automata;
 mod bodies;
 mod heads;
 mod kind2;
@@ -44,12 +45,16 @@ const HABITS: &[fn(&Found<'_, '_>) -> Option<Habit>] = &[
     kind2::condition_of_port,
     operators::remainder,
     operators::else_if,
+    automata::conditional,
+    automata::entry,
+    automata::late_unless,
     operators::no_else,
     operators::conditional,
     operators::bare_unit,
     operators::field_by_colon,
     updates::no_parentheses,
     updates::no_dot,
+    operators::struct_without_type,
     heads::size_in_brackets,
     heads::unit_of_int,
     operators::end_if,

@@ -3,7 +3,7 @@
 use super::{Habit, Mend, habit};
 use crate::explain::Found;
 use crate::token::Token;
-use rpi_diag::{Code, Finding, Fix};
+use rpi_diag::{Code, Finding, Fix, Span};
 
 /// `x % 2`
 pub(super) fn remainder(found: &Found<'_, '_>) -> Option<Habit> {
@@ -51,6 +51,20 @@ pub(super) fn no_else(found: &Found<'_, '_>) -> Option<Habit> {
     if !found.expects(Token::Else) || !ends {
         return None;
     }
+    let own = own_if(found)?;
+    let end = found.span_at(found.fault.at - 1);
+    let finding = Finding::new(Code::RPI0001, "this `if` has no `else`")
+        .at(found.span_at(own), "a flow has a value in every cycle")
+        .also(super::bodies::behind(end), "expected `else` here")
+        .help("say what holds otherwise: `if c then x else y`; to keep the value of the cycle before: `else pre y`");
+    Some(Habit {
+        finding,
+        mend: Mend::Usual,
+    })
+}
+
+/// The `if` before the fault that has no `else` yet.
+pub(super) fn own_if(found: &Found<'_, '_>) -> Option<usize> {
     let mut open = 0;
     let is_own = |at: &usize| match found.token(*at) {
         Some(Token::Else) => {
@@ -64,16 +78,7 @@ pub(super) fn no_else(found: &Found<'_, '_>) -> Option<Habit> {
         }
         _ => false,
     };
-    let own = (0..found.fault.at).rev().find(is_own)?;
-    let end = found.span_at(found.fault.at - 1);
-    let finding = Finding::new(Code::RPI0001, "this `if` has no `else`")
-        .at(found.span_at(own), "a flow has a value in every cycle")
-        .also(super::bodies::behind(end), "expected `else` here")
-        .help("say what holds otherwise: `if c then x else y`; to keep the value of the cycle before: `else pre y`");
-    Some(Habit {
-        finding,
-        mend: Mend::Usual,
-    })
+    (0..found.fault.at).rev().find(is_own)
 }
 
 /// `y = if c then x else z end;`
@@ -192,6 +197,38 @@ pub(super) fn field_by_colon(found: &Found<'_, '_>) -> Option<Habit> {
         .fix(Fix::sure("write `=`").replace(found.span_at(at), " ="));
     let mend = Mend::Tokens(vec![found.instead(at, &[Token::Eq])]);
     Some(Habit { finding, mend })
+}
+
+/// `limits: Limits = { speed = 1.0 }`
+pub(super) fn struct_without_type(found: &Found<'_, '_>) -> Option<Habit> {
+    use Token::{Colon, Eq, Ident, LBrace, RBrace};
+    let at = found.fault.at;
+    let begins = found.token_before() == Some(LBrace) && found.token(at) == Some(Ident);
+    let is_field = matches!(found.token(at + 1), Some(Eq | Colon));
+    if !begins || !is_field || !found.expects(RBrace) {
+        return None;
+    }
+    let brace = found.span_at(at - 1);
+    let before = |back: usize| at.checked_sub(back).and_then(|at| found.token(at));
+    let finding = habit("a value of a struct begins with its type");
+    let finding = match [before(4), before(3), before(2)] {
+        [Some(Colon), Some(Ident), Some(Eq)] => {
+            let ty = found.written(at - 3);
+            let place = Span {
+                end: brace.start,
+                ..brace
+            };
+            let fix = Fix::sure(format!("write `{ty} {{`")).replace(place, format!("{ty} "));
+            finding.at(brace, format!("of `{ty}`, it seems")).fix(fix)
+        }
+        _ => finding
+            .at(brace, "of which type is this?")
+            .help("for instance `Point {x = 1.0; y = 2.0}`"),
+    };
+    Some(Habit {
+        finding,
+        mend: Mend::Usual,
+    })
 }
 
 /// `(x + 1))`

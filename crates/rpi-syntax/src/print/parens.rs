@@ -36,8 +36,14 @@ pub(super) fn right(op: BinaryOp, rhs: &Expr) -> bool {
 
 /// Whether the operand of a unary operator needs parentheses.
 pub(super) fn operand(op: UnaryOp, operand: &Expr) -> bool {
-    let looks_like_comment = op == UnaryOp::Neg && begins_with_minus(operand);
-    looks_like_comment || !is_prefix(operand) && level(operand) < op.level()
+    let looks_else = match op {
+        // As a comment.
+        UnaryOp::Neg => begins_with_minus(operand),
+        // As a difference, or an element of an array.
+        UnaryOp::Current => begins_with_minus(operand) || begins_with_bracket(operand),
+        _ => false,
+    };
+    looks_else || !is_prefix(operand) && level(operand) < op.level()
 }
 
 /// Whether `.f` or `[i]` can not follow the expression directly.
@@ -76,6 +82,16 @@ fn open_end(expr: &Expr) -> Level {
 
 fn begins_with_minus(expr: &Expr) -> bool {
     matches!(first(expr).kind, ExprKind::Unary(UnaryOp::Neg, _))
+}
+
+fn begins_with_bracket(expr: &Expr) -> bool {
+    match &expr.kind {
+        ExprKind::Array(_) | ExprKind::EmptySet(_) => true,
+        ExprKind::Index(index) => begins_with_bracket(&index.base),
+        ExprKind::Slice(slice) => begins_with_bracket(&slice.base),
+        ExprKind::Field(field) => begins_with_bracket(&field.base),
+        _ => false,
+    }
 }
 
 /// Whether the expression begins with a text, which after `assert` would be a label.
