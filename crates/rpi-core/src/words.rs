@@ -1,7 +1,7 @@
 //! Rules as plain numbers, for those who record requests and make them again: a recording, another machine.
 //!
 //! ```text
-//! rule      = condition, stop, cancel, start (each its length, then its words), kept (0 or 1), then what is handed over
+//! rule      = condition, stop, cancel, start, handed over (each its length, then its words), kept (0 or 1)
 //! handed    = predecessor, export, successor, input
 //! condition = words of three numbers: what, command, argument
 //! set       = commands by their numbers
@@ -23,11 +23,13 @@ impl Rule {
         for set in [&self.stop, &self.cancel, &self.start] {
             put(&mut words, set.iter().map(|c| c.number()));
         }
-        words.push(u64::from(self.kept));
-        for handed in &self.handed {
+        let handed = self.handed.iter().flat_map(|handed| {
             let (export, input) = (u64::from(handed.export), u64::from(handed.input));
-            words.extend([handed.from.number(), export, handed.to.number(), input]);
-        }
+            [handed.from.number(), export, handed.to.number(), input]
+        });
+        let handed: Vec<u64> = handed.collect();
+        put(&mut words, handed.into_iter());
+        words.push(u64::from(self.kept));
         words
     }
 
@@ -38,10 +40,8 @@ impl Rule {
         let (stop, rest) = take(rest)?;
         let (cancel, rest) = take(rest)?;
         let (start, rest) = take(rest)?;
-        let (&[kept @ (0 | 1)], handed) = rest.split_first_chunk()? else {
-            return None;
-        };
-        let (handed, []) = handed.as_chunks() else {
+        let (handed, rest) = take(rest)?;
+        let (&[kept @ (0 | 1)], (handed, [])) = (rest, handed.as_chunks()) else {
             return None;
         };
         let condition = condition.chunks(3).map(Word::of_numbers);

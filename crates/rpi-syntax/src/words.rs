@@ -194,7 +194,7 @@ impl Around {
             Place::Branch => self.is_before_name() && self.is_after_operand_or_bar(),
             Place::Binder => self.binds,
             Place::Conversion => self.converts(),
-            Place::Prefix => !self.is_after_operand() && self.after.is_some_and(begins_operand),
+            Place::Prefix => self.is_prefix(),
         }
     }
 
@@ -263,6 +263,12 @@ impl Around {
         self.before.is_some_and(ends_operand)
     }
 
+    /// `real current x`: `int` and `real` end a type, or convert what follows.
+    fn is_prefix(&self) -> bool {
+        let converted = matches!(self.before, Some(Token::IntType | Token::RealType));
+        (converted || !self.is_after_operand()) && self.after.is_some_and(begins_operand)
+    }
+
     fn is_after_operand_or_bar(&self) -> bool {
         self.is_after_operand() || self.before == Some(Token::Bar)
     }
@@ -283,11 +289,11 @@ impl Around {
 fn begins_operand(token: Token) -> bool {
     use Token::{
         Current, False, Hash, Ident, If, Int, IntType, LParen, Last, Merge, Nor, Not, Path, Pre,
-        Real, RealType, True,
+        Real, RealType, Str, True, With,
     };
     match token {
-        Ident | Path | Int | Real | True | False | LParen => true,
-        If | Not | Pre | Current | Last | Merge | Nor | Hash | IntType | RealType => true,
+        Ident | Path | Int | Real | Str | True | False | LParen => true,
+        If | With | Not | Pre | Current | Last | Merge | Nor | Hash | IntType | RealType => true,
         _ => false,
     }
 }

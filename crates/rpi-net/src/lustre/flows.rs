@@ -238,7 +238,14 @@ impl<'n> Writer<'n> {
             Restart::OnActivation => on
                 .as_ref()
                 .map(|on| format!("({on} and not (false -> pre {on}))")),
-            Restart::Every(condition) => Some(self.holds(parent, condition, Absent::Inactive)),
+            // Nobody asks while what is around the fragment is not active.
+            Restart::Every(condition) => {
+                let asked = self.holds(parent, condition, Absent::Inactive);
+                Some(match &outer.on {
+                    Some(on) => format!("({on} and {asked})"),
+                    None => asked,
+                })
+            }
         };
         let again = match (own, &outer.again) {
             (None, again) => again.clone(),

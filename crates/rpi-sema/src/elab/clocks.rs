@@ -11,7 +11,15 @@ use rpi_image::{Scalar, Value};
 use rpi_net::{FragmentId, PortRef, Restart};
 
 /// What a clock's fragments are known by: the fragment around them, the flow that decides, and for which value.
-pub(super) type ClockKey = (FragmentId, PortRef, u32);
+pub(super) type ClockKey = (FragmentId, Deciding, u32);
+
+/// What decides whether a clock ticks.
+#[derive(Clone, Copy, PartialEq, Eq, Hash, Debug)]
+pub(super) enum Deciding {
+    Flow(PortRef),
+    /// The same in all cycles: a Boolean as 0 or 1, or the number of an enum's value.
+    Constant(i64),
+}
 
 impl<'u> Elab<'u> {
     /// Where an expression is evaluated: in the fragment of its clock.
@@ -63,11 +71,15 @@ impl<'u> Elab<'u> {
         span: Span,
     ) -> FragmentId {
         let wire = self.flow(scope, on.flow, span);
-        let deciding = wire.first().cloned().unwrap_or(Signal::Absent);
-        let key: Option<ClockKey> = match deciding {
-            Signal::Port(port) => Some((parent, port, on.value)),
+        let deciding = match wire.first() {
+            Some(Signal::Port(port)) => Some(Deciding::Flow(*port)),
+            Some(Signal::Const(value)) => {
+                let value = value.as_bool().map(i64::from).or(value.as_int());
+                value.map(Deciding::Constant)
+            }
             _ => None,
         };
+        let key = deciding.map(|deciding| (parent, deciding, on.value));
         if let Some(fragment) = key.and_then(|key| self.known_clock(key, place)) {
             return fragment;
         }
