@@ -119,8 +119,12 @@ pub fn c(net: &Net, period_ns: u64) -> Result<String, Vec<Finding>> {
 ///
 /// # Errors
 /// Why there is no order in the net.
-pub fn lustre(net: &Net, boundary: &Boundary<'_>) -> Result<(String, Vec<Finding>), String> {
+pub fn lustre(
+    net: &Net,
+    boundary: &Boundary<'_>,
+    period_ns: u64,
+) -> Result<(String, Vec<Finding>), String> {
     let analysis = analyse(net.clone(), |_| false).map_err(|violation| violation.to_string())?;
-    let made = rpi_net::lustre::write(&analysis, boundary);
+    let made = rpi_net::lustre::write(&analysis, boundary, period_ns);
     Ok((made.text, made.findings))
 }

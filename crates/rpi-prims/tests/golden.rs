@@ -85,7 +85,7 @@ fn integers_booleans_and_times() {
 
 #[test]
 fn faults_have_their_codes() {
-    let cases: [(&str, &[Value], FaultCode); 8] = [
+    let cases: [(&str, &[Value], FaultCode); 10] = [
         (
             "Rpi::IntSubtract",
             &[of(i64::MIN), of(1_i64)],
@@ -117,6 +117,8 @@ fn faults_have_their_codes() {
             FaultCode::IntegerOverflow,
         ),
         ("Rpi::Assert", &[of(false)], FaultCode::AssertionFailed),
+        ("Rpi::AssertIndex", &[of(false)], FaultCode::IndexOutOfRange),
+        ("Rpi::Assume", &[of(false)], FaultCode::AssertionFailed),
         ("EStop", &[of(true)], FaultCode::EmergencyStop),
     ];
     for (name, inputs, code) in cases {

@@ -92,6 +92,9 @@ fn bad_tables_are_told_with_their_line() {
     assert!(err.contains("no column is called `x`"), "{err}");
 }
 
+/// A millisecond, in nanoseconds.
+const PERIOD: u64 = 1_000_000;
+
 /// A name of a flow as an emitted program has it: `x[2].f` becomes `x_2_f`.
 fn plain(name: &str) -> String {
     name.replace(']', "").replace(['[', '.'], "_")
@@ -110,7 +113,7 @@ fn emitted(program: &Path, table: &str) -> (String, String) {
         outputs: &node.outputs,
     };
     let (text, left_open) =
-        rpi_driver::emit::lustre(&node.net, &boundary).expect("it has an order");
+        rpi_driver::emit::lustre(&node.net, &boundary, PERIOD).expect("it has an order");
     assert!(left_open.is_empty(), "{}: {left_open:?}", program.display());
     let number = |cell: &str| {
         let mut values = node
@@ -153,7 +156,9 @@ fn columns(table: &str) -> Vec<(String, Vec<String>)> {
 #[test]
 fn what_is_emitted_as_lustre_gives_the_same_bits() {
     let mut wrong = Vec::new();
-    for program in files_below("tests/lustre", &[".lus"]) {
+    let mut programs = files_below("tests/lustre", &[".lus"]);
+    programs.extend(files_below("tests/nodes", &[".rpi"]));
+    for program in programs {
         let inputs = with(&program, "in.csv");
         let path = program.display().to_string();
         let wanted = rpi(&["run", &path, "--inputs", &inputs, "--numbers"]);
@@ -180,6 +185,25 @@ fn what_is_emitted_as_lustre_gives_the_same_bits() {
     assert!(wrong.is_empty(), "{}", wrong.join("\n"));
 }
 
+/// A command as `--emit lustre` writes it, and what of it is open there.
+fn command(text: &str) -> (String, Vec<rpi_diag::Finding>) {
+    let compiled = rpi_driver::compile_with(&source(text), rpi_driver::Claims::Fault);
+    let compiled = compiled.expect("a program is text");
+    let [net] = compiled.nets() else {
+        panic!("{:?}", compiled.findings)
+    };
+    let boundary = rpi_net::lustre::Boundary::default();
+    rpi_driver::emit::lustre(net, &boundary, PERIOD).expect("it has an order")
+}
+
+fn source(text: &str) -> rpi_driver::Input {
+    rpi_driver::Input {
+        path: "page.rpi".into(),
+        kind: rpi_driver::Kind::Rpi,
+        bytes: text.as_bytes().to_vec(),
+    }
+}
+
 #[test]
 fn what_has_no_form_in_lustre_is_told() {
     let page = rpi_diag::Code::RPI9103.page();
@@ -189,18 +213,46 @@ fn what_has_no_form_in_lustre_is_told() {
     ] {
         let text = page.split(fence).nth(1);
         let text = text.and_then(|rest| rest.split("```").next());
-        let input = rpi_driver::Input {
-            path: "page.rpi".into(),
-            kind: rpi_driver::Kind::Rpi,
-            bytes: text.expect("the page has both").as_bytes().to_vec(),
-        };
-        let compiled = rpi_driver::compile(&input).expect("a program is text");
-        let [net] = compiled.nets() else {
-            panic!("{:?}", compiled.findings)
-        };
-        let boundary = rpi_net::lustre::Boundary::default();
-        let (text, findings) = rpi_driver::emit::lustre(net, &boundary).expect("it has an order");
+        let (text, findings) = command(text.expect("the page has both"));
         assert_eq!(findings.len(), told, "{findings:?}");
         assert!(text.contains("done: bool"), "{text}");
     }
+}
+
+#[test]
+fn of_the_results_of_a_command_only_the_chosen_one_is_true() {
+    let (text, open) = command(
+        "command Watch () let n = 0 -> pre n + 1;
+finish big when n >= 1 and time < 1.0[s]; finish other when n >= 1 or time > 5.0[s] + dt;
+fail bad when n >= 3 and dt < 0.5[s]; yield on when n >= 1; tel",
+    );
+    // All reads of `time` are one input, and `dt` is known.
+    assert_eq!(open.len(), 2, "{open:?}\n{text}");
+    let table = "time,takeover\n0.0,true\n0.0,true\n2.0,true\n2.0,true\n";
+    let (out, err, status) = run(&text, table, &[]);
+    let wanted = "big,other,bad,on\nfalse,false,false,false\ntrue,false,false,false\n\
+        false,true,false,false\nfalse,false,true,false\n";
+    assert_eq!((out.as_str(), status), (wanted, Some(0)), "{text}{err}");
+}
+
+#[test]
+fn what_holds_by_the_writers_word_is_not_to_be_proved() {
+    let (text, _) = command(
+        "node Half (x: int) returns (y: int) con assume x > -5; guarantee y < 7; noc let y = x div 2; tel
+command Watch () let n = 0 -> pre n + 1; assert n < 100; y = Half(n); finish done when y > 9; tel",
+    );
+    let lines = |start: &str| text.lines().filter(|line| line.starts_with(start)).count();
+    assert_eq!(
+        (lines("  assert "), lines("  --%PROPERTY ")),
+        (1, 2),
+        "{text}"
+    );
+    let program = "node a (x: int) returns (y: int) con assume x > 0; guarantee y > 1; noc let y = x + 1; tel";
+    let (path, folder) = ("a.rpi", tempfile::tempdir().expect("a folder"));
+    let path = folder.path().join(path);
+    std::fs::write(&path, program).expect("it is written");
+    let (text, _) = emitted(&path, "x\n1\n");
+    let assumed = text.lines().filter(|line| line.starts_with("  assert "));
+    assert_eq!(assumed.count(), 1, "{text}");
+    assert_eq!(text.matches("--%PROPERTY").count(), 1, "{text}");
 }

@@ -41,7 +41,7 @@ pub(crate) fn compile(args: &CompileArgs) -> Outcome {
     }
 }
 
-/// A node by itself as Lustre; its claims become properties.
+/// A node by itself as Lustre, with its claims.
 fn node_as_lustre(input: &Input, args: &CompileArgs) -> Outcome {
     let compiled = rpi_driver::compile_node(input, args.node.as_deref(), Claims::Fault, false)?;
     show(Format::Human, &compiled.findings, &compiled.sources)?;
@@ -52,7 +52,7 @@ fn node_as_lustre(input: &Input, args: &CompileArgs) -> Outcome {
         inputs: &node.inputs,
         outputs: &node.outputs,
     };
-    let (text, findings) = emit::lustre(&node.net, &boundary)?;
+    let (text, findings) = emit::lustre(&node.net, &boundary, args.period)?;
     show(Format::Human, &findings, &compiled.sources)?;
     put_result(&args.file, args.output.as_deref(), text.as_bytes())?;
     Ok(Exit::Good)
@@ -78,7 +78,7 @@ fn show_form(form: Form, net: &Net, compiled: &Compiled, args: &CompileArgs) -> 
             }
         },
         Form::Lustre => {
-            let (text, findings) = emit::lustre(net, &Boundary::default())?;
+            let (text, findings) = emit::lustre(net, &Boundary::default(), args.period)?;
             show(Format::Human, &findings, &compiled.sources)?;
             text
         }

@@ -1,11 +1,11 @@
 //! Equations, one primitive at a time.
 
 use super::flows::{Is, Seen, Writer};
-use super::operators::{filled, guarded, operator};
+use super::operators::{Check, check, filled, guarded, operator};
 use super::value::{literal, neutral, type_name};
 use crate::net::{Input, NodeId, PortRef};
 use crate::passes::Sureness;
-use rpi_image::{Need, PortType, Role, Scalar, Type, Value};
+use rpi_image::{CommandFlow, Need, PortType, Role, Scalar, Type, Value};
 
 /// A value and when it is there.
 struct Result {
@@ -17,11 +17,8 @@ impl Writer<'_> {
     /// What a primitive does, or an input in its place.
     pub(super) fn equation(&mut self, id: NodeId) {
         let node = self.net().node(id);
-        if node.desc().name == "Rpi::Assert" {
-            if let Some(condition) = self.operand(id, 0) {
-                self.property(node.fragment, &condition);
-            }
-            return;
+        if let Some(check) = check(node.desc().name) {
+            return self.check(id, check);
         }
         if self.inputs_taken.contains(&id) {
             return;
@@ -36,6 +33,16 @@ impl Writer<'_> {
         match self.result(id, scalar) {
             Some(result) => self.define(port, scalar, &result),
             None => self.leave_open(id),
+        }
+    }
+
+    fn check(&mut self, id: NodeId, check: Check) {
+        let condition = self.operand(id, 0);
+        let fragment = self.net().node(id).fragment;
+        let claimed = condition.and_then(|condition| self.claimed(fragment, &condition));
+        match check {
+            Check::Given => self.assumptions.extend(claimed),
+            Check::ToProve => self.claims.extend(claimed),
         }
     }
 
@@ -72,9 +79,29 @@ impl Writer<'_> {
         }
     }
 
+    /// What the core gives to a command is an input, too, but for the period, which is known.
+    pub(super) fn take_core_flows(&mut self) {
+        for id in self.net().node_ids() {
+            let node = self.net().node(id);
+            let (Role::Flow(flow), desc) = (node.desc().role, node.desc()) else {
+                continue;
+            };
+            if flow == CommandFlow::Period {
+                continue;
+            }
+            if let Some(name) = self.core_input(desc, node.origin.span) {
+                self.is_input(PortRef { node: id, port: 0 }, name);
+            }
+        }
+    }
+
     fn result(&mut self, id: NodeId, scalar: Scalar) -> Option<Result> {
         let node = self.net().node(id);
         match node.desc().role {
+            Role::Flow(CommandFlow::Period) => Some(Result {
+                value: literal(&Value::real(self.dt))?,
+                is: Is::Always,
+            }),
             Role::Constant => Some(Result {
                 value: literal(node.params.first()?)?,
                 is: Is::Always,

@@ -4,29 +4,36 @@ use super::names::Names;
 use super::value::{literal, neutral, type_name};
 use crate::net::{Absent, Activation, FragmentId, Input, Net, NodeId, PortRef, Restart};
 use crate::passes::{Analysis, Sureness};
-use rpi_diag::{Code, Finding};
-use rpi_image::{Scalar, Type};
+use rpi_diag::{Code, Finding, Span};
+use rpi_image::{PortType, Presence, PrimDesc, Scalar, Type};
 use std::collections::{BTreeMap, BTreeSet};
 
 /// A program in the making.
 pub(super) struct Writer<'n> {
     pub(super) analysis: &'n Analysis,
-    names: Names,
+    /// The period in seconds.
+    pub(super) dt: f64,
+    pub(super) names: Names,
     pub(super) title: String,
     pub(super) inputs: Vec<String>,
     pub(super) outputs: Vec<String>,
     pub(super) locals: Vec<String>,
     pub(super) equations: Vec<String>,
+    /// What is taken as given.
+    pub(super) assumptions: Vec<String>,
+    /// What is to be proved.
     pub(super) claims: Vec<String>,
     pub(super) findings: Vec<Finding>,
     /// Of each flow its name; the same with `_is` tells whether it is there.
     flows: BTreeMap<PortRef, String>,
     /// The inputs that have been declared, by key.
     given: BTreeMap<String, String>,
+    /// The inputs that stand for what the core gives to a command, by primitive.
+    from_core: BTreeMap<&'static str, String>,
     /// The nodes that stand for them.
     pub(super) inputs_taken: BTreeSet<NodeId>,
     /// The names of outputs, by key.
-    reserved: BTreeMap<String, String>,
+    pub(super) reserved: BTreeMap<String, String>,
     fragments: Vec<Activity>,
 }
 
@@ -43,6 +50,18 @@ pub(super) struct Seen {
     pub(super) value: Option<String>,
     /// When it is there: a condition.
     pub(super) is: Is,
+}
+
+impl Seen {
+    /// That it is true, given what its absence means.
+    pub(super) fn holds(&self, absent: Absent) -> String {
+        let value = self.value.as_deref().unwrap_or("false");
+        match (&self.is, absent) {
+            (Is::Always, _) => value.to_owned(),
+            (is, Absent::Inactive) => format!("({} and {value})", is.text()),
+            (is, Absent::Active) => format!("(not {} or {value})", is.text()),
+        }
+    }
 }
 
 /// When something is there.
@@ -81,21 +100,24 @@ impl Is {
 }
 
 impl<'n> Writer<'n> {
-    pub(super) fn new(analysis: &'n Analysis) -> Self {
+    pub(super) fn new(analysis: &'n Analysis, dt: f64) -> Self {
         let mut names = Names::default();
         let title = names.fresh(&analysis.net.name);
         Writer {
             analysis,
+            dt,
             names,
             title,
             inputs: Vec::new(),
             outputs: Vec::new(),
             locals: Vec::new(),
             equations: Vec::new(),
+            assumptions: Vec::new(),
             claims: Vec::new(),
             findings: Vec::new(),
             flows: BTreeMap::new(),
             given: BTreeMap::new(),
+            from_core: BTreeMap::new(),
             inputs_taken: BTreeSet::new(),
             reserved: BTreeMap::new(),
             fragments: Vec::new(),
@@ -130,6 +152,26 @@ impl<'n> Writer<'n> {
         let name = self.names.fresh(key);
         self.inputs.push(format!("{name}: {ty}"));
         self.given.insert(key.to_owned(), name.clone());
+        Some(name)
+    }
+
+    /// The input that stands for what the core gives to a command: one, however often it is read.
+    pub(super) fn core_input(&mut self, desc: &'static PrimDesc, reader: Span) -> Option<String> {
+        if let Some(name) = self.from_core.get(desc.name) {
+            return Some(name.clone());
+        }
+        let port = desc.outputs.first()?;
+        let PortType::One(scalar) = port.ty else {
+            return None;
+        };
+        let ty = type_name(scalar)?;
+        let name = self.names.fresh(&desc.name.to_lowercase());
+        self.inputs.push(format!("{name}: {ty}"));
+        if port.presence == Presence::Maybe {
+            self.inputs.push(format!("{name}_is: bool"));
+        }
+        self.from_core.insert(desc.name, name.clone());
+        self.tell_open(desc, std::slice::from_ref(&name), reader);
         Some(name)
     }
 
@@ -233,20 +275,7 @@ impl<'n> Writer<'n> {
                 Some(self.local(&format!("{path}_on"), "bool", &all.join(" and ")))
             }
         };
-        let own = match fragment.restart {
-            Restart::Never => None,
-            Restart::OnActivation => on
-                .as_ref()
-                .map(|on| format!("({on} and not (false -> pre {on}))")),
-            // Nobody asks while what is around the fragment is not active.
-            Restart::Every(condition) => {
-                let asked = self.holds(parent, condition, Absent::Inactive);
-                Some(match &outer.on {
-                    Some(on) => format!("({on} and {asked})"),
-                    None => asked,
-                })
-            }
-        };
+        let own = self.asked_to_restart(id, parent, on.as_deref());
         let again = match (own, &outer.again) {
             (None, again) => again.clone(),
             (Some(own), None) => Some(self.local(&format!("{path}_again"), "bool", &own)),
@@ -258,14 +287,36 @@ impl<'n> Writer<'n> {
         Activity { on, again }
     }
 
+    /// When a fragment's own restart has its state start afresh.
+    fn asked_to_restart(
+        &mut self,
+        id: FragmentId,
+        parent: FragmentId,
+        on: Option<&str>,
+    ) -> Option<String> {
+        let fragment = self.net().fragment(id);
+        match fragment.restart {
+            Restart::Never => None,
+            // A pause of what is around the fragment is no end of its activity.
+            Restart::OnActivation => on.map(|on| {
+                let like = format!("{}_was", self.net().path(parent, &fragment.name));
+                let was = self.kept(parent, &like, "bool", "false", |_| on.to_owned());
+                format!("({on} and not {was})")
+            }),
+            // What is asked for while the fragment is not active does not count.
+            Restart::Every(condition) => {
+                let asked = self.holds(parent, condition, Absent::Inactive);
+                Some(match on {
+                    Some(on) => format!("({on} and {asked})"),
+                    None => asked,
+                })
+            }
+        }
+    }
+
     fn holds(&mut self, reader: FragmentId, condition: PortRef, absent: Absent) -> String {
         let seen = self.seen_port(reader, condition, Scalar::Bool);
-        let value = seen.value.unwrap_or_else(|| "false".to_owned());
-        match (&seen.is, absent) {
-            (Is::Always, _) => value,
-            (is, Absent::Inactive) => format!("({} and {value})", is.text()),
-            (is, Absent::Active) => format!("(not {} or {value})", is.text()),
-        }
+        seen.holds(absent)
     }
 
     /// A value of the previous cycle in which the fragment was active: `next` is what it will be, and the name of the
@@ -294,41 +345,15 @@ impl<'n> Writer<'n> {
         before
     }
 
-    /// Keeps the name of an output for it.
-    pub(super) fn reserve(&mut self, key: &str) {
-        let name = self.names.fresh(key);
-        self.reserved.insert(key.to_owned(), name);
-    }
-
-    /// An output of the node; one that may be absent has a companion.
-    pub(super) fn output(&mut self, key: &str, ty: Scalar, source: &Input) {
-        let seen = self.seen(FragmentId::ROOT, source, ty);
-        let (Some(value), Some(name)) = (seen.value, type_name(ty)) else {
-            return;
-        };
-        let reserved = self.reserved.get(key).cloned();
-        let output = reserved.unwrap_or_else(|| self.names.fresh(key));
-        self.outputs.push(format!("{output}: {name}"));
-        self.equations.push(format!("{output} = {value}"));
-        if seen.is != Is::Always {
-            let companion = self.names.fresh(&format!("{output}_is"));
-            self.outputs.push(format!("{companion}: bool"));
-            self.equations
-                .push(format!("{companion} = {}", seen.is.text()));
-        }
-    }
-
-    /// A property: a condition that holds wherever it is there and its fragment is active.
-    pub(super) fn property(&mut self, fragment: FragmentId, condition: &Seen) {
-        let Some(value) = &condition.value else {
-            return;
-        };
+    /// That a condition holds wherever it is there and its fragment is active.
+    pub(super) fn claimed(&self, fragment: FragmentId, condition: &Seen) -> Option<String> {
+        let value = condition.value.clone()?;
         let on = self.fragments[fragment.index()].on.clone();
         let on = on.map_or(Is::Always, |on| Is::While(vec![on]));
-        self.claims.push(match on.and(&condition.is) {
-            Is::Always => value.clone(),
+        Some(match on.and(&condition.is) {
+            Is::Always => value,
             is => format!("({} => {value})", is.text()),
-        });
+        })
     }
 
     /// Inputs in the place of a primitive that has no form here.
@@ -348,13 +373,19 @@ impl<'n> Writer<'n> {
             if self.analysis.presences.own(port) == Sureness::Optional {
                 self.inputs.push(format!("{name}_is: bool"));
             }
-            names.push(format!("`{name}`"));
+            names.push(name);
         }
-        if !names.is_empty() {
-            let message = format!("`{}` has no form in Lustre", node.desc().name);
-            let label = format!("{} in the program may be anything", names.join(", "));
-            self.findings
-                .push(Finding::new(Code::RPI9103, message).at(node.origin.span, label));
+        self.tell_open(node.desc(), &names, node.origin.span);
+    }
+
+    fn tell_open(&mut self, desc: &PrimDesc, names: &[String], reader: Span) {
+        if names.is_empty() {
+            return;
         }
+        let names: Vec<String> = names.iter().map(|name| format!("`{name}`")).collect();
+        let message = format!("`{}` has no form in Lustre", desc.name);
+        let label = format!("{} in the program may be anything", names.join(", "));
+        let finding = Finding::new(Code::RPI9103, message);
+        self.findings.push(finding.at(reader, label));
     }
 }

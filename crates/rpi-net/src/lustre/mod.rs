@@ -14,19 +14,19 @@
 //! | `value.rs` | literals |
 //! | `flows.rs` | what a reader sees of a flow, and when fragments are active |
 //! | `equations.rs` | one primitive at a time |
+//! | `outputs.rs` | what goes out, and how a command ends |
 
 mod equations;
 mod flows;
 mod names;
 mod operators;
+mod outputs;
 mod value;
 
 use crate::Column;
-use crate::net::{Driver, Input, Net, PortRef};
 use crate::passes::Analysis;
 use flows::Writer;
 use rpi_diag::Finding;
-use rpi_image::{Scalar, Type};
 use std::fmt::Write as _;
 
 /// The ports that the node shall have, in this order, by the keys of the net; all exports if there are none.
@@ -47,52 +47,30 @@ pub struct Lustre {
     pub findings: Vec<Finding>,
 }
 
-/// Writes an analysed net.
+/// Writes an analysed net for a period in nanoseconds, on which only `dt` depends.
 #[must_use]
-pub fn write(analysis: &Analysis, boundary: &Boundary<'_>) -> Lustre {
-    let mut writer = Writer::new(analysis);
+pub fn write(analysis: &Analysis, boundary: &Boundary<'_>, period_ns: u64) -> Lustre {
+    let mut writer = Writer::new(analysis, period_ns as f64 * 1e-9);
     for column in boundary.inputs {
         writer.input(&column.key, column.ty);
     }
     writer.take_inputs();
-    let outputs = outputs(&analysis.net, boundary);
-    for (key, ..) in &outputs {
+    let exports = outputs::exports(&analysis.net, boundary);
+    let results = outputs::results(&analysis.net, boundary);
+    let keys = exports.iter().map(|export| &export.0);
+    for key in keys.chain(results.iter().map(|result| &result.name)) {
         writer.reserve(key);
     }
+    writer.take_core_flows();
     writer.fragments();
     for id in analysis.net.node_ids() {
         writer.equation(id);
     }
-    for (key, ty, source) in &outputs {
-        writer.output(key, *ty, source);
+    for (key, ty, source) in exports {
+        writer.output(&key, ty, source);
     }
+    writer.choose(results);
     writer.finish()
-}
-
-/// What goes out: what is asked for, else all exports, then how a command ends.
-fn outputs(net: &Net, boundary: &Boundary<'_>) -> Vec<(String, Scalar, Input)> {
-    let exported = |key: &str| net.exports.iter().find(|export| export.key == key);
-    let port = |port: PortRef| Input::Port(port);
-    let mut all = Vec::new();
-    for column in boundary.outputs {
-        if let Some(export) = exported(&column.key) {
-            all.push((column.key.clone(), column.ty, port(export.source)));
-        }
-    }
-    if !boundary.outputs.is_empty() {
-        return all;
-    }
-    for export in &net.exports {
-        let ty = net.node(export.source.node).outputs[usize::from(export.source.port)];
-        if let Type::One(scalar) = ty {
-            all.push((export.key.clone(), scalar, port(export.source)));
-        }
-    }
-    if let Driver::Results(results) = &net.driver {
-        let results = results.iter();
-        all.extend(results.map(|r| (r.name.clone(), Scalar::Bool, r.condition.clone())));
-    }
-    all
 }
 
 impl Writer<'_> {
@@ -112,6 +90,9 @@ impl Writer<'_> {
         text.push_str("let\n  --%MAIN;\n");
         for equation in &self.equations {
             let _ = writeln!(text, "  {equation};");
+        }
+        for assumption in &self.assumptions {
+            let _ = writeln!(text, "  assert {assumption};");
         }
         for claim in &self.claims {
             let _ = writeln!(text, "  --%PROPERTY {claim};");

@@ -12,6 +12,28 @@ pub(super) fn guarded(prim: &str) -> Option<(&'static str, &'static str)> {
     row.map(|row| (row.1, row.2))
 }
 
+/// What a model checker makes of a check.
+#[derive(Clone, Copy)]
+pub(super) enum Check {
+    /// It holds by the writer's word.
+    Given,
+    /// It is to be proved.
+    ToProve,
+}
+
+/// What becomes of a primitive that ends the command where a condition does not hold.
+pub(super) fn check(prim: &str) -> Option<Check> {
+    let row = CHECKS.iter().find(|row| row.0 == prim);
+    row.map(|row| row.1)
+}
+
+#[rustfmt::skip]
+const CHECKS: &[(&str, Check)] = &[
+    ("Rpi::Assert",      Check::ToProve),
+    ("Rpi::AssertIndex", Check::ToProve),
+    ("Rpi::Assume",      Check::Given),
+];
+
 #[rustfmt::skip]
 const OPERATORS: &[(&str, &str)] = &[
     ("Core::BooleanNot",          "not {0}"),

@@ -6,12 +6,14 @@
 use super::scope::Scope;
 use super::signal::{Signal, nothing};
 use super::{At, Elab, Mode};
+use crate::prims::prim;
 use crate::ty::Ty;
 use crate::typed::{BlockId, Claim, ClaimKind, Each, ExprId, FlowId, Kind, Unit, UnitKind};
 use rpi_diag::{Code, Finding};
 use rpi_image::Value;
 use rpi_net::claim::{claim_key, read_key};
 use rpi_net::{self as net, ClaimRead};
+use rpi_prims::PrimId;
 
 /// What becomes of the claims of a program: of its assertions and contracts.
 #[derive(Clone, Copy, PartialEq, Eq, Default, Debug)]
@@ -51,7 +53,7 @@ impl<'u> Elab<'u> {
             self.findings.push(never(claim));
         }
         match policy {
-            Claims::Fault => self.assert(&condition, at, claim.span),
+            Claims::Fault => self.assert(check(scope, claim), &condition, at, claim.span),
             _ => self.publish(scope, (block, claim), &condition, at),
         }
     }
@@ -124,6 +126,16 @@ impl<'u> Elab<'u> {
             });
         }
         reads
+    }
+}
+
+/// What ends the command where a claim does not hold: what holds by the writer's word, as do assertions and what the
+/// program as a whole assumes, is told from what follows. The assumptions of a callee bind its caller.
+fn check(scope: &Scope<'_>, claim: &Claim) -> PrimId {
+    match claim.kind {
+        ClaimKind::Assert => prim!("Rpi::Assume"),
+        ClaimKind::Assume if scope.prefix.is_empty() => prim!("Rpi::Assume"),
+        _ => prim!("Rpi::Assert"),
     }
 }
 

@@ -9,6 +9,7 @@ use crate::prims::prim;
 use crate::typed::{Activation, ExprId, Kind, PrimCall};
 use rpi_diag::Span;
 use rpi_image::{ParamType, PortType, Scalar, Type, Value};
+use rpi_prims::PrimId;
 use smallvec::SmallVec;
 
 /// Calls in one another that may be elaborated from outside.
@@ -195,7 +196,7 @@ impl<'u> Elab<'u> {
             span,
         );
         let inside = self.simple(prim!("Core::BooleanAnd"), &[from, to], at, span);
-        self.assert(&inside, at, span);
+        self.assert(prim!("Rpi::AssertIndex"), &inside, at, span);
     }
 
     /// A condition that matters only in the cycles in which the branch around it is chosen.
@@ -212,13 +213,13 @@ impl<'u> Elab<'u> {
     }
 
     /// A check that ends the command by a fault in the cycle in which it fails.
-    pub(super) fn assert(&mut self, condition: &Signal, at: At, span: Span) {
+    pub(super) fn assert(&mut self, check: PrimId, condition: &Signal, at: At, span: Span) {
         if *condition == Signal::Const(Value::bool(true)) {
             return;
         }
         let condition = self.where_chosen(condition, at, span);
         if self.mode != Mode::Constant {
-            self.simple(prim!("Rpi::Assert"), &[condition], at, span);
+            self.simple(check, &[condition], at, span);
         } else {
             self.fail(NotConstant::Fault(
                 span,

@@ -110,10 +110,13 @@ fn all_roots(net: &Net, rules: &[Rule], claims: &[PortRef]) -> Vec<NodeId> {
     roots
 }
 
+/// The primitives that end the command where a condition does not hold.
+const CHECKS: [&str; 3] = ["Rpi::Assert", "Rpi::AssertIndex", "Rpi::Assume"];
+
 /// What ends the command where it does not hold.
 fn asserted(net: &Net) -> impl Iterator<Item = PortRef> + '_ {
     let checks = net.nodes.iter();
-    let checks = checks.filter(|node| node.desc().name == "Rpi::Assert");
+    let checks = checks.filter(|node| CHECKS.contains(&node.desc().name));
     checks.filter_map(|node| node.inputs.first().and_then(Input::port))
 }
 

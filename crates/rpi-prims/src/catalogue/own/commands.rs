@@ -5,7 +5,8 @@ use crate::macros::{interface, primitive};
 use crate::registry::Prim;
 use rpi_image::{CommandFlow, Role};
 
-pub(in crate::catalogue) const ALL: &[Prim] = &[FIRST, TIME, PREDECESSOR, ASSERT];
+pub(in crate::catalogue) const ALL: &[Prim] =
+    &[FIRST, TIME, PREDECESSOR, ASSERT, ASSERT_INDEX, ASSUME];
 
 interface! {
     /// True exactly in the first cycle in which the surrounding fragment is active, and again after its restart.
@@ -37,6 +38,36 @@ interface! {
 primitive! {
     /// Lets the value through; a fault ends the command in the cycle in which it is false.
     ASSERT = "Rpi::Assert";
+    in { inValue: bool }
+    out { outValue: bool }
+    presence strict work 1 faults;
+    full |cx, place, _, _, (holds,)| {
+        if !holds {
+            cx.fault(FaultCode::AssertionFailed, place);
+        }
+        (holds,)
+    }
+}
+
+primitive! {
+    /// Lets the value through, which says that an index lies within its array; a fault ends the command in the cycle in which
+    /// it is false.
+    ASSERT_INDEX = "Rpi::AssertIndex";
+    in { inValue: bool }
+    out { outValue: bool }
+    presence strict work 1 faults;
+    full |cx, place, _, _, (holds,)| {
+        if !holds {
+            cx.fault(FaultCode::IndexOutOfRange, place);
+        }
+        (holds,)
+    }
+}
+
+primitive! {
+    /// Lets the value through; a fault ends the command in the cycle in which it is false. What proves properties of the
+    /// program takes it as given.
+    ASSUME = "Rpi::Assume";
     in { inValue: bool }
     out { outValue: bool }
     presence strict work 1 faults;

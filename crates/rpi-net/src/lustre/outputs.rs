@@ -1,0 +1,103 @@
+//! What goes out of the node: exports, and how a command ends.
+
+use super::Boundary;
+use super::flows::{Is, Writer};
+use super::value::type_name;
+use crate::net::{Absent, Driver, FragmentId, Input, Net, PortRef, ResultKind, ResultPort};
+use rpi_image::{CommandFlow, Role, Scalar, Type};
+use rpi_prims::registry;
+
+/// The exports that go out: what is asked for, else all.
+pub(super) fn exports(net: &Net, boundary: &Boundary<'_>) -> Vec<(String, Scalar, PortRef)> {
+    let exported = |key: &str| net.exports.iter().find(|export| export.key == key);
+    if !boundary.outputs.is_empty() {
+        let asked = boundary.outputs.iter();
+        let found = asked.filter_map(|column| Some((column, exported(&column.key)?)));
+        let row = found.map(|(column, export)| (column.key.clone(), column.ty, export.source));
+        return row.collect();
+    }
+    let one = net.exports.iter().filter_map(|export| {
+        let source = export.source;
+        match net.node(source.node).outputs[usize::from(source.port)] {
+            Type::One(scalar) => Some((export.key.clone(), scalar, source)),
+            _ => None,
+        }
+    });
+    one.collect()
+}
+
+/// The results of a command; none if it is said what shall go out.
+pub(super) fn results<'n>(net: &'n Net, boundary: &Boundary<'_>) -> &'n [ResultPort] {
+    match &net.driver {
+        Driver::Results(results) if boundary.outputs.is_empty() => results,
+        _ => &[],
+    }
+}
+
+impl Writer<'_> {
+    /// Keeps the name of an output for it.
+    pub(super) fn reserve(&mut self, key: &str) {
+        let name = self.names.fresh(key);
+        self.reserved.insert(key.to_owned(), name);
+    }
+
+    /// An output of the node; one that may be absent has a companion.
+    pub(super) fn output(&mut self, key: &str, ty: Scalar, source: PortRef) {
+        let seen = self.seen(FragmentId::ROOT, &Input::Port(source), ty);
+        let (Some(value), Some(name)) = (seen.value, type_name(ty)) else {
+            return;
+        };
+        let output = self.reserved_name(key);
+        self.outputs.push(format!("{output}: {name}"));
+        self.equations.push(format!("{output} = {value}"));
+        if seen.is != Is::Always {
+            let companion = self.names.fresh(&format!("{output}_is"));
+            self.outputs.push(format!("{companion}: bool"));
+            self.equations
+                .push(format!("{companion} = {}", seen.is.text()));
+        }
+    }
+
+    fn reserved_name(&mut self, key: &str) -> String {
+        let reserved = self.reserved.get(key).cloned();
+        reserved.unwrap_or_else(|| self.names.fresh(key))
+    }
+
+    /// A command ends by one result: of those whose conditions hold a `fail` comes first, then the first in the text.
+    pub(super) fn choose(&mut self, results: &[ResultPort]) {
+        let names: Vec<String> = results
+            .iter()
+            .map(|result| self.reserved_name(&result.name))
+            .collect();
+        let declared = names.iter().map(|name| format!("{name}: bool"));
+        self.outputs.extend(declared);
+        let is_fail = |k: &usize| results[*k].kind == ResultKind::Fail;
+        let (fails, others): (Vec<usize>, Vec<usize>) = (0..results.len()).partition(is_fail);
+        let mut earlier: Vec<&str> = Vec::new();
+        for k in fails.into_iter().chain(others) {
+            let condition = self.ends(&results[k]);
+            let name = &names[k];
+            self.equations.push(match earlier.is_empty() {
+                true => format!("{name} = {condition}"),
+                false => format!("{name} = {condition} and not ({})", earlier.join(" or ")),
+            });
+            earlier.push(name);
+        }
+    }
+
+    /// A result's condition; a `yield` needs a successor, too.
+    fn ends(&mut self, result: &ResultPort) -> String {
+        let seen = self.seen(FragmentId::ROOT, &result.condition, Scalar::Bool);
+        let condition = seen.holds(Absent::Inactive);
+        if result.kind != ResultKind::Yield {
+            return condition;
+        }
+        let covers = Role::Flow(CommandFlow::Takeover);
+        let takeover = registry().iter().find(|prim| prim.desc.role == covers);
+        let takeover = takeover.and_then(|prim| self.core_input(&prim.desc, result.origin.span));
+        match takeover {
+            Some(takeover) => format!("{condition} and {takeover}"),
+            None => condition,
+        }
+    }
+}
