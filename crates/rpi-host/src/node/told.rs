@@ -14,7 +14,11 @@ pub(super) fn fault(image: &Image, fault: Fault, cycle: u64) -> Finding {
         end: text.end,
     });
     let flow = place.and_then(|place| place.flow.clone().or_else(|| Some(place.path.clone())));
-    let label = flow.map_or_else(String::new, |flow| format!("for `{flow}`"));
+    // What stands behind a `#` counts the parts of an expression.
+    let label = flow.map_or_else(String::new, |flow| {
+        let name = flow.split('#').next().unwrap_or(&flow);
+        format!("for `{name}`")
+    });
     Finding::new(Code::RPI9011, format!("cycle {cycle}: {what}"))
         .at(span.unwrap_or(Span::NONE), label)
 }

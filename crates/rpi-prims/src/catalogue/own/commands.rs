@@ -1,6 +1,6 @@
 //! Flows that the core gives to a command, and checks that end it.
 
-use crate::cx::FaultCode;
+use crate::cx::{Cx, FaultCode};
 use crate::macros::{interface, primitive};
 use crate::registry::Prim;
 use rpi_image::{CommandFlow, Role};
@@ -41,12 +41,7 @@ primitive! {
     in { inValue: bool }
     out { outValue: bool }
     presence strict work 1 faults;
-    full |cx, place, _, _, (holds,)| {
-        if !holds {
-            cx.fault(FaultCode::AssertionFailed, place);
-        }
-        (holds,)
-    }
+    full |cx, place, _, _, (holds,)| checked(cx, place, holds, FaultCode::AssertionFailed)
 }
 
 primitive! {
@@ -56,12 +51,7 @@ primitive! {
     in { inValue: bool }
     out { outValue: bool }
     presence strict work 1 faults;
-    full |cx, place, _, _, (holds,)| {
-        if !holds {
-            cx.fault(FaultCode::IndexOutOfRange, place);
-        }
-        (holds,)
-    }
+    full |cx, place, _, _, (holds,)| checked(cx, place, holds, FaultCode::IndexOutOfRange)
 }
 
 primitive! {
@@ -71,10 +61,12 @@ primitive! {
     in { inValue: bool }
     out { outValue: bool }
     presence strict work 1 faults;
-    full |cx, place, _, _, (holds,)| {
-        if !holds {
-            cx.fault(FaultCode::AssertionFailed, place);
-        }
-        (holds,)
+    full |cx, place, _, _, (holds,)| checked(cx, place, holds, FaultCode::AssertionFailed)
+}
+
+fn checked(cx: &mut Cx<'_>, place: u32, holds: bool, otherwise: FaultCode) -> (bool,) {
+    if !holds {
+        cx.fault(otherwise, place);
     }
+    (holds,)
 }
