@@ -7,7 +7,7 @@ syntax keyword rpiKeyword and
 syntax keyword rpiKeyword assert
 syntax keyword rpiType bool
 syntax keyword rpiKeyword const
-syntax keyword rpiKeyword current
+syntax match rpiKeyword /\.\@1<!\<current\>\(\s*[=:,)]\)\@!/
 syntax keyword rpiKeyword div
 syntax keyword rpiKeyword else
 syntax keyword rpiKeyword enum
