@@ -47,10 +47,12 @@ class Core:
         if self._gone:
             raise ConnectionError(GONE)
         number = next(self._numbers)
+        request = {"jsonrpc": "2.0", "id": number, "method": method, "params": params}
+        # JSON has no NaN and no infinity: a ValueError here, before anybody waits for the answer.
+        text = json.dumps(request, allow_nan=False)
         answer: asyncio.Future[Any] = asyncio.get_running_loop().create_future()
         self._waiting[number] = answer
-        request = {"jsonrpc": "2.0", "id": number, "method": method, "params": params}
-        await self._wire.send(json.dumps(request))
+        await self._wire.send(text)
         return await answer
 
     async def open_session(self, name: str, on_loss: str = "cancel") -> Session:

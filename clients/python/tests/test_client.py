@@ -56,6 +56,14 @@ class ClientTest(unittest.IsolatedAsyncioTestCase):
         assert self.server.stderr is not None
         self.server.stderr.close()
 
+    async def test_what_json_cannot_say_is_refused_here(self) -> None:
+        async with await connect(self.path) as core:
+            session = await core.open_session("test")
+            goal = await session.load(GAIN, language="rpinet")
+            with self.assertRaises(ValueError):
+                await goal.set(gain=float("nan"))
+            await goal.set(gain=2.0)
+
     async def test_goal_feedback_result(self) -> None:
         async with await connect(self.path) as core:
             session = await core.open_session("test")

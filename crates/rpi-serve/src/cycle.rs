@@ -18,7 +18,8 @@ pub(crate) struct Cycle {
     pub(crate) watch: Box<dyn Watch + Send>,
     /// How a tick is run.
     pub(crate) around_tick: fn(&mut dyn FnMut()),
-    pub(crate) closing: Arc<AtomicBool>,
+    /// There is to be no other tick.
+    pub(crate) over: Arc<AtomicBool>,
     /// Takes in what is recorded, if it is.
     pub(crate) camera: Option<Camera>,
     /// How many ticks the recording has lost, once there will be no more.
@@ -34,7 +35,7 @@ impl Cycle {
         // Whoever opens the server looks for this again and again: to tell it takes no system call.
         let _ = granted.set(grants);
         let around_tick = self.around_tick;
-        while !self.closing.load(Ordering::Relaxed) {
+        while !self.over.load(Ordering::Relaxed) {
             around_tick(&mut || self.tick());
         }
         let _ = self.lost.set(self.camera.as_ref().map_or(0, Camera::lost));

@@ -7,7 +7,7 @@ use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 use std::sync::{Arc, OnceLock};
 use std::thread::{self, JoinHandle};
-use std::time::Duration;
+use std::time::{Duration, Instant};
 
 use rpi_core::{Continuity, Watch};
 use rpi_device::NoDevices;
@@ -23,6 +23,12 @@ use crate::wire::{Guard, Identity, Reception};
 
 /// How often the desk looks what the cycle tells.
 const KEEP: Duration = Duration::from_millis(1);
+
+/// How long devices get to come to rest before the cycle that moves them ends.
+const REST: Duration = Duration::from_secs(5);
+
+/// The thread of the cycle.
+const CYCLE: &str = "rpi-cycle";
 
 /// Requests to the cycle that can be under way at once.
 const REQUESTS: usize = 4096;
@@ -159,13 +165,17 @@ impl From<io::Error> for CannotOpen {
     }
 }
 
-/// A running server. Dropping it closes it: commands are no longer run, and devices stand still.
+/// A running server. Dropping it closes it: everything is stopped, and ticks go on until devices stand still.
 #[derive(Debug)]
 pub struct Server {
     address: SocketAddr,
+    /// The socket that it has made, to be removed.
     socket: Option<PathBuf>,
     grants: Vec<Grant>,
+    /// Clients are no longer heard.
     closing: Arc<AtomicBool>,
+    /// The cycle and the desk end.
+    over: Arc<AtomicBool>,
     threads: Vec<JoinHandle<()>>,
     office: Option<Office>,
     /// How many ticks its recording has lost, once there will be no more.
@@ -203,9 +213,10 @@ impl Server {
         let address = listener.local_addr()?;
         let mut server = Server {
             address,
-            socket: settings.socket.clone(),
+            socket: None,
             grants: Vec::new(),
             closing: Arc::default(),
+            over: Arc::default(),
             threads: Vec::new(),
             office: None,
             lost: Arc::default(),
@@ -256,14 +267,14 @@ impl Server {
             beat: Beat::start(settings.pace, tick_ns, overrun),
             watch,
             around_tick: settings.around_tick,
-            closing: Arc::clone(&self.closing),
+            over: Arc::clone(&self.over),
             camera,
             lost: Arc::clone(&self.lost),
         };
         self.run(cycle, settings.real_time)?;
-        let (closing, keeper) = (Arc::clone(&self.closing), office.clone());
+        let (over, keeper) = (Arc::clone(&self.over), office.clone());
         self.spawn("rpi-desk", move || {
-            while !closing.load(Ordering::Relaxed) {
+            while !over.load(Ordering::Relaxed) {
                 keeper.desk().keep();
                 thread::sleep(KEEP);
             }
@@ -275,7 +286,7 @@ impl Server {
     fn run(&mut self, cycle: Cycle, real_time: Option<RealTime>) -> io::Result<()> {
         let granted = Arc::new(OnceLock::new());
         let tell = Arc::clone(&granted);
-        self.spawn("rpi-cycle", move || cycle.run(real_time, &tell))?;
+        self.spawn(CYCLE, move || cycle.run(real_time, &tell))?;
         let ended = |t: &JoinHandle<()>| t.is_finished();
         while granted.get().is_none() && !self.threads.last().is_some_and(ended) {
             thread::sleep(KEEP);
@@ -290,8 +301,8 @@ impl Server {
 
     #[cfg(unix)]
     fn listen_at(&mut self, path: &Path, reception: Reception) -> io::Result<()> {
-        use std::os::unix::net::UnixListener;
-        let listener = UnixListener::bind(path)?;
+        let listener = crate::wire::bind(path)?;
+        self.socket = Some(path.to_owned());
         listener.set_nonblocking(true)?;
         self.spawn("rpi-listen", move || reception.take_all_local(&listener))
     }
@@ -319,7 +330,8 @@ impl Server {
         self.address
     }
 
-    /// Closes it: commands are no longer run, and devices stand still. What was recorded, if it was.
+    /// Closes it: clients are no longer heard, everything is stopped, and ticks go on until all devices stand still, for at most
+    /// five seconds. What was recorded, if it was.
     ///
     /// # Errors
     /// Those of the recording.
@@ -329,6 +341,8 @@ impl Server {
 
     fn end(&mut self) -> io::Result<Option<Written>> {
         self.closing.store(true, Ordering::Relaxed);
+        self.come_to_rest();
+        self.over.store(true, Ordering::Relaxed);
         let fenced = self.grants.iter().any(realtime::is_fence_up);
         self.wait();
         while fenced && self.lost.get().is_none() {
@@ -337,6 +351,25 @@ impl Server {
         let lost = self.lost.get().copied().unwrap_or_default();
         let office = self.office.take();
         office.map_or(Ok(None), |office| office.desk().finish_recording(lost))
+    }
+
+    /// Stops everything, and waits until the devices stand still: nobody lets go of an arm that moves.
+    fn come_to_rest(&self) {
+        let Some(office) = &self.office else {
+            return;
+        };
+        office.desk().stop_everything();
+        let begin = Instant::now();
+        while self.ticks() && begin.elapsed() < REST && !office.desk().has_come_to_rest() {
+            thread::sleep(KEEP);
+        }
+    }
+
+    /// Whether the cycle is still there to move devices.
+    fn ticks(&self) -> bool {
+        let mut threads = self.threads.iter();
+        let ended = |t: &JoinHandle<()>| t.thread().name() == Some(CYCLE) && t.is_finished();
+        !threads.any(ended)
     }
 
     /// Whether it still serves: only a fault ends it from inside.
@@ -359,5 +392,60 @@ impl Drop for Server {
         if let Some(path) = &self.socket {
             let _ = std::fs::remove_file(path);
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::desk::{Language, Load};
+
+    /// Swings an axis of the arm for ever.
+    const SWING: &str = "{t=Core::Clock(Increment='1.0'),c=Core::DoubleCos(inValue=t.outValue),\
+        n=Core::DoubleMultiply(inFirst=c.outValue,Second='-0.1'),\
+        p=Core::DoubleAdd(inFirst=n.outValue,Second='0.1'),\
+        a=RobotArm::JointPosition(inPosition=p.outValue,Robot='arm',Axis='0')}";
+
+    /// Has the server run a command, and waits until the arm moves.
+    fn swing(office: &Office) {
+        let session = office.desk().open_session("test", None).unwrap();
+        let load = Load {
+            session: &session,
+            title: "swing",
+            language: Language::Rpinet,
+            text: SWING,
+            command: None,
+            period_ns: 0,
+        };
+        let starter = office.clone();
+        let started = move |name: Result<String, _>| {
+            // The desk is taken while it answers.
+            let name = name.unwrap();
+            thread::spawn(move || starter.desk().start(&name, Box::new(|_| {})));
+        };
+        office.desk().load(&load, Box::new(started));
+        let begin = Instant::now();
+        while !office.desk().devices().any(|info| info.moving) {
+            assert!(
+                begin.elapsed() < Duration::from_secs(30),
+                "it does not move"
+            );
+            thread::sleep(KEEP);
+        }
+    }
+
+    #[test]
+    fn nobody_lets_go_of_an_arm_that_moves() {
+        let text = "[devices.arm]\nkind = \"arm\"\nmodel = \"kuka-lwr4+\"\n";
+        let cell = Cell::parse("cell.toml", text).unwrap();
+        let settings = Settings {
+            listen: SocketAddr::new(IpAddr::from([127, 0, 0, 1]), 0),
+            ..Settings::default()
+        };
+        let server = Server::open(&cell, &settings, ()).unwrap();
+        let office = server.office.clone().unwrap();
+        swing(&office);
+        server.close().unwrap();
+        assert!(!office.desk().devices().any(|info| info.moving));
     }
 }

@@ -29,12 +29,14 @@ pub(crate) enum Task {
     ///
     /// With --inputs or --step a node of a program (.rpi, .lus) is run by itself: one row of the table per cycle. Else
     /// commands run, and it shows what happened at the end. Exit status: 0 if all ended without error, 1 for a command's error, 2 for bad
-    /// input, 3 for a fault while running.
+    /// input, 3 for a fault while running. Interrupted (SIGINT, SIGTERM), it does what it does after --time: commands are stopped, devices brake,
+    /// files are finished, what happened is shown; the exit status is then 130 or 143.
     Run(RunArgs),
     /// Run as a server: commands are loaded, started, scheduled and watched from outside while others run.
     ///
     /// Speaks the DirectIO protocol 2.0 (websocket `/DirectIO/` and pages) and JSON-RPC 2.0 (websocket `/rpc`). Listens on
-    /// this machine only, unless told otherwise; beyond it a token and TLS are needed. Runs until it is interrupted.
+    /// this machine only, unless told otherwise; beyond it a token and TLS are needed. Runs until it is interrupted
+    /// (SIGINT, SIGTERM): then everything is stopped, and it closes once all devices stand still.
     Serve(ServeArgs),
     /// Record all ports of a run as a trace, or pick rows out of a recording.
     ///

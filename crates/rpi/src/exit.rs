@@ -13,6 +13,11 @@ pub(crate) enum Exit {
     BadInput,
     /// A fault while running.
     Fault,
+    /// Somebody has interrupted it by a signal of this number.
+    Interrupted {
+        /// The number: 2 for SIGINT, 15 for SIGTERM.
+        signal: u8,
+    },
 }
 
 impl From<Exit> for ExitCode {
@@ -22,6 +27,7 @@ impl From<Exit> for ExitCode {
             Exit::CommandError => 1,
             Exit::BadInput => 2,
             Exit::Fault => 3,
+            Exit::Interrupted { signal } => 128 + signal,
         })
     }
 }

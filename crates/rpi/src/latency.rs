@@ -1,5 +1,7 @@
 //! `rpi latency`: which period this machine can hold.
 
+use std::sync::Arc;
+
 use rpi_core::Continuity;
 use rpi_driver::Claims;
 use rpi_host::latency::{Load, measure, verdict};
@@ -61,6 +63,7 @@ fn load(args: &LatencyArgs) -> Result<Load, Box<dyn std::error::Error>> {
             ticks: target::ticks(&target, args.period),
             planning_ns: 0,
         },
+        interrupted: Arc::default(),
         settings: &[],
         recording: None,
         sink: &mut (),

@@ -5,6 +5,7 @@
 
 mod args;
 mod exit;
+mod interrupt;
 mod latency;
 mod node;
 mod output;

@@ -19,6 +19,7 @@ use rpi_net::Net;
 
 use crate::args::RunArgs;
 use crate::exit::{self, Exit};
+use crate::interrupt::Interrupt;
 use crate::output;
 use crate::program;
 use crate::target::{self, Script};
@@ -54,7 +55,8 @@ pub(crate) fn run(args: &RunArgs) -> exit::Outcome {
         .extend(digest.as_mut().map(|digest| digest as &mut dyn Sink));
     let mut claims = claims(&compiled, &script);
     several.0.push(&mut claims);
-    let mut outcome = execute(args, &script, &mut several)?;
+    let interrupt = Interrupt::listen()?;
+    let mut outcome = execute(args, &script, &interrupt, &mut several)?;
     outcome.digest = digest.map(|digest| digest.digits());
     let (findings, summary) = claims.told(&outcome);
     let style = Style::of(&std::io::stderr());
@@ -74,7 +76,7 @@ pub(crate) fn run(args: &RunArgs) -> exit::Outcome {
         true => format!("{}\n", outcome.to_json()),
         false => outcome.to_string(),
     })?;
-    Ok(exit(&outcome))
+    Ok(exit(&outcome, &interrupt))
 }
 
 /// What the commands that run claim of themselves.
@@ -87,6 +89,7 @@ fn claims(compiled: &Compiled, script: &Script) -> ClaimSink {
 fn execute(
     args: &RunArgs,
     script: &Script,
+    interrupt: &Interrupt,
     sink: &mut dyn Sink,
 ) -> Result<Outcome, Box<dyn Error>> {
     let (cell, text) = target::cell(&args.program, &args.target, script)?;
@@ -110,6 +113,7 @@ fn execute(
             ticks: target::ticks(&args.target, tick_ns),
             planning_ns: args.planning_time.unwrap_or(0),
         },
+        interrupted: interrupt.flag(),
         settings: &args.target.settings,
         recording: recording.transpose()?,
         sink,
@@ -144,8 +148,9 @@ fn recording(path: &Path, program: &Path) -> Result<Rows<BufWriter<File>>, Box<d
     Ok(Rows::new(BufWriter::new(file), form))
 }
 
-fn exit(outcome: &Outcome) -> Exit {
+fn exit(outcome: &Outcome, interrupt: &Interrupt) -> Exit {
     match outcome.status() {
+        Status::Good if outcome.cut_off => interrupt.exit().unwrap_or(Exit::Good),
         Status::Good => Exit::Good,
         Status::CommandError => Exit::CommandError,
         Status::Fault => Exit::Fault,

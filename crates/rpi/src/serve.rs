@@ -3,8 +3,7 @@
 use std::fs::File;
 use std::io::BufWriter;
 use std::path::Path;
-use std::sync::Arc;
-use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::atomic::Ordering;
 use std::time::Duration;
 
 use rpi_host::recording::{Origin, Wanted};
@@ -13,9 +12,10 @@ use rpi_sim::Cell;
 
 use crate::args::ServeArgs;
 use crate::exit::{self, Exit};
+use crate::interrupt::Interrupt;
 use crate::run::is_recording;
 
-/// Serves until it is interrupted.
+/// Serves until it is interrupted; then everything is stopped, and devices come to rest, before it closes.
 pub(crate) fn serve(args: &ServeArgs) -> exit::Outcome {
     let (cell, text) = cell(args.cell.as_deref())?;
     let token = args.token_file.as_deref().map(token).transpose()?;
@@ -32,7 +32,7 @@ pub(crate) fn serve(args: &ServeArgs) -> exit::Outcome {
         ..Settings::default()
     };
     let recording = args.record.as_deref().map(|path| recording(path, text));
-    let interrupted = interrupts()?;
+    let interrupted = Interrupt::listen()?.flag();
     let server = Server::open_recorded(&cell, &settings, (), recording.transpose()?);
     let server = server.map_err(with_a_way_out)?;
     server
@@ -51,15 +51,6 @@ pub(crate) fn serve(args: &ServeArgs) -> exit::Outcome {
 
 /// How often it is looked whether somebody has interrupted.
 const LOOK: Duration = Duration::from_millis(20);
-
-/// Becomes true when somebody interrupts this process, or asks it to end.
-fn interrupts() -> std::io::Result<Arc<AtomicBool>> {
-    let interrupted = Arc::new(AtomicBool::new(false));
-    for signal in [signal_hook::consts::SIGINT, signal_hook::consts::SIGTERM] {
-        signal_hook::flag::register(signal, Arc::clone(&interrupted))?;
-    }
-    Ok(interrupted)
-}
 
 /// Where everything is recorded.
 fn recording(path: &Path, cell: String) -> Result<Wanted, String> {

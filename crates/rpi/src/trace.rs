@@ -1,6 +1,7 @@
 //! `rpi trace`: all ports of a run, or rows of a recording.
 
 use std::io::{BufWriter, Write};
+use std::sync::Arc;
 
 use rpi_core::Continuity;
 use rpi_driver::Claims;
@@ -45,6 +46,7 @@ fn record(args: &TraceArgs) -> Outcome {
             ticks: target::ticks(&args.target, tick_ns),
             planning_ns: 0,
         },
+        interrupted: Arc::default(),
         settings: &args.target.settings,
         recording: None,
         sink: &mut traced,

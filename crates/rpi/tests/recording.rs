@@ -1,7 +1,9 @@
 //! Recordings of the paper's example: run again they give the same bits across all takeovers, and whatever is wrong with one is told.
 
 use std::path::{Path, PathBuf};
-use std::process::{Command, Output};
+use std::process::{Command, Output, Stdio};
+use std::thread::sleep;
+use std::time::{Duration, Instant};
 
 fn rpi(arguments: &[&str]) -> Output {
     let mut rpi = Command::new(env!("CARGO_BIN_EXE_rpi"));
@@ -13,10 +15,13 @@ fn said(output: &Output) -> String {
     format!("{out}{err}")
 }
 
+fn blending() -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("../../examples/blending/blending.rpi")
+}
+
 /// A recording of the example, and what the tool said.
 fn record(folder: &Path, options: &[&str]) -> (PathBuf, String) {
-    let example = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../examples/blending");
-    let (program, file) = (example.join("blending.rpi"), folder.join("out.mcap"));
+    let (program, file) = (blending(), folder.join("out.mcap"));
     let mut arguments = vec!["run", program.to_str().unwrap()];
     arguments.extend(["--record", file.to_str().unwrap()]);
     arguments.extend(options);
@@ -48,6 +53,32 @@ fn a_recording_gives_the_same_bits_across_takeovers() {
     let report: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
     assert!(report["commands"].as_u64() > Some(2), "{report}");
     assert!(report["values"].as_u64() > Some(5_000), "{report}");
+}
+
+#[cfg(unix)]
+#[test]
+fn a_run_that_is_interrupted_ends_in_order() {
+    let folder = tempfile::tempdir().unwrap();
+    let (program, file) = (blending(), folder.path().join("out.mcap"));
+    let arguments = ["run", program.to_str().unwrap(), "--real-time", "--record"];
+    let mut rpi = Command::new(env!("CARGO_BIN_EXE_rpi"));
+    let rpi = rpi.args(arguments).arg(&file).env("NO_COLOR", "1");
+    let rpi = rpi.stdout(Stdio::piped()).stderr(Stdio::piped());
+    let rpi = rpi.spawn().unwrap();
+    // It hears signals before it makes the file; a second later the arm moves.
+    let begin = Instant::now();
+    while !file.exists() {
+        assert!(begin.elapsed() < Duration::from_secs(30));
+        sleep(Duration::from_millis(10));
+    }
+    sleep(Duration::from_secs(1));
+    let mut kill = Command::new("kill");
+    kill.args(["-INT", &rpi.id().to_string()]).status().unwrap();
+    let output = rpi.wait_with_output().unwrap();
+    assert_eq!(output.status.code(), Some(130), "{}", said(&output));
+    assert!(said(&output).contains("cut off"), "{}", said(&output));
+    let (code, told) = replay(&file);
+    assert_eq!(code, Some(0), "{told}");
 }
 
 #[test]

@@ -1,7 +1,7 @@
 //! The cycle's side of a run: one tick after the other.
 
 use std::sync::Arc;
-use std::sync::atomic::{AtomicU64, Ordering};
+use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 
 use rpi_core::{Command, CommandId, Watch, Why};
 use rpi_device::PortId;
@@ -21,12 +21,20 @@ use crate::tape::{TapeIn, Taped};
 const SETTLE: f64 = 10.0;
 
 /// When a run is cut off, in ticks, and how long these are.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Debug)]
 pub(super) struct Bounds {
     /// Ticks after which the running commands are stopped.
     pub(super) last: u64,
+    /// Somebody wants them to be stopped now.
+    pub(super) interrupted: Arc<AtomicBool>,
     /// Length of a tick, nanoseconds.
     pub(super) tick_ns: u64,
+}
+
+impl Bounds {
+    fn are_reached(&self, now: u64) -> bool {
+        now >= self.last || self.interrupted.load(Ordering::Relaxed)
+    }
 }
 
 /// The cycle and everything that it owns.
@@ -95,7 +103,7 @@ impl Cycle {
     /// follow.
     pub(super) fn goes_on(&mut self, over: bool) -> bool {
         let now = self.executive.now();
-        if self.settling.is_none() && now >= self.bounds.last {
+        if self.settling.is_none() && self.bounds.are_reached(now) {
             self.cut_off = true;
             self.halt(Why::Request);
         }

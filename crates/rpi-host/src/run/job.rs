@@ -3,6 +3,7 @@
 use std::fmt;
 use std::io;
 use std::sync::Arc;
+use std::sync::atomic::AtomicBool;
 use std::time::Duration;
 
 use rpi_core::{Continuity, LoadFault};
@@ -37,6 +38,8 @@ pub struct Job<'a> {
     pub continuity: Continuity,
     /// When it is cut off.
     pub limits: Limits,
+    /// Becomes true when somebody wants it to be cut off at once.
+    pub interrupted: Arc<AtomicBool>,
     /// Values for inputs.
     pub settings: &'a [Setting],
     /// Where everything is recorded, if it is.

@@ -52,6 +52,7 @@ pub(super) fn sides<'a>(
     let sights = tape.is_some().then(|| Sights::new(job.images));
     let bounds = Bounds {
         last: job.limits.ticks.unwrap_or(u64::MAX),
+        interrupted: Arc::clone(&job.interrupted),
         tick_ns,
     };
     let now = Arc::new(AtomicU64::new(0));

@@ -3,10 +3,10 @@
 use std::sync::Arc;
 
 use rpi_host::control::{
-    Adopted, Board, CommandId, Control, Rejected, Setting, State, Ticket, Why,
+    Adopted, Board, Cause, CommandId, Control, Ending, Rejected, Setting, State, Ticket, Why,
 };
 use rpi_image::Image;
-use rpi_image::image::{End, InputPort};
+use rpi_image::image::{End, EndKind, InputPort};
 use rpi_net::literal;
 
 use super::completion::Reasons;
@@ -312,4 +312,13 @@ pub(crate) fn results(image: &Image) -> Vec<&str> {
         End::Results(results) => results.iter().map(|r| r.name.as_str()).collect(),
         End::Ports { .. } => Vec::new(),
     }
+}
+
+/// Whether a command has ended in motion, which its successor has gone on with.
+pub(super) fn yields(image: &Image, ending: &Ending) -> bool {
+    let (Cause::Result(k), End::Results(results)) = (ending.cause, &image.end) else {
+        return false;
+    };
+    let kind = results.get(k).map(|r| r.kind);
+    kind == Some(EndKind::Yield) && !ending.left_moving
 }

@@ -3,20 +3,22 @@
 use std::collections::BTreeMap;
 use std::sync::PoisonError;
 
-use rpi_host::control::{Control, Why};
+use rpi_host::control::{Control, State};
 use rpi_image::Scalar;
 use rpi_kin::AxisLimits;
 use rpi_net::literal;
 use rpi_sim::cell::{ArmSpec, DeviceSpec, Enforced, Kind};
 use rpi_sim::{Cell, Part};
 
-use super::{Desk, DeviceInfo, Failure, Reply, Sink, Then, Update};
+use super::{Desk, DeviceInfo, Failure, Phase, Reply, Sink, Then, Update};
 
 /// The devices by place, and who is told about them.
 pub(super) struct Devices {
     places: Vec<Option<DeviceInfo>>,
     watchers: Vec<Box<dyn Sink>>,
     seed: u64,
+    /// The first so many are those of the cell: clients cannot remove them.
+    own: usize,
 }
 
 impl Devices {
@@ -31,7 +33,13 @@ impl Devices {
             places,
             watchers: Vec::new(),
             seed: cell.seed,
+            own: cell.devices.len(),
         }
+    }
+
+    /// Whether any of them moves.
+    pub(super) fn move_still(&self) -> bool {
+        self.places.iter().flatten().any(|info| info.moving)
     }
 
     fn find(&self, name: &str) -> Option<usize> {
@@ -115,22 +123,44 @@ impl Desk {
         twin.generation += 1;
     }
 
-    /// Removes a device; commands that use it are ended by force and unloaded first.
+    /// Removes a device that a client has made and that nobody needs any more; commands that have ended with it are unloaded first.
     pub(crate) fn remove_device(&mut self, name: &str, reply: Reply) {
-        let Some(place) = self.devices.find(name) else {
-            return reply(Err(Failure::Unknown(format!("device {name}"))));
+        // What was unloaded a moment ago does not hold it.
+        self.keep();
+        let (place, ended) = match self.removable(name) {
+            Ok(found) => found,
+            Err(why) => return reply(Err(why)),
         };
         self.change_twin(place, None);
         self.devices.places[place] = None;
-        let users = self.commands.iter().filter(|(_, r)| r.uses(name));
-        let users: Vec<u64> = users.map(|(number, _)| *number).collect();
-        for number in users {
-            self.ask_for(number, |c, id| c.abort(id, Why::Request));
+        for number in ended {
             self.ask_for(number, Control::unload);
         }
         let then = Then::NoDevice(name.to_owned());
         let ticket = self.control.put_device(place, None);
         self.asked(ticket, then, Some(reply));
+    }
+
+    /// The place of a device that may be removed, and the commands that have ended with it.
+    fn removable(&self, name: &str) -> Result<(usize, Vec<u64>), Failure> {
+        let unknown = || Failure::Unknown(format!("device {name}"));
+        let place = self.devices.find(name).ok_or_else(unknown)?;
+        if place < self.devices.own {
+            return Err(Failure::InUse(format!("device {name} belongs to the cell")));
+        }
+        let users = self.commands.iter().filter(|(_, r)| r.uses(name));
+        let (ended, holding): (Vec<_>, Vec<_>) =
+            users.partition(|(_, r)| r.status.phase == Phase::Is(State::Terminated));
+        match holding.first() {
+            Some((number, record)) => Err(Failure::InUse(format!(
+                "device {name} is held by n{number} ({}): unload it first",
+                record.title
+            ))),
+            None => Ok((
+                place,
+                ended.into_iter().map(|(number, _)| *number).collect(),
+            )),
+        }
     }
 
     pub(super) fn device_there(&mut self, info: DeviceInfo) -> String {
@@ -140,12 +170,13 @@ impl Desk {
         info.name
     }
 
-    /// Something is wrong with the device in a place, or is so no longer.
-    pub(super) fn device_changed(&mut self, place: usize, code: i64) {
+    /// Something is wrong with the device in a place, or is so no longer; it begins to move, or stands still.
+    pub(super) fn device_changed(&mut self, place: usize, code: i64, moving: bool) {
         let places = &mut self.devices.places;
         let Some(Some(info)) = places.get_mut(place) else {
             return;
         };
+        info.moving = moving;
         if std::mem::replace(&mut info.code, code) != code {
             let name = info.name.clone();
             self.tell_of_devices(&Update::DeviceCondition(&name, code));
@@ -207,6 +238,7 @@ fn info(spec: &DeviceSpec, kind: &str) -> DeviceInfo {
         name: spec.name.clone(),
         kind: kind.to_owned(),
         code: 0,
+        moving: false,
         interfaces,
     }
 }

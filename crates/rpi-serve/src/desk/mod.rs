@@ -11,6 +11,7 @@ mod journal;
 mod loader;
 mod queue;
 mod reports;
+mod rest;
 mod rules;
 mod sessions;
 mod types;

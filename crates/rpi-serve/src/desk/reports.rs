@@ -6,7 +6,7 @@ use rpi_host::control::{
 
 use rpi_host::recording::Written;
 
-use super::commands::results;
+use super::commands::{results, yields};
 use super::rules::RuleRecord;
 use super::{Desk, Errand, Failure, Phase, Record, RuleState, Then, answer, cause};
 
@@ -21,7 +21,11 @@ impl Desk {
                 } => self.answered(ticket, refused),
                 Event::Notice(notice) => self.note(notice),
                 Event::Freed(id) => self.forget(id),
-                Event::Device { device, code, .. } => self.device_changed(device, code),
+                Event::Device {
+                    device,
+                    code,
+                    moving,
+                } => self.device_changed(device, code, moving),
             }
         }
         for rule in std::mem::take(&mut self.told) {
@@ -124,14 +128,15 @@ impl Desk {
             Cause::Stopped(rule) => self.rules.get(&rule),
             _ => None,
         };
-        let taken_over = by.is_some_and(RuleRecord::takes_over);
+        let stopped = by.is_some_and(RuleRecord::takes_over);
         let Some(record) = self.record_of(id) else {
             return;
         };
         if let (Cause::Result(k), Some(image)) = (ending.cause, &record.image) {
             record.status.result = results(image).get(k).map(|name| (*name).to_owned());
         }
-        (record.status.ending, record.status.taken_over) = (Some(ending), taken_over);
+        let yielded = record.image.as_ref().is_some_and(|i| yields(i, &ending));
+        (record.status.ending, record.status.taken_over) = (Some(ending), stopped || yielded);
         record.set_phase(Phase::Is(State::Terminated));
         let how = record.status.result.clone();
         let how = how.unwrap_or_else(|| cause(&ending).to_owned());

@@ -38,12 +38,16 @@ impl Desk {
         Ok(format!("s{number}"))
     }
 
-    /// The number of an open session. A session whose client was lost is taken up again by whoever knows its name.
-    pub(super) fn session(&mut self, name: &str) -> Result<u64, Failure> {
-        let found = number_of(name, 's').and_then(|n| Some((n, self.sessions.get_mut(&n)?)));
-        let (number, session) = found.ok_or_else(|| Failure::Unknown(format!("session {name}")))?;
-        session.closed = false;
-        Ok(number)
+    /// The number of a session.
+    pub(super) fn session(&self, name: &str) -> Result<u64, Failure> {
+        let found = number_of(name, 's').filter(|n| self.sessions.contains_key(n));
+        found.ok_or_else(|| Failure::Unknown(format!("session {name}")))
+    }
+
+    /// A session whose client was lost is taken up again by whoever knows its name, and is lost with them: true if it was.
+    pub(crate) fn take_up(&mut self, name: &str) -> bool {
+        let session = number_of(name, 's').and_then(|n| self.sessions.get_mut(&n));
+        session.is_some_and(|session| std::mem::replace(&mut session.closed, false))
     }
 
     /// Names of the sessions and of those who opened them.
@@ -103,13 +107,22 @@ impl Desk {
         let own: Vec<u64> = own.map(|(number, _)| *number).collect();
         for number in own {
             match on_loss {
-                OnLoss::RunOn => self.unload_at_end(number),
+                OnLoss::RunOn => self.leave(number),
                 OnLoss::Cancel => self.retire(number),
                 OnLoss::Abort => {
                     self.ask_for(number, |c, id| c.abort(id, Why::ClientLost));
                     self.retire(number);
                 }
             }
+        }
+    }
+
+    /// Lets a command run on, or wait for what will start it; one that nobody has started is unloaded.
+    fn leave(&mut self, number: u64) {
+        self.unload_at_end(number);
+        let phase = self.commands.get(&number).map(|r| r.status.phase);
+        if phase == Some(Phase::Is(State::Ready)) {
+            self.ask_for(number, Control::unload);
         }
     }
 

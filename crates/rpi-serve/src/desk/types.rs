@@ -20,7 +20,7 @@ pub(crate) struct Status {
     pub(crate) ending: Option<Ending>,
     /// The name of the result with which it has ended.
     pub(crate) result: Option<String>,
-    /// The rule that stopped it has started another in its place.
+    /// Another has started in its place: by the rule that stopped it, or because it ended in motion by `yield`.
     pub(crate) taken_over: bool,
 }
 
@@ -45,6 +45,8 @@ pub(crate) struct DeviceInfo {
     pub(crate) kind: String,
     /// Its error code; 0 while it is well.
     pub(crate) code: i64,
+    /// Whether it moves.
+    pub(crate) moving: bool,
     /// What it offers: interfaces by name, with their parameters.
     pub(crate) interfaces: Vec<(&'static str, Vec<(String, String)>)>,
 }
@@ -85,6 +87,8 @@ pub(crate) enum Failure {
     Rejected(Vec<String>),
     /// The control core refused it.
     Refused(Refused),
+    /// It is in use, by whom and for what.
+    InUse(String),
     /// More than the server grants.
     Limit(&'static str),
     /// The server has too much to do.
@@ -112,7 +116,7 @@ impl fmt::Display for Failure {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Failure::Unknown(what) => write!(f, "there is no {what}"),
-            Failure::Bad(what) => f.write_str(what),
+            Failure::Bad(what) | Failure::InUse(what) => f.write_str(what),
             Failure::Rejected(reasons) => f.write_str(&reasons.join("; ")),
             Failure::Refused(why) => f.write_str(&refused(*why)),
             Failure::Limit(what) => write!(f, "limit reached: {what}"),

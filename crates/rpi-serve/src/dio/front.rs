@@ -148,7 +148,9 @@ impl DioFront {
     }
 
     fn abort_session(&mut self, message: &Message) -> Result<(), Failure> {
-        self.office.desk().abort_session(text(message, 0)?)?;
+        let session = text(message, 0)?;
+        self.office.desk().abort_session(session)?;
+        self.sessions.retain(|own| own != session);
         self.ok(&message.tag, "");
         Ok(())
     }
@@ -164,7 +166,11 @@ impl DioFront {
             // A negative or huge period saturates, and is then refused or rounded up.
             period_ns: (seconds.min(3600.0) * 1e9) as u64,
         };
-        self.office.desk().load(&load, self.reply(&message.tag));
+        let mut desk = self.office.desk();
+        if desk.take_up(load.session) {
+            self.sessions.push(load.session.to_owned());
+        }
+        desk.load(&load, self.reply(&message.tag));
         Ok(())
     }
 

@@ -124,7 +124,7 @@ fn failure(id: &Value, why: &Failure) -> String {
         Failure::Bad(_) => (-32602, Value::Null),
         Failure::Unknown(_) => (-32001, Value::Null),
         Failure::Rejected(reasons) => (-32002, json!({"reasons": reasons})),
-        Failure::Refused(_) => (-32003, Value::Null),
+        Failure::Refused(_) | Failure::InUse(_) => (-32003, Value::Null),
         Failure::Limit(_) => (-32004, Value::Null),
         Failure::Busy => (-32005, Value::Null),
     };

@@ -56,7 +56,9 @@ fn open_session(front: &mut RpcFront, call: &Call<'_>) -> Answer {
 }
 
 fn close_session(front: &mut RpcFront, call: &Call<'_>) -> Answer {
-    front.office.desk().abort_session(call.text("session")?)?;
+    let session = call.text("session")?;
+    front.office.desk().abort_session(session)?;
+    front.sessions.retain(|own| own != session);
     Ok(Some(json!({})))
 }
 
@@ -76,7 +78,11 @@ fn load(front: &mut RpcFront, call: &Call<'_>) -> Answer {
         period_ns: (period.unwrap_or(0.0).min(3600.0) * 1e9) as u64,
     };
     let reply = call.later(|name| json!({"command": name}));
-    front.office.desk().load(&load, reply);
+    let mut desk = front.office.desk();
+    if desk.take_up(load.session) {
+        front.sessions.push(load.session.to_owned());
+    }
+    desk.load(&load, reply);
     Ok(None)
 }
 

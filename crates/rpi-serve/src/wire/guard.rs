@@ -1,5 +1,7 @@
 //! Who may come in.
 
+use std::net::IpAddr;
+
 use super::head::Head;
 
 /// What a client must show.
@@ -24,14 +26,28 @@ impl Guard {
         shown.or(asked).is_some_and(|shown| same(shown, token))
     }
 
-    /// True unless a browser asks on behalf of a page from elsewhere: such pages may not drive robots.
-    pub(crate) fn is_no_stranger(head: &Head) -> bool {
+    /// True unless a browser asks on behalf of a page from elsewhere: such pages may not drive robots. Without a token, the server's
+    /// own pages are those at an address or at `localhost`: whoever owns another name can have it mean this machine (DNS rebinding).
+    pub(crate) fn is_no_stranger(&self, head: &Head) -> bool {
         let Some(origin) = head.header("origin") else {
             return true;
         };
         let host = origin.split_once("://").map(|(_, host)| host);
-        host.is_some() && host == head.header("host")
+        host.is_some_and(|host| {
+            let own = head.header("host") == Some(host);
+            own && (self.token.is_some() || is_address(host))
+        })
     }
+}
+
+/// Whether a host, with or without its port, is told by its address, or is `localhost`.
+fn is_address(host: &str) -> bool {
+    let name = match host.rsplit_once(':') {
+        Some((name, port)) if port.bytes().all(|b| b.is_ascii_digit()) => name,
+        _ => host,
+    };
+    let inner = name.strip_prefix('[').and_then(|n| n.strip_suffix(']'));
+    name.eq_ignore_ascii_case("localhost") || inner.unwrap_or(name).parse::<IpAddr>().is_ok()
 }
 
 /// Compares in a time that tells nothing about where the difference is.
@@ -49,7 +65,11 @@ mod tests {
     use std::time::Duration;
 
     fn head(target: &str, header: &str) -> Head {
-        let text = format!("GET {target} HTTP/1.1\r\nHost: cell:8080\r\n{header}\r\n\r\n");
+        head_at("cell:8080", target, header)
+    }
+
+    fn head_at(host: &str, target: &str, header: &str) -> Head {
+        let text = format!("GET {target} HTTP/1.1\r\nHost: {host}\r\n{header}\r\n\r\n");
         Head::read(&mut text.as_bytes(), Duration::from_secs(1)).unwrap()
     }
 
@@ -78,15 +98,37 @@ mod tests {
 
     #[test]
     fn pages_from_elsewhere_are_turned_away() {
-        assert!(Guard::is_no_stranger(&head("/", "X: y")));
-        assert!(Guard::is_no_stranger(&head(
-            "/",
-            "Origin: http://cell:8080"
-        )));
-        assert!(!Guard::is_no_stranger(&head(
-            "/",
-            "Origin: http://evil.example"
-        )));
-        assert!(!Guard::is_no_stranger(&head("/", "Origin: null")));
+        let guard = Guard {
+            token: Some("secret".into()),
+        };
+        assert!(guard.is_no_stranger(&head("/", "X: y")));
+        assert!(guard.is_no_stranger(&head("/", "Origin: http://cell:8080")));
+        assert!(!guard.is_no_stranger(&head("/", "Origin: http://evil.example")));
+        assert!(!guard.is_no_stranger(&head("/", "Origin: null")));
+    }
+
+    #[test]
+    fn without_a_token_a_name_that_means_this_machine_does_not_open() {
+        let own = |host: &str| {
+            let origin = format!("Origin: http://{host}");
+            Guard::default().is_no_stranger(&head_at(host, "/", &origin))
+        };
+        for host in [
+            "localhost",
+            "127.0.0.1:8080",
+            "[::1]:8080",
+            "[::1]",
+            "127.0.0.1",
+        ] {
+            assert!(own(host), "{host}");
+        }
+        for host in [
+            "evil.example:8080",
+            "evil.example",
+            "localhost.evil.example:8080",
+            "",
+        ] {
+            assert!(!own(host), "{host}");
+        }
     }
 }

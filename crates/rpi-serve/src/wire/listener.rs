@@ -93,7 +93,7 @@ impl Reception {
     }
 
     fn refusal(&self, head: &Head) -> Option<web::Response> {
-        if !Guard::is_no_stranger(head) {
+        if !self.guard.is_no_stranger(head) {
             return Some(web::Response::refused(
                 403,
                 "pages from elsewhere may not come in",

@@ -5,6 +5,8 @@ mod guard;
 mod head;
 mod listener;
 mod outbox;
+#[cfg(unix)]
+mod socket;
 #[cfg_attr(not(feature = "tls"), path = "no_tls.rs")]
 mod tls;
 
@@ -13,4 +15,6 @@ pub(crate) use guard::Guard;
 pub(crate) use head::Head;
 pub(crate) use listener::Reception;
 pub(crate) use outbox::Outbox;
+#[cfg(unix)]
+pub(crate) use socket::bind;
 pub(crate) use tls::Identity;

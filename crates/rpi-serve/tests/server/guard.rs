@@ -110,7 +110,7 @@ fn a_net_and_what_has_happened_can_be_looked_at() {
 }
 
 #[test]
-fn devices_come_and_go_and_take_their_commands_along() {
+fn devices_come_and_go_unless_somebody_holds_them() {
     let server = open();
     let address = server.address();
     let new = "name=arm two&type=kuka_iiwa_sim&link_lengths=[0,0.34,0.2,0.2,0.2,0.2,0.126,0]";
@@ -125,8 +125,17 @@ fn devices_come_and_go_and_take_their_commands_along() {
         text.contains("\"arm two\":{\"type\":\"kuka_iiwa_sim\"")
             .then_some(())
     });
-    assert!(post(address, "/devices", "name=arm two&action=remove").contains("200 OK"));
-    client.wait("the end", |text| text.contains("UNLOADED").then_some(()));
+    let remove = |name: &str| post(address, "/devices", &format!("name={name}&action=remove"));
+    let held = remove("arm two");
+    assert!(held.contains(&format!("held by {net}")), "{held}");
+    assert!(remove("arm").contains("belongs to the cell"));
+    client.ask(&format!("neab(\"{net}\")")).unwrap();
+    client.wait("the end", |text| text.contains("TERMINATED").then_some(()));
+    // What has ended with it does not hold it, and goes with it.
+    assert!(remove("arm two").contains("200 OK"));
+    client.wait("the unloading", |text| {
+        text.contains("UNLOADED").then_some(())
+    });
     client.wait("removed", |text| {
         text.contains("dr([\"arm two\"])").then_some(())
     });

@@ -137,6 +137,82 @@ fn a_unix_socket_takes_a_message_per_line() {
     assert!(!path.exists());
 }
 
+#[cfg(unix)]
+#[test]
+fn only_sockets_that_nobody_listens_at_are_replaced() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("rpi.sock");
+    let cell = rpi_sim::Cell::parse("cell.toml", "").unwrap();
+    let settings = rpi_serve::Settings {
+        socket: Some(path.clone()),
+        ..settings()
+    };
+    let refused = || {
+        let why = rpi_serve::Server::open(&cell, &settings, ()).unwrap_err();
+        why.to_string().starts_with(path.to_str().unwrap())
+    };
+    std::fs::write(&path, "notes").unwrap();
+    assert!(refused());
+    assert_eq!(std::fs::read_to_string(&path).unwrap(), "notes");
+    std::fs::remove_file(&path).unwrap();
+    let other = std::os::unix::net::UnixListener::bind(&path).unwrap();
+    assert!(refused() && path.exists());
+    // Closed, it leaves its file.
+    drop(other);
+    drop(rpi_serve::Server::open(&cell, &settings, ()).unwrap());
+    assert!(!path.exists());
+}
+
+/// Waits until a page says what is wanted of it.
+fn until(server: &rpi_serve::Server, page: &str, wanted: impl Fn(&str) -> bool) {
+    let begin = std::time::Instant::now();
+    loop {
+        let told = crate::client::get(server.address(), page);
+        if wanted(&told) {
+            return;
+        }
+        assert!(begin.elapsed() < crate::client::PATIENCE, "{told}");
+        std::thread::sleep(std::time::Duration::from_millis(5));
+    }
+}
+
+#[test]
+fn a_session_that_runs_on_goes_with_what_nobody_has_started() {
+    let server = open();
+    let mut client = Client::rpc(server.address());
+    let opened = json!({"name": "left behind", "on_loss": "run-on"});
+    let opened = call(&mut client, 1, "session.open", &opened);
+    let load = json!({"session": opened["result"]["session"], "text": ECHO, "language": "rpinet"});
+    call(&mut client, 2, "command.load", &load);
+    until(&server, "/sessions", |told| told.contains("left behind"));
+    drop(client);
+    until(&server, "/sessions", |told| !told.contains("left behind"));
+}
+
+#[test]
+fn whoever_takes_a_session_up_again_owns_it() {
+    let server = open();
+    let mut first = Client::rpc(server.address());
+    let opened = json!({"name": "heirloom", "on_loss": "run-on"});
+    let session = call(&mut first, 1, "session.open", &opened)["result"]["session"].clone();
+    let load = json!({"session": session, "text": ECHO, "language": "rpinet"});
+    let running = call(&mut first, 2, "command.load", &load)["result"]["command"].clone();
+    call(&mut first, 3, "command.start", &json!({"command": running}));
+    drop(first);
+    let lost = format!(
+        "the client of session {} is gone",
+        session.as_str().unwrap()
+    );
+    until(&server, "/log", |told| told.contains(&lost));
+    let mut heir = Client::rpc(server.address());
+    call(&mut heir, 1, "command.load", &load);
+    call(&mut heir, 2, "command.abort", &json!({"command": running}));
+    until(&server, "/nets", |told| !told.contains("Running"));
+    until(&server, "/sessions", |told| told.contains("heirloom"));
+    drop(heir);
+    until(&server, "/sessions", |told| !told.contains("heirloom"));
+}
+
 /// A command that ends by the result `left` or `right`, as its name says.
 fn turn(side: &str) -> String {
     format!(

@@ -1,0 +1,28 @@
+//! The file of a Unix socket.
+
+use std::fs;
+use std::io::{self, ErrorKind};
+use std::os::unix::fs::FileTypeExt;
+use std::os::unix::net::{UnixListener, UnixStream};
+use std::path::Path;
+
+/// Listens at a path. A socket that is left there by a server that is no more is replaced; whatever else is there stays.
+///
+/// # Errors
+/// If something else is there, or the system does not let it; the text names the path.
+pub(crate) fn bind(path: &Path) -> io::Result<UnixListener> {
+    let bound = match UnixListener::bind(path) {
+        Err(why) if why.kind() == ErrorKind::AddrInUse && is_left_over(path) => {
+            fs::remove_file(path).and_then(|()| UnixListener::bind(path))
+        }
+        bound => bound,
+    };
+    bound.map_err(|why| io::Error::new(why.kind(), format!("{}: {why}", path.display())))
+}
+
+/// Whether it is a socket at which nobody listens.
+fn is_left_over(path: &Path) -> bool {
+    let socket = fs::symlink_metadata(path).is_ok_and(|meta| meta.file_type().is_socket());
+    let refused = |why: io::Error| why.kind() == ErrorKind::ConnectionRefused;
+    socket && UnixStream::connect(path).err().is_some_and(refused)
+}
