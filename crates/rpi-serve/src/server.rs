@@ -436,7 +436,8 @@ mod tests {
 
     #[test]
     fn nobody_lets_go_of_an_arm_that_moves() {
-        let text = "[devices.arm]\nkind = \"arm\"\nmodel = \"kuka-lwr4+\"\n";
+        let text = "[devices.arm]\nkind = \"arm\"\nmodel = \"kuka-lwr4+\"\n\
+            enforce = [\"position\", \"velocity\"]\n";
         let cell = Cell::parse("cell.toml", text).unwrap();
         let settings = Settings {
             listen: SocketAddr::new(IpAddr::from([127, 0, 0, 1]), 0),
