@@ -4,6 +4,7 @@ use super::Checker;
 use super::body::Body;
 use super::statics::{Static, Statics, display, key};
 use super::types::PortTy;
+use crate::hash::Set;
 use crate::program::{DeclId, DeclKind, Lookup, Space};
 use crate::ty::Ty;
 use crate::typed::{FlowId, FlowRole, Optional, Unit, UnitKind};
@@ -66,7 +67,14 @@ impl<'a> Checker<'a> {
         let unit = body.leave();
         let params = self.params_of(id).into_iter();
         let params: Vec<Name> = params.map(|param| param.name().name.clone()).collect();
-        let ports = |ids: &[FlowId]| ids.iter().map(|id| port(&unit, *id, &params)).collect();
+        let clocks = unit.flows.iter().filter_map(|flow| flow.clock);
+        let deciding: Set<FlowId> = clocks.map(|on| on.flow).collect();
+        let port = |id: &FlowId| Port {
+            is_static: params.contains(&unit.flow(*id).name),
+            decides: deciding.contains(id),
+            ..port(&unit, *id)
+        };
+        let ports = |ids: &[FlowId]| ids.iter().map(port).collect();
         Some(Header {
             decl: id,
             statics,
@@ -80,18 +88,16 @@ impl<'a> Checker<'a> {
     }
 }
 
-fn port(unit: &Unit, id: FlowId, statics: &[Name]) -> Port {
+/// A port by itself.
+fn port(unit: &Unit, id: FlowId) -> Port {
     let flow = unit.flow(id);
     Port {
         name: flow.name.clone(),
         ty: flow.ty.clone(),
         role: flow.role,
         has_default: flow.default.is_some(),
-        is_static: statics.contains(&flow.name),
-        decides: unit
-            .flows
-            .iter()
-            .any(|f| f.clock.is_some_and(|on| on.flow == id)),
+        is_static: false,
+        decides: false,
         span: flow.span,
     }
 }

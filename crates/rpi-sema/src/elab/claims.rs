@@ -49,7 +49,9 @@ impl<'u> Elab<'u> {
         let label = claim.label.as_ref().map_or("claim", |label| label.as_str());
         self.begin(&format!("{}{label}", scope.prefix));
         let condition = self.one(scope, claim.condition, at);
-        if self.mode == Mode::Net && !of_test && condition == Signal::Const(Value::bool(false)) {
+        // Elsewhere it may say that nothing gets there.
+        let everywhere = at == At::ROOT && !of_test;
+        if self.mode == Mode::Net && everywhere && condition == Signal::Const(Value::bool(false)) {
             self.findings.push(never(claim));
         }
         match policy {
@@ -69,7 +71,7 @@ impl<'u> Elab<'u> {
         let fragment = fragment_around(scope, block);
         let key = claim_key(self.net.claims.len() + 1);
         let condition = self.where_chosen(condition, at, claim.span);
-        let port = self.export_port(&key, &condition, &Ty::Bool, claim.span);
+        let port = self.export_port(&key, &condition, &Ty::Bool, at, claim.span);
         self.watched.extend(port);
         let mut parts = Vec::new();
         parts_of(scope, claim.condition, &mut parts);
@@ -110,7 +112,7 @@ impl<'u> Elab<'u> {
         let mut reads = Vec::new();
         for ((name, ty), signal) in leaves.take(part.count) {
             let key = read_key(claim, &name);
-            let port = self.export_port(&key, signal, &ty, expr.span);
+            let port = self.export_port(&key, signal, &ty, At::ROOT, expr.span);
             self.watched.extend(port);
             reads.push(ClaimRead {
                 values: match &ty {

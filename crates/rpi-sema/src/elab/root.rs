@@ -318,19 +318,21 @@ impl<'u> Elab<'u> {
     }
 
     pub(super) fn export(&mut self, key: &str, signal: &Signal, ty: &Ty, span: rpi_diag::Span) {
-        let port = self.export_port(key, signal, ty, span);
+        let port = self.export_port(key, signal, ty, At::ROOT, span);
         self.net.exports.extend(port);
     }
 
+    /// What publishes a flow; a constant is there in the cycles of the place.
     pub(super) fn export_port(
         &mut self,
         key: &str,
         signal: &Signal,
         ty: &Ty,
+        at: At,
         span: rpi_diag::Span,
     ) -> Option<ExportPort> {
         let scalar = ty.scalar().unwrap_or(Scalar::Bool);
-        let source = self.port_of(signal, scalar, At::ROOT, span)?;
+        let source = self.port_of(signal, scalar, at, span)?;
         Some(ExportPort {
             key: key.to_owned(),
             source,
@@ -364,7 +366,7 @@ impl<'u> Elab<'u> {
                 .ty
                 .leaves(&mut |path, ty| leaves.push((format!("{name}{path}"), ty.clone())));
             for ((key, ty), signal) in leaves.into_iter().zip(wire.iter()) {
-                if let Some(port) = self.export_port(&key, signal, &ty, declared.span) {
+                if let Some(port) = self.export_port(&key, signal, &ty, At::ROOT, declared.span) {
                     self.watched.push(port);
                     shapes.push(PortShape { key, ty });
                 }

@@ -189,7 +189,15 @@ fn finding(net: &Net, flow: Option<&str>, roots: &[NodeId]) -> Finding {
     let mut fix = Fix::maybe("give it a first value");
     for root in roots {
         finding = finding.at(place(root), "there is no cycle before the first");
-        fix = fix.insert_before(place(root), first_value(net, *root));
+        let first = first_value(net, *root);
+        // The whole equation needs no parentheses.
+        fix = match net.node(*root).origin.flow {
+            Some(_) => fix.insert_before(place(root), first),
+            None => {
+                let fix = fix.insert_before(place(root), format!("({first}"));
+                fix.insert_after(place(root), ")")
+            }
+        };
     }
     finding.fix(fix)
 }

@@ -5,29 +5,22 @@ use super::operators::own_if;
 use super::{Habit, Mend, habit};
 use crate::explain::Found;
 use crate::token::Token;
-use rpi_diag::Fix;
+use rpi_diag::{Fix, Span};
 
 /// `until if c then S`
 pub(super) fn conditional(found: &Found<'_, '_>) -> Option<Habit> {
     let own = own_if(found)?;
-    let first = matches!(
-        found.token(own.checked_sub(1)?),
-        Some(Token::Until | Token::Unless | Token::Bar)
-    );
-    if !first || !found.expects(Token::Else) || !is_transition(found) {
+    if !begins_transition(found, own) || !found.expects(Token::Else) || !is_transition(found) {
         return None;
     }
-    let with_gap = found
-        .cx
-        .span(found.lexemes[own].start, found.lexemes[own + 1].start);
     let finding = habit("the condition of a transition needs no `if`")
         .at(found.span_at(own), "a transition always has one")
-        .fix(Fix::sure("delete `if`").replace(with_gap, ""));
+        .fix(Fix::sure("delete `if`").replace(with_gap(found, own), ""));
     let mend = Mend::Tokens(vec![(own..own + 1, Vec::new())]);
     Some(Habit { finding, mend })
 }
 
-/// `until c restart S`, `until c resume S`
+/// `until c restart S`, `until if c resume S`
 pub(super) fn entry(found: &Found<'_, '_>) -> Option<Habit> {
     let at = found.fault.at;
     let (word, token) = match found.written(at) {
@@ -38,11 +31,19 @@ pub(super) fn entry(found: &Found<'_, '_>) -> Option<Habit> {
     if !found.expects(Token::Then) || !is_transition(found) {
         return None;
     }
+    let mut fix = Fix::sure(format!("write `{word}`"));
+    let mut edits = Vec::new();
+    // The word would not stand there behind an `if`: it goes, too.
+    if let Some(own) = leading_if(found) {
+        fix = Fix::sure(format!("write `{word}`, without `if`")).replace(with_gap(found, own), "");
+        edits.push((own..own + 1, Vec::new()));
+    }
+    edits.push(found.instead(at, &[token]));
     let finding =
         habit("the next state follows `then`, or `continue` if it goes on where it was left")
             .at(found.span_at(at), "a word of another language")
-            .fix(Fix::sure(format!("write `{word}`")).replace(found.span_at(at), word));
-    let mend = Mend::Tokens(vec![found.instead(at, &[token])]);
+            .fix(fix.replace(found.span_at(at), word));
+    let mend = Mend::Tokens(edits);
     Some(Habit { finding, mend })
 }
 
@@ -71,6 +72,25 @@ pub(super) fn late_unless(found: &Found<'_, '_>) -> Option<Habit> {
         .fix(fix);
     let mend = Mend::Phrase(at..end, Vec::new());
     Some(Habit { finding, mend })
+}
+
+/// Whether a token is the first of a transition.
+fn begins_transition(found: &Found<'_, '_>, at: usize) -> bool {
+    let before = at.checked_sub(1).and_then(|at| found.token(at));
+    matches!(before, Some(Token::Until | Token::Unless | Token::Bar))
+}
+
+/// The `if` by which the transition with the fault begins.
+fn leading_if(found: &Found<'_, '_>) -> Option<usize> {
+    let mut before = (0..found.fault.at).rev();
+    let first = before.find(|at| begins_transition(found, *at))?;
+    (found.token(first) == Some(Token::If)).then_some(first)
+}
+
+/// A token with the gap behind it.
+fn with_gap(found: &Found<'_, '_>, at: usize) -> Span {
+    let (token, next) = (found.lexemes[at], found.lexemes[at + 1]);
+    found.cx.span(token.start, next.start)
 }
 
 /// Whether the fault is in a transition.
