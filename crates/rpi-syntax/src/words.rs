@@ -291,11 +291,15 @@ fn begins_operand(token: Token) -> bool {
         Current, False, Hash, Ident, If, Int, IntType, LParen, Last, Merge, Nor, Not, Path, Pre,
         Real, RealType, Str, True, With,
     };
-    match token {
-        Ident | Path | Int | Real | Str | True | False | LParen => true,
-        If | With | Not | Pre | Current | Last | Merge | Nor | Hash | IntType | RealType => true,
-        _ => false,
-    }
+    let value = matches!(
+        token,
+        Ident | Path | Int | Real | Str | True | False | LParen
+    );
+    let word = matches!(
+        token,
+        If | With | Not | Pre | Current | Last | Merge | Nor | Hash | IntType | RealType
+    );
+    value || word
 }
 
 /// Whether an operator could stand after the token.
