@@ -26,7 +26,15 @@ impl Tools {
     /// Builds `rpi` and `rpic` beside this tool.
     pub(crate) fn build() -> Result<Tools, String> {
         let cargo = std::env::var("CARGO").unwrap_or_else(|_| "cargo".to_owned());
-        let args = ["build", "--quiet", "-p", "rpi", "-p", "rpic"];
+        let args = [
+            "build",
+            "--quiet",
+            "--workspace",
+            "--bin",
+            "rpi",
+            "--bin",
+            "rpic",
+        ];
         let status = Command::new(cargo).args(args).status();
         if !status.is_ok_and(|status| status.success()) {
             return Err("the tools do not build".to_owned());
