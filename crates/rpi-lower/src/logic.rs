@@ -3,25 +3,8 @@
 use crate::flat::{Flat, NO_NODE, ScopeId, Work};
 use crate::slots::{Region, Slot};
 use rpi_image::Form;
-use rpi_prims::PrimId;
+use rpi_prims::{PrimId, prim};
 use rustc_hash::FxHashMap;
-use std::sync::LazyLock;
-
-/// The primitives that it uses.
-struct Gates {
-    and: PrimId,
-    or: PrimId,
-    not: PrimId,
-}
-
-static GATES: LazyLock<Gates> = LazyLock::new(|| {
-    let prim = |name| PrimId::of(name).expect("Boolean primitives are in the registry");
-    Gates {
-        and: prim("Core::BooleanAnd"),
-        or: prim("Core::BooleanOr"),
-        not: prim("Core::BooleanNot"),
-    }
-});
 
 /// What was computed already: (primitive, first, second) to result and the scope in which it stands.
 #[derive(Default)]
@@ -37,7 +20,7 @@ impl Logic {
             (Slot::FALSE, _) => Slot::FALSE,
             (Slot::TRUE, _) => b,
             _ if a == b => a,
-            _ => self.gate(flat, scope, GATES.and, a, b),
+            _ => self.gate(flat, scope, prim!("Core::BooleanAnd"), a, b),
         }
     }
 
@@ -48,7 +31,7 @@ impl Logic {
             (Slot::FALSE, _) => b,
             (Slot::TRUE, _) => Slot::TRUE,
             _ if a == b => a,
-            _ => self.gate(flat, scope, GATES.or, a, b),
+            _ => self.gate(flat, scope, prim!("Core::BooleanOr"), a, b),
         }
     }
 
@@ -57,7 +40,7 @@ impl Logic {
         match a {
             Slot::FALSE => Slot::TRUE,
             Slot::TRUE => Slot::FALSE,
-            _ => self.gate(flat, scope, GATES.not, a, a),
+            _ => self.gate(flat, scope, prim!("Core::BooleanNot"), a, a),
         }
     }
 
@@ -69,7 +52,7 @@ impl Logic {
         }
         let result = flat.slots.add(Region::Value, 1);
         let words = [a.0, b.0, result.0];
-        let words = if prim == GATES.not {
+        let words = if prim == prim!("Core::BooleanNot") {
             &[a.0, result.0][..]
         } else {
             &words[..]

@@ -18,7 +18,6 @@ pub mod elab;
 pub mod facts;
 mod hash;
 pub mod init;
-mod prims;
 pub mod program;
 pub mod query;
 mod told;

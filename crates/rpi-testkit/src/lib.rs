@@ -7,6 +7,7 @@ mod alloc;
 mod gz;
 mod lsp;
 mod messages;
+mod process;
 mod shared;
 mod workspace;
 
@@ -14,5 +15,6 @@ pub use alloc::{AllocDisabler, alloc_allowed, no_alloc};
 pub use gz::read_maybe_gz;
 pub use lsp::LspClient;
 pub use messages::{differs, tool_differs};
+pub use process::own_process;
 pub use shared::{report_skip, shared_dir, shared_path};
 pub use workspace::{files_below, workspace_root};

@@ -5,7 +5,7 @@
 
 use std::io::Write;
 use std::os::unix::process::ExitStatusExt;
-use std::process::{Command, ExitStatus};
+use std::process::ExitStatus;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Duration;
@@ -13,6 +13,7 @@ use std::time::Duration;
 use rpi_host::control::{Event, Executive, Rule, Setting, Why};
 use rpi_host::realtime::fence;
 use rpi_sim::SimBank;
+use rpi_testkit::own_process;
 
 use crate::support::{Rig, counter};
 
@@ -36,16 +37,7 @@ const PLANTED: [(&str, Beside); 4] = [
 
 /// Runs a case in a process of its own.
 fn case(name: &str) -> ExitStatus {
-    let program = std::env::current_exe().unwrap();
-    let case = [
-        "fence::a_case",
-        "--exact",
-        "--nocapture",
-        "--test-threads=1",
-    ];
-    let mut child = Command::new(program);
-    let run = child.args(case).env(CASE, name).output().unwrap();
-    run.status
+    own_process("fence::a_case", CASE, name).status
 }
 
 /// What the others start; by itself there is nothing to do.

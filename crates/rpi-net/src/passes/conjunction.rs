@@ -5,9 +5,8 @@
 
 use crate::net::{Input, Net, Node, PortRef};
 use rpi_image::{CommandFlow, Role, Value};
-use rpi_prims::PrimId;
+use rpi_prims::prim;
 use std::collections::BTreeSet;
-use std::sync::LazyLock;
 
 /// The parts of a conjunction. All of them hold exactly if the flow is true.
 #[derive(Clone, PartialEq, Eq, PartialOrd, Ord, Default, Debug)]
@@ -69,31 +68,15 @@ enum Part<'a> {
     Flow,
 }
 
-/// The gates that are looked through.
-struct Gates {
-    and: PrimId,
-    or: PrimId,
-    not: PrimId,
-}
-
-static GATES: LazyLock<Gates> = LazyLock::new(|| {
-    let prim = |name| PrimId::of(name).expect("Boolean primitives are in the registry");
-    Gates {
-        and: prim("Core::BooleanAnd"),
-        or: prim("Core::BooleanOr"),
-        not: prim("Core::BooleanNot"),
-    }
-});
-
 fn part(node: &Node, wanted: bool) -> Part<'_> {
     let constant = || node.params.first().and_then(Value::as_bool);
     match node.desc().role {
         Role::Flow(CommandFlow::Cancel) => Part::Cancelled,
         Role::Constant if constant() == Some(wanted) => Part::Always,
         Role::Constant => Part::Never,
-        _ if node.prim == GATES.not => Part::Both(&node.inputs, !wanted),
-        _ if node.prim == GATES.and && wanted => Part::Both(&node.inputs, true),
-        _ if node.prim == GATES.or && !wanted => Part::Both(&node.inputs, false),
+        _ if node.prim == prim!("Core::BooleanNot") => Part::Both(&node.inputs, !wanted),
+        _ if node.prim == prim!("Core::BooleanAnd") && wanted => Part::Both(&node.inputs, true),
+        _ if node.prim == prim!("Core::BooleanOr") && !wanted => Part::Both(&node.inputs, false),
         _ => Part::Flow,
     }
 }

@@ -3,11 +3,11 @@
 use super::body::Body;
 use super::quantity::plain_angle;
 use super::report::Wanted;
-use crate::prims::prim;
 use crate::ty::{Ty, join};
 use crate::typed::{Each, ExprId, Kind, Leaf};
 use crate::units::Base;
 use rpi_diag::{Code, Finding, Span};
+use rpi_prims::prim;
 use rpi_syntax::ast::{self, Among, ExprKind, Number, Quantity};
 
 impl<'a> Body<'_, 'a> {

@@ -5,12 +5,12 @@ use super::body::Body;
 use super::locals::Local;
 use super::report::{listed, not_a};
 use super::statics::Static;
-use crate::prims::prim;
 use crate::program::{Decl, DeclId, DeclKind, Lookup, Space};
 use crate::ty::Ty;
 use crate::typed::{ExprId, FlowId, Kind, Leaf, UnitKind};
 use rpi_diag::{Code, Finding, Span};
 use rpi_prims::PrimId;
+use rpi_prims::prim;
 use rpi_syntax::Name;
 use rpi_syntax::ast::{self, CommandDecl, ExprKind};
 

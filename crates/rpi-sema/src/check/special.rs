@@ -6,11 +6,11 @@ use super::quantifier::foreign_ty;
 use super::report::Wanted;
 use super::statement::counted;
 use super::types::{FOREIGN, is_foreign};
-use crate::prims::prim;
 use crate::ty::Ty;
 use crate::typed::{Activation, Each, ExprId, Kind};
 use crate::units::{Dim, Ratio};
 use rpi_diag::{Code, Finding, Span};
+use rpi_prims::prim;
 use rpi_syntax::ast::{self, ExprKind};
 
 /// A predeclared operator.

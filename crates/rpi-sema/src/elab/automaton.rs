@@ -5,11 +5,11 @@ use super::families::Family;
 use super::scope::Scope;
 use super::signal::Signal;
 use super::{At, Elab};
-use crate::prims::prim;
 use crate::typed::{Automaton, Shared, Transition};
 use rpi_diag::Span;
 use rpi_image::{Scalar, Value};
 use rpi_net::{FragmentId, Restart};
+use rpi_prims::prim;
 
 /// The next state and whether it starts afresh.
 #[derive(Clone)]

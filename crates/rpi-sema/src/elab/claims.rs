@@ -6,7 +6,6 @@
 use super::scope::Scope;
 use super::signal::{Signal, nothing};
 use super::{At, Elab, Mode};
-use crate::prims::prim;
 use crate::ty::Ty;
 use crate::typed::{BlockId, Claim, ClaimKind, Each, ExprId, FlowId, Kind, Unit, UnitKind};
 use rpi_diag::{Code, Finding};
@@ -14,6 +13,7 @@ use rpi_image::Value;
 use rpi_net::claim::{claim_key, read_key};
 use rpi_net::{self as net, ClaimRead};
 use rpi_prims::PrimId;
+use rpi_prims::prim;
 
 /// What becomes of the claims of a program: of its assertions and contracts.
 #[derive(Clone, Copy, PartialEq, Eq, Default, Debug)]

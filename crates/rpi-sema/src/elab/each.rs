@@ -5,11 +5,11 @@ use super::families::{Family, member};
 use super::scope::Scope;
 use super::signal::{Signal, Wire};
 use super::{At, Elab, Mode, NotConstant};
-use crate::prims::prim;
 use crate::typed::{Each, ExprId, Kind};
 use rpi_diag::Span;
 use rpi_image::{Scalar, Type, Value};
 use rpi_net::{FragmentId, Input, PortRef, Types};
+use rpi_prims::prim;
 
 impl<'u> Elab<'u> {
     pub(super) fn each(

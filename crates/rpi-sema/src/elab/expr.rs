@@ -5,11 +5,11 @@ use super::pack::natural;
 use super::scope::Scope;
 use super::signal::{Given, Signal, Wire, nothing, single};
 use super::{At, Elab, Mode, NotConstant};
-use crate::prims::prim;
 use crate::typed::{Activation, ExprId, Kind, PrimCall};
 use rpi_diag::Span;
 use rpi_image::{ParamType, PortType, Scalar, Type, Value};
 use rpi_prims::PrimId;
+use rpi_prims::prim;
 use smallvec::SmallVec;
 
 /// Calls in one another that may be elaborated from outside.

@@ -3,11 +3,11 @@
 use super::families::{Family, member};
 use super::signal::{Signal, alias_of};
 use super::{At, Elab};
-use crate::prims::prim;
 use rpi_diag::Span;
 use rpi_image::{PortType, Scalar, Type, Value};
 use rpi_net::{Input, PortRef, Types};
 use rpi_prims::PrimId;
+use rpi_prims::prim;
 
 impl Elab<'_> {
     /// What an in-port of this type reads to get a value.

@@ -30,6 +30,7 @@ use rpi_image::Role;
 use rpi_net::claim::is_for_claim;
 use rpi_net::passes::Users;
 use rpi_net::{Activation, Driver, FragmentId, Input, Net, NodeId, PortRef};
+use rpi_prims::{PrimId, prim};
 use rules::{Rule, rule};
 use solve::Solution;
 
@@ -110,13 +111,20 @@ fn all_roots(net: &Net, rules: &[Rule], claims: &[PortRef]) -> Vec<NodeId> {
     roots
 }
 
-/// The primitives that end the command where a condition does not hold.
-const CHECKS: [&str; 3] = ["Rpi::Assert", "Rpi::AssertIndex", "Rpi::Assume"];
+/// Whether the primitive ends the command where a condition does not hold.
+fn is_check(prim: PrimId) -> bool {
+    [
+        prim!("Rpi::Assert"),
+        prim!("Rpi::AssertIndex"),
+        prim!("Rpi::Assume"),
+    ]
+    .contains(&prim)
+}
 
 /// What ends the command where it does not hold.
 fn asserted(net: &Net) -> impl Iterator<Item = PortRef> + '_ {
     let checks = net.nodes.iter();
-    let checks = checks.filter(|node| CHECKS.contains(&node.desc().name));
+    let checks = checks.filter(|node| is_check(node.prim));
     checks.filter_map(|node| node.inputs.first().and_then(Input::port))
 }
 

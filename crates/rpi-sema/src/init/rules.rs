@@ -4,9 +4,9 @@ use super::known::{Condition, Known};
 use super::phases::Active;
 use super::solve::{Seen, Solution, before};
 use crate::hash::Map;
-use crate::prims::prim;
 use rpi_image::{Presence, PrimDesc, Role, Value};
 use rpi_net::{Input, Net, Node, NodeId, PortRef};
+use rpi_prims::prim;
 use rpi_prims::{PrimId, fold};
 use std::rc::Rc;
 

@@ -3,13 +3,13 @@
 //! A violation ends a process, so each case runs in one of its own: this program, started again for that case.
 
 use std::os::unix::process::ExitStatusExt;
-use std::process::{Command, ExitStatus};
+use std::process::ExitStatus;
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use std::thread;
 
 use rpi_host::realtime::{Pace, RealTime};
 use rpi_serve::Settings;
-use rpi_testkit::report_skip;
+use rpi_testkit::{own_process, report_skip};
 
 use crate::client::settings;
 use crate::digest::Digest;
@@ -43,15 +43,7 @@ const PLANTED: [(&str, Around); 2] = [
 
 /// Runs a case in a process of its own; none where there can be no fence.
 fn case(name: &str) -> Option<ExitStatus> {
-    let program = std::env::current_exe().unwrap();
-    let case = [
-        "fence::a_case",
-        "--exact",
-        "--nocapture",
-        "--test-threads=1",
-    ];
-    let mut child = Command::new(program);
-    let run = child.args(case).env(CASE, name).output().unwrap();
+    let run = own_process("fence::a_case", CASE, name);
     if run.status.code() == Some(NO_FENCE) {
         report_skip("the kernel puts up no fence (seccomp)");
         return None;
