@@ -40,5 +40,5 @@ pub use project::{MANIFEST, Project};
 pub use rpi_sema::elab::Claims;
 pub use source::Told;
 pub use task::{Target, Task, TaskNode, TaskPlan};
-pub use tests::{Branch, Test};
+pub use tests::Test;
 pub use typed::{Typed, typed};

@@ -16,7 +16,7 @@ use rpi_sema::{Checked, check};
 use crate::files::Disk;
 use crate::modules::Modules;
 use crate::task::{self, Instance, Task};
-use crate::tests::{Test, branches, fragments};
+use crate::tests::Test;
 use crate::unwanted;
 use crate::violation;
 
@@ -195,8 +195,6 @@ fn test(unit: &Unit, made: Elaborated) -> Test {
     Test {
         title: unit.name.to_string(),
         span: unit.span,
-        branches: branches(&made.net),
-        fragments: fragments(&made.net),
         net: made.net,
     }
 }

@@ -18,8 +18,9 @@ mod violation;
 pub use claim::{Claim, ClaimKind, ClaimRead};
 pub use column::Column;
 pub use net::{
-    Absent, Activation, Alternatives, Driver, ExportPort, Fragment, FragmentId, FragmentPort,
-    Input, Net, Node, NodeId, Origin, PortRef, Restart, ResultKind, ResultPort, Types,
+    Absent, Activation, Alternatives, Driver, Exit, Exits, ExportPort, Fragment, FragmentId,
+    FragmentPort, Input, Net, Node, NodeId, Origin, PortRef, Restart, ResultKind, ResultPort,
+    Types,
 };
 pub use tree::{Item, Tree};
 pub use violation::Violation;

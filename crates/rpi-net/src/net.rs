@@ -215,6 +215,26 @@ pub struct Alternatives {
     pub ports: Vec<String>,
 }
 
+/// What may leave a state of an automaton at one end of a cycle: for those who watch a run.
+#[derive(Clone, PartialEq, Debug)]
+pub struct Exits {
+    /// Whether the automaton is in that state: a Boolean.
+    pub here: Input,
+    /// The transitions in the order in which they are tried: the first one whose condition holds is taken.
+    pub transitions: Vec<Exit>,
+    /// The automaton.
+    pub automaton: Span,
+}
+
+/// A transition out of a state.
+#[derive(Clone, PartialEq, Debug)]
+pub struct Exit {
+    /// When: a Boolean.
+    pub condition: Input,
+    /// The transition.
+    pub span: Span,
+}
+
 /// A net: one command, ready for the passes.
 #[derive(Clone, PartialEq, Debug)]
 pub struct Net {
@@ -232,6 +252,8 @@ pub struct Net {
     pub alternatives: Vec<Alternatives>,
     /// What the program claims of itself, as far as that is published.
     pub claims: Vec<Claim>,
+    /// The transitions of its automata, where they were asked for.
+    pub exits: Vec<Exits>,
 }
 
 impl Net {
@@ -262,6 +284,7 @@ impl Net {
             exports: Vec::new(),
             alternatives: Vec::new(),
             claims: Vec::new(),
+            exits: Vec::new(),
         }
     }
 

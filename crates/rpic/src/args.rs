@@ -92,7 +92,7 @@ pub(crate) struct TestArgs {
     /// Period of the cycle.
     #[arg(long, default_value = "1ms", value_parser = rpi_driver::parse_period, value_name = "TIME")]
     pub(crate) period: u64,
-    /// Tell which fragments and branches no test has seen.
+    /// Tell which fragments, branches and transitions no test has seen.
     #[arg(long)]
     pub(crate) coverage: bool,
     /// Form of the findings: human, short, json, sarif or github.

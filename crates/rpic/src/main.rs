@@ -5,6 +5,7 @@
 mod args;
 mod check;
 mod compile;
+mod coverage;
 mod doc;
 mod explain;
 mod fmt;

@@ -1,9 +1,8 @@
 //! `rpic test`: runs the tests that stand in programs.
 
-use std::collections::BTreeMap;
 use std::path::Path;
 
-use rpi_diag::{Code, Finding, SourceMap, Span};
+use rpi_diag::{Code, Finding, Span};
 use rpi_driver::{Compiled, Input, Test};
 use rpi_host::testing::{Case, Condition, Ended, Holds, Report, run};
 use rpi_image::image::TextRange;
@@ -11,6 +10,7 @@ use rpi_net::{Claim, ClaimKind};
 
 use crate::args::TestArgs;
 use crate::check::show;
+use crate::coverage::Seen;
 use crate::outcome::{Exit, Outcome, put};
 
 /// Runs the tests of each file; one that fails decides.
@@ -111,7 +111,7 @@ fn one_file(
             false => tally.failed += 1,
         }
         show(args.format, &findings(test, &report), &compiled.sources)?;
-        seen.add(test, &report);
+        seen.add(&report.coverage);
     }
     match args.coverage {
         true => put(None, seen.text(&compiled.sources).as_bytes()),
@@ -123,12 +123,11 @@ fn report(test: &Test, args: &TestArgs) -> Result<Report, String> {
     let own: Vec<Condition> = own(test).map(condition).collect();
     let others = test.net.claims.iter().filter(|claim| !is_own(claim));
     let others: Vec<Claim> = others.cloned().collect();
-    let branches: Vec<String> = test.branches.iter().map(|b| b.condition.clone()).collect();
     run(Case {
+        net: &test.net,
         image: rpi_driver::lower_to_look(&test.net, args.period)?,
         conditions: &own,
         claims: &others,
-        branches: &branches,
         cycles: args.cycles,
     })
     .map_err(|why| format!("{}: {why}", test.title))
@@ -230,66 +229,4 @@ fn span(range: TextRange) -> Span {
         start: range.start,
         end: range.end,
     }
-}
-
-/// What all tests of a file together have seen.
-#[derive(Default)]
-struct Seen {
-    /// By their places in the text: a path, and whether any instance was active.
-    fragments: BTreeMap<Span, (String, bool)>,
-    branches: BTreeMap<Span, [bool; 2]>,
-}
-
-impl Seen {
-    fn add(&mut self, test: &Test, report: &Report) {
-        for (path, active) in &report.coverage.fragments {
-            let place = test.fragments.get(path).copied().unwrap_or(Span::NONE);
-            let seen = self.fragments.entry(place);
-            seen.or_insert((path.clone(), false)).1 |= active;
-        }
-        for (branch, ways) in test.branches.iter().zip(&report.coverage.branches) {
-            let seen = self.branches.entry(branch.span).or_default();
-            (0..2).for_each(|way| seen[way] |= ways[way]);
-        }
-    }
-
-    fn text(&self, sources: &SourceMap) -> String {
-        let active = self.fragments.values().filter(|seen| seen.1).count();
-        let own = |place: &&Span| !is_of_library(sources, **place);
-        let branches: Vec<(&Span, &[bool; 2])> = self
-            .branches
-            .iter()
-            .filter(|(place, _)| own(place))
-            .collect();
-        let ways = branches
-            .iter()
-            .flat_map(|(_, ways)| *ways)
-            .filter(|way| **way)
-            .count();
-        let mut text = format!(
-            "coverage: {active} of {} fragments, {ways} of {} branches\n",
-            self.fragments.len(),
-            2 * branches.len()
-        );
-        for (path, _) in self.fragments.values().filter(|seen| !seen.1) {
-            text.push_str(&format!("  never active: {path}\n"));
-        }
-        for (span, ways) in branches {
-            let missing = [(ways[0], "else"), (ways[1], "then")];
-            for (_, branch) in missing.iter().filter(|(seen, _)| !seen) {
-                let (file, at) = (sources.name(span.file), sources.line_col(*span));
-                let (line, column) = (at.line, at.col);
-                text.push_str(&format!(
-                    "  `{branch}` never taken: {file}:{line}:{column}\n"
-                ));
-            }
-        }
-        text
-    }
-}
-
-/// Whether a place is in a module of the standard library that a program uses: that has tests of its own.
-fn is_of_library(sources: &SourceMap, place: Span) -> bool {
-    let own = place.file == rpi_diag::FileId(0);
-    !own && sources.name(place.file).starts_with("stdlib/")
 }

@@ -55,11 +55,27 @@ fn tests_are_chosen_by_title() {
 fn coverage_names_what_was_not_seen() {
     let (_, all) = run(LAMP, &["--coverage"]);
     assert!(
-        all.contains("coverage: 2 of 2 fragments, 6 of 6 branches"),
+        all.contains("coverage: 2 of 2 fragments, 4 of 4 branches, 1 of 2 transitions"),
         "{all}"
     );
     let (_, part) = run(LAMP, &["--coverage", "--filter", "goes out"]);
     assert!(part.contains("never active: lamp.On"), "{part}");
+}
+
+#[test]
+fn transitions_count_where_they_are_taken() {
+    let (status, text) = run(include_str!("data/gate.rpi"), &["--coverage"]);
+    assert_eq!(status, Some(0), "{text}");
+    let told: Vec<&str> = text.lines().filter(|l| !l.starts_with("ok")).collect();
+    let expected = [
+        "coverage: 5 of 6 fragments, 2 of 2 branches, 3 of 6 transitions",
+        "  never active: k.Locked/k.Out",
+        "  `open and n > 3 then Wide` never taken: program.rpi:8:13",
+        "  `not open continue Shut` never taken: program.rpi:14:13",
+        "  `n > 100 then Out` never taken: program.rpi:20:19",
+        "2 passed, 0 failed",
+    ];
+    assert_eq!(told, expected);
 }
 
 #[test]

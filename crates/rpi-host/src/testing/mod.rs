@@ -12,21 +12,21 @@ use rpi_device::NoDevices;
 use rpi_diag::Finding;
 use rpi_image::Image;
 use rpi_image::image::{End, EndKind, Export, Signal, TextRange};
-use rpi_net::{Claim, literal};
+use rpi_net::{Claim, Net, literal};
 
 use crate::claims::{self, Flows};
 
 /// What is run and watched.
 #[derive(Debug)]
 pub struct Case<'a> {
+    /// The net.
+    pub net: &'a Net,
     /// The net, lowered to be looked at.
     pub image: Image,
     /// For each condition its export, and the exports that tell why.
     pub conditions: &'a [Condition],
     /// What else is claimed, by what the test calls.
     pub claims: &'a [Claim],
-    /// `path.port` of the Booleans that are to be seen both ways.
-    pub branches: &'a [String],
     /// It ends after so many cycles if it does not end itself; unless said, after [`CYCLES`], or [`MOST`] if it can finish.
     pub cycles: Option<u64>,
 }
@@ -114,7 +114,8 @@ pub fn run(case: Case<'_>) -> Result<Report, String> {
         faults.join("; ")
     })?;
     let finishes = can_finish(&machine.image().end);
-    let mut watch = Watch::new(machine, case.conditions, case.claims, case.branches);
+    let coverage = Coverage::new(case.net, machine.image());
+    let mut watch = Watch::new(machine, case.conditions, case.claims, coverage);
     let cycles = case.cycles.unwrap_or(if finishes { MOST } else { CYCLES });
     let end = (0..cycles).find_map(|cycle| watch.cycle(cycle));
     Ok(watch.report(end.or(finishes.then_some(Ended::Unfinished))))
@@ -148,7 +149,7 @@ impl Watch {
         machine: Machine,
         conditions: &[Condition],
         claims: &[Claim],
-        branches: &[String],
+        coverage: Coverage,
     ) -> Watch {
         let image = machine.image().clone();
         let numbered = |key: &str| {
@@ -167,7 +168,7 @@ impl Watch {
         };
         Watch {
             conditions: conditions.iter().map(watched).collect(),
-            coverage: Coverage::new(&image, branches),
+            coverage,
             claims: claims::Watch::new(claims, numbered),
             broken: Vec::new(),
             machine,

@@ -168,6 +168,7 @@ impl<'a> Body<'_, 'a> {
                     condition,
                     resumes: transition.resumes,
                     target,
+                    span: transition.span,
                 });
             }
         }

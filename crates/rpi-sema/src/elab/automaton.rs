@@ -8,7 +8,7 @@ use super::{At, Elab};
 use crate::typed::{Automaton, Shared, Transition};
 use rpi_diag::Span;
 use rpi_image::{Scalar, Value};
-use rpi_net::{FragmentId, Restart};
+use rpi_net::{Exit, Exits, FragmentId, Restart};
 use rpi_prims::prim;
 
 /// The next state and whether it starts afresh.
@@ -16,6 +16,14 @@ use rpi_prims::prim;
 struct Next {
     state: Signal,
     afresh: Signal,
+}
+
+/// What may leave a state at one end of a cycle.
+struct Choice<'u, 's> {
+    transitions: &'u [Transition],
+    /// Whether the automaton is in that state.
+    here: &'s Signal,
+    automaton: Span,
 }
 
 impl<'u> Elab<'u> {
@@ -33,7 +41,12 @@ impl<'u> Elab<'u> {
             if !state.until.is_empty() {
                 let inner = At::fragment(fragment);
                 let around = std::mem::replace(&mut scope.base, fragment);
-                let weak = self.transitions(scope, &state.until, stay(&number(k)), inner, span);
+                let choice = Choice {
+                    transitions: &state.until,
+                    here: &here,
+                    automaton: span,
+                };
+                let weak = self.transitions(scope, choice, stay(&number(k)), inner);
                 scope.base = around;
                 chosen = self.pick(&here, weak, chosen, at, span);
             }
@@ -91,7 +104,12 @@ impl<'u> Elab<'u> {
             }
             let here = self.is_state(&memory.state, k, at, span);
             let inside = self.where_it_counts(scope, &state.unless, &here, at, span);
-            let strong = self.transitions(scope, &state.unless, memory.clone(), inside, span);
+            let choice = Choice {
+                transitions: &state.unless,
+                here: &here,
+                automaton: span,
+            };
+            let strong = self.transitions(scope, choice, memory.clone(), inside);
             current = self.pick(&here, strong, current, at, span);
         }
         current
@@ -118,26 +136,46 @@ impl<'u> Elab<'u> {
     fn transitions(
         &mut self,
         scope: &mut Scope<'u>,
-        transitions: &'u [Transition],
+        choice: Choice<'u, '_>,
         otherwise: Next,
         at: At,
-        span: Span,
     ) -> Next {
         let mut next = otherwise;
-        for transition in transitions.iter().rev() {
+        let mut exits = Vec::new();
+        for transition in choice.transitions.iter().rev() {
             let target = Next {
                 state: number(transition.target as usize),
                 afresh: Signal::Const(Value::bool(!transition.resumes)),
             };
+            let condition = match transition.condition {
+                None => Signal::Const(Value::bool(true)),
+                Some(condition) => self.one(scope, condition, at),
+            };
             next = match transition.condition {
                 None => target,
-                Some(condition) => {
-                    let condition = self.one(scope, condition, at);
-                    self.pick(&condition, target, next, at, span)
-                }
+                Some(_) => self.pick(&condition, target, next, at, choice.automaton),
             };
+            exits.push((condition, transition.span));
+        }
+        if self.tells_exits {
+            self.tell_exits(&choice, exits, at);
         }
         next
+    }
+
+    /// Notes what may leave a state, last transition first.
+    fn tell_exits(&mut self, choice: &Choice<'u, '_>, exits: Vec<(Signal, Span)>, at: At) {
+        let here = self.one_input(choice.here, Scalar::Bool, at, choice.automaton);
+        let exit = |(condition, span): (Signal, Span)| Exit {
+            condition: self.one_input(&condition, Scalar::Bool, at, span),
+            span,
+        };
+        let transitions = exits.into_iter().rev().map(exit).collect();
+        self.net.exits.push(Exits {
+            here,
+            transitions,
+            automaton: choice.automaton,
+        });
     }
 
     fn pick(&mut self, condition: &Signal, yes: Next, no: Next, at: At, span: Span) -> Next {

@@ -198,6 +198,8 @@ struct Elab<'u> {
     has_claims: bool,
     /// What becomes of claims.
     claims: Claims,
+    /// Whether it is told which transitions there are.
+    tells_exits: bool,
     /// Flows that somebody looks at although they leave the net nowhere.
     watched: Vec<rpi_net::ExportPort>,
 }
@@ -238,6 +240,7 @@ impl<'u> Elab<'u> {
             findings: Vec::new(),
             has_claims: false,
             claims: Claims::default(),
+            tells_exits: false,
             watched: Vec::new(),
         }
     }

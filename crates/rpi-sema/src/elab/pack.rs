@@ -19,7 +19,13 @@ impl Elab<'_> {
         }
     }
 
-    fn one_input(&mut self, signal: &Signal, scalar: Scalar, at: At, span: Span) -> Input {
+    pub(super) fn one_input(
+        &mut self,
+        signal: &Signal,
+        scalar: Scalar,
+        at: At,
+        span: Span,
+    ) -> Input {
         match signal {
             Signal::Const(value) => Input::constant(value.clone()),
             Signal::Port(port) => Input::Port(*port),

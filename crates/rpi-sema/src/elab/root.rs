@@ -140,6 +140,7 @@ impl<'u, 'a> Job<'u, 'a> {
         elab.claims = self.claims;
         elab.sampled = sampled;
         let unit = &self.units[self.id.0 as usize];
+        elab.tells_exits = unit.kind == UnitKind::Test;
         elab.net.name = unit.name.to_string();
         let root = &mut elab.net.fragments[0];
         root.budget_ns = unit.block(BlockId::ROOT).budget_ns;

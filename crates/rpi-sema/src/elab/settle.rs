@@ -33,6 +33,7 @@ impl Elab<'_> {
             self.watched[watched].source = self.settled_port(source, At::ROOT, span);
         }
         self.settle_driver();
+        self.settle_exits();
     }
 
     /// Follows an alias to what it stands for. Aliases that stand for each other are a dependency cycle without any
@@ -84,22 +85,35 @@ impl Elab<'_> {
             let Input::Port(port) = self.net.nodes[node].inputs[k] else {
                 continue;
             };
-            let Some(alias) = alias_of(port) else {
-                continue;
-            };
             let at = At::fragment(self.net.nodes[node].fragment);
             let span = self.net.nodes[node].origin.span;
-            let input = match self.aliases[alias].clone() {
-                Some(Signal::Const(value)) => Input::constant(value),
-                Some(Signal::Port(port)) => Input::Port(port),
-                Some(Signal::Element(port, k)) => Input::Port(self.element(port, k, span)),
-                _ => match self.absent(self.alias_types[alias], at, span) {
-                    Some(port) => Input::Port(port),
-                    None => Input::Open,
-                },
-            };
-            self.net.nodes[node].inputs[k] = input;
+            if let Some(input) = self.settled_input(port, at, span) {
+                self.net.nodes[node].inputs[k] = input;
+            }
         }
+    }
+
+    /// What stands behind an alias; none if the port is no alias.
+    fn settled_input(&mut self, port: PortRef, at: At, span: Span) -> Option<Input> {
+        let alias = alias_of(port)?;
+        let signal = self.aliases[alias].clone().unwrap_or(Signal::Absent);
+        Some(self.one_input(&signal, self.alias_types[alias], at, span))
+    }
+
+    fn settle_exits(&mut self) {
+        let mut all = std::mem::take(&mut self.net.exits);
+        for exits in &mut all {
+            let span = exits.automaton;
+            let conditions = exits.transitions.iter_mut().map(|exit| &mut exit.condition);
+            for input in conditions.chain([&mut exits.here]) {
+                if let Input::Port(port) = *input
+                    && let Some(settled) = self.settled_input(port, At::ROOT, span)
+                {
+                    *input = settled;
+                }
+            }
+        }
+        self.net.exits = all;
     }
 
     fn settled_port(&mut self, port: PortRef, at: At, span: Span) -> PortRef {

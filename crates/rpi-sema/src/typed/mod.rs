@@ -299,6 +299,8 @@ pub struct Transition {
     pub resumes: bool,
     /// Index of the next state.
     pub target: u32,
+    /// All of it.
+    pub span: Span,
 }
 
 /// A flow that several states define.
