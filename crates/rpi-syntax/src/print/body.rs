@@ -25,15 +25,21 @@ impl Printer<'_> {
     fn after_head(&mut self, contract: Option<&Contract>, body: &Body, end: u32) -> Doc {
         let first = contract.map_or_else(|| body.first_span(), |contract| contract.span);
         let limit = if first.is_none() { end } else { first.start };
-        let head_end = self.trivia.reached();
-        let suffixes = self.trivia.after(head_end, limit);
         let next = self.trivia.next_token(self.trivia.reached());
-        let own = self
-            .trivia
-            .before(next)
-            .into_iter()
-            .flat_map(|own| [Doc::Hard, own.doc]);
+        self.gap(next.min(limit))
+    }
+
+    /// The comments between what was written last and what stands at `next`: at the end of the line, and on lines of their own.
+    pub(super) fn gap(&mut self, next: u32) -> Doc {
+        let suffixes = self.trivia.after(self.trivia.reached(), next);
+        let own = self.trivia.before(next).into_iter();
+        let own = own.flat_map(|own| [Doc::Hard, own.doc]);
         concat(suffixes.into_iter().chain(own))
+    }
+
+    /// The comments behind a phrase that ends at `end`, on its line.
+    fn behind(&mut self, end: u32) -> Doc {
+        concat(self.trivia.after(end, self.trivia.next_token(end)))
     }
 
     /// Local declarations and `let ... tel`, each statement on a line.
@@ -44,15 +50,15 @@ impl Printer<'_> {
     }
 
     /// The same, on one line if it is short enough.
-    fn short_body(&mut self, body: &Body, span: Span) -> Doc {
+    fn short_body(&mut self, body: &Body, end: u32) -> Doc {
         let short = body.locals.is_empty()
             && body.statements.len() <= MAX_ON_ONE_LINE
             && !body
                 .statements
                 .iter()
                 .any(|statement| has_body(&statement.kind));
-        if !short || self.trivia.any_before(span.end) {
-            return self.body(body, span.end);
+        if !short || self.trivia.any_before(end) {
+            return self.body(body, end);
         }
         let statements = body.statements.iter().flat_map(|statement| {
             let doc = self.doc_lines(statement.doc.as_ref());
@@ -93,9 +99,8 @@ impl Printer<'_> {
             && place(only).1.is_none()
         {
             let element = write(self, only);
-            let end = place(only).0.end;
-            let suffixes = self.trivia.after(end, self.trivia.next_token(end));
-            return concat([word(head), word(" "), element, word(";"), concat(suffixes)]);
+            let behind = self.behind(place(only).0.end);
+            return concat([word(head), word(" "), element, word(";"), behind]);
         }
         let lines = self.open_lines(
             elements,
@@ -184,7 +189,7 @@ impl Printer<'_> {
             between,
             contract,
             Doc::Hard,
-            self.short_body(&fragment.body, span),
+            self.short_body(&fragment.body, span.end),
         ])
     }
 
@@ -207,21 +212,51 @@ impl Printer<'_> {
         } else {
             "state "
         };
-        let mut parts = Vec::new();
-        for transitions in one_clause(&state.unless) {
-            parts.extend([Doc::Hard, self.transitions("unless ", transitions)]);
-        }
-        if state.body != Body::default() {
-            parts.extend([Doc::Hard, self.short_body(&state.body, body_span(state))]);
-        }
-        for transitions in one_clause(&state.until) {
-            parts.extend([Doc::Hard, self.transitions("until ", transitions)]);
-        }
+        self.trivia.reach(state.name.span.end);
+        let parts = [
+            self.clause("unless ", &state.unless),
+            self.state_body(&state.body),
+            self.clause("until ", &state.until),
+        ];
         concat([word(head), text(&*state.name.name), indent(concat(parts))])
     }
 
-    fn transitions(&mut self, head: &'static str, transitions: &[Transition]) -> Doc {
-        let alternatives = self.phrases(
+    fn state_body(&mut self, body: &Body) -> Doc {
+        if *body == Body::default() {
+            return nothing();
+        }
+        let gap = self.gap(self.trivia.next_token(self.trivia.reached()));
+        let end = self.end_of(body);
+        let lines = self.short_body(body, end);
+        let behind = self.behind(end + "tel".len() as u32);
+        concat([gap, Doc::Hard, lines, behind])
+    }
+
+    /// Where the `tel` of the body stands that comes next.
+    fn end_of(&self, body: &Body) -> u32 {
+        let behind_let = |before| self.trivia.next_token(before) + "let".len() as u32;
+        let last = body.statements.last().map(|statement| statement.span.end);
+        let last = last.unwrap_or_else(|| {
+            let locals = body.locals.iter().filter_map(Locals::end).last();
+            behind_let(locals.unwrap_or(self.trivia.reached()))
+        });
+        self.trivia.next_token(last)
+    }
+
+    /// All transitions at one end of a state as one clause: the first that holds is taken, however they are written.
+    fn clause(&mut self, head: &'static str, transitions: &[Transition]) -> Doc {
+        let [first, ..] = transitions else {
+            return nothing();
+        };
+        let gap = self.gap(first.span.start);
+        let alternatives = self.transitions(transitions);
+        let last = transitions.last().unwrap_or(first);
+        let behind = self.behind(last.span.end);
+        concat([gap, Doc::Hard, word(head), alternatives, word(";"), behind])
+    }
+
+    fn transitions(&mut self, transitions: &[Transition]) -> Doc {
+        self.phrases(
             transitions,
             |t| t.span,
             |p, i, transition| {
@@ -242,8 +277,7 @@ impl Printer<'_> {
                     target,
                 ])
             },
-        );
-        concat([word(head), alternatives, word(";")])
+        )
     }
 }
 
@@ -270,6 +304,16 @@ pub(super) fn block(open: &'static str, lines: Doc, close: &'static str) -> Doc 
             Doc::Hard,
             word(close),
         ]),
+    }
+}
+
+impl Locals {
+    /// Where its last declaration ends.
+    fn end(&self) -> Option<u32> {
+        match self {
+            Locals::Var(vars) => vars.last().map(|var| var.span.end),
+            Locals::Const(defs) => defs.last().map(|def| def.span.end),
+        }
     }
 }
 
@@ -308,17 +352,6 @@ fn end_widths(statements: &[Statement]) -> Vec<usize> {
         std::iter::repeat_n(longest, run.len())
     });
     widths.collect()
-}
-
-/// All transitions as one clause: the first that holds is taken, however they are written.
-fn one_clause(transitions: &[Transition]) -> impl Iterator<Item = &[Transition]> {
-    (!transitions.is_empty()).then_some(transitions).into_iter()
-}
-
-/// The part of a state's source that its body may reach to.
-fn body_span(state: &State) -> Span {
-    let end = state.until.first().map_or(state.span.end, |t| t.span.start);
-    Span { end, ..state.span }
 }
 
 impl EndKind {

@@ -107,25 +107,37 @@ impl Printer<'_> {
         &mut self,
         elements: &[T],
         span: impl Fn(&T) -> Span,
-        mut write: impl FnMut(&mut Self, usize, &T) -> Doc,
+        write: impl FnMut(&mut Self, usize, &T) -> Doc,
     ) -> Doc {
+        let mut parts = self.phrase_parts(elements, span, write).into_iter();
+        let first = parts.next().unwrap_or_else(nothing);
+        group(concat([first, concat(parts.map(indent))]))
+    }
+
+    /// The same phrases, each after the first with a `Line` before it, to be set by who asks.
+    pub(super) fn phrase_parts<T>(
+        &mut self,
+        elements: &[T],
+        span: impl Fn(&T) -> Span,
+        mut write: impl FnMut(&mut Self, usize, &T) -> Doc,
+    ) -> Vec<Doc> {
         let mut parts = Vec::new();
         for (i, element) in elements.iter().enumerate() {
             // The first one does not begin a line: it has no place for comments before it.
-            parts.push(match i {
+            let phrase = match i {
                 0 => write(self, 0, element),
                 _ => {
                     let placed = self.placed(span(element), |p| write(p, i, element));
                     let lines = placed.lines(true).into_iter();
                     let lines = lines.map(|(_, line)| (false, line)).collect();
-                    indent(concat([Doc::Line, joined(lines)]))
+                    concat([Doc::Line, joined(lines)])
                 }
-            });
-            if let Some(next) = elements.get(i + 1) {
-                parts.extend(self.trivia.after(span(element).end, span(next).start));
-            }
+            };
+            let limit = elements.get(i + 1).map_or(0, |next| span(next).start);
+            let behind = self.trivia.after(span(element).end, limit);
+            parts.push(concat([phrase, concat(behind)]));
         }
-        group(concat(parts))
+        parts
     }
 
     /// Lines of a block, one below the other. Empty lines of the source are kept, one at most. What

@@ -46,11 +46,16 @@ impl Printer<'_> {
             StepKind::Run(run) => self.run(run, columns),
             StepKind::Start(label) => text(format!("start {};", label.name)),
             StepKind::Repeat { count, steps } => {
-                let head = match count {
-                    Some(count) => concat([word("repeat "), self.expr(count), word(" times")]),
-                    None => word("repeat"),
+                let (head, end) = match count {
+                    Some(count) => (
+                        concat([word("repeat "), self.expr(count), word(" times")]),
+                        self.trivia.next_token(count.span.end) + "times".len() as u32,
+                    ),
+                    None => (word("repeat"), span.start + "repeat".len() as u32),
                 };
-                self.repeat(head, steps, span)
+                self.trivia.reach(end);
+                let gap = self.gap(self.trivia.next_token(end));
+                self.repeat(concat([head, gap]), steps, span)
             }
             StepKind::Broken(_) => nothing(),
         }
@@ -81,12 +86,14 @@ impl Printer<'_> {
         }
         let width = call.flat_width().unwrap_or(columns.call);
         let gap = " ".repeat(columns.call.saturating_sub(width) + 1);
+        let first = run.branches.first().map_or(0, |first| first.span.start);
+        let comments = self.gap(first);
         let branches = self.branches(&run.branches);
         group(concat([
             label,
             call,
             text(gap),
-            indent(concat([Doc::Line, branches])),
+            indent(concat([comments, Doc::Line, branches])),
             word(";"),
         ]))
     }
@@ -103,18 +110,16 @@ impl Printer<'_> {
     }
 
     fn branches(&mut self, branches: &[Branch]) -> Doc {
-        let branches = branches.iter().enumerate().flat_map(|(i, branch)| {
-            let gap = if i == 0 {
-                nothing()
-            } else {
-                concat([Doc::Line, word("| ")])
-            };
-            let on: Vec<&str> = branch.on.iter().map(on_result).collect();
-            [
-                gap,
-                text(format!("on {} then {}", on.join(", "), next(&branch.then))),
-            ]
-        });
+        let branches = self.phrase_parts(
+            branches,
+            |branch| branch.span,
+            |_, i, branch| {
+                let bar = if i == 0 { "" } else { "| " };
+                let on: Vec<&str> = branch.on.iter().map(on_result).collect();
+                let (on, then) = (on.join(", "), next(&branch.then));
+                text(format!("{bar}on {on} then {then}"))
+            },
+        );
         concat(branches)
     }
 
