@@ -75,7 +75,7 @@ codes! {
     RPI0011 Error "too large or too deeply nested";
     RPI0012 Error "word of the language as a name";
     RPI0013 Warning "foreign comment mark";
-    RPI0014 Note "contract in a comment";
+    RPI0014 Note "contract or property in a comment";
     RPI0015 Warning "`when` read as in Lustre V6";
     RPI0016 Error "spelling of another language";
     RPI0017 Error "construct of Kind 2 that is not run";

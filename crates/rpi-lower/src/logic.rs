@@ -3,7 +3,8 @@
 use crate::flat::{Flat, NO_NODE, ScopeId, Work};
 use crate::slots::{Region, Slot};
 use rpi_image::Form;
-use rpi_prims::{PrimId, prim};
+use rpi_net::prim;
+use rpi_prims::PrimId;
 use rustc_hash::FxHashMap;
 
 /// What was computed already: (primitive, first, second) to result and the scope in which it stands.

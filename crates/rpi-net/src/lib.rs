@@ -10,6 +10,7 @@ pub mod literal;
 pub mod lustre;
 pub mod net;
 pub mod passes;
+mod prim;
 pub mod rpinet;
 pub mod shape;
 pub mod tree;
@@ -22,5 +23,6 @@ pub use net::{
     FragmentPort, Input, Net, Node, NodeId, Origin, PortRef, Restart, ResultKind, ResultPort,
     Types,
 };
+pub use rpi_prims::PrimId;
 pub use tree::{Item, Tree};
 pub use violation::Violation;

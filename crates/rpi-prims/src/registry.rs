@@ -61,19 +61,6 @@ impl PrimId {
     }
 }
 
-/// The [`PrimId`] of a registered name, as a constant; a name that is not registered does not compile.
-#[macro_export]
-macro_rules! prim {
-    ($name:literal) => {
-        const {
-            match $crate::PrimId::of($name) {
-                Some(prim) => prim,
-                None => panic!("no primitive of this name is registered"),
-            }
-        }
-    };
-}
-
 /// All primitives, sorted by registered name.
 #[must_use]
 pub const fn registry() -> &'static [Prim] {

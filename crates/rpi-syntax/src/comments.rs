@@ -10,8 +10,10 @@ pub enum CommentKind {
     Line,
     /// `--| text`: documentation of the declaration that follows
     Doc,
-    /// `--%MAIN`, `--%PROPERTY x;`: a mark for tools
+    /// `--%MAIN`: a mark for tools
     Pragma,
+    /// `--%PROPERTY x;`: a property in the manner of Kind 2 that is not read
+    Property,
     /// `(* remark *)`, `/* remark */`
     Block,
     /// `(*@contract ... *)`: a contract in the manner of Kind 2 that is not read

@@ -13,6 +13,7 @@ const CLASSES: &[(&str, Token, &str)] = &[
     ("REAL", Token::Real, "a real number"),
     ("STRING", Token::Str, "a text in quotes"),
     ("LABEL", Token::Label, "a text in quotes"),
+    ("PROPERTY", Token::Property, "a property"),
     ("BROKEN", Token::Broken, ""),
 ];
 
@@ -62,7 +63,8 @@ const GROUPS: &[Group] = &[
         words: "an equation",
         needs: &[Assert, Automaton],
         covers: &[
-            Assert, Automaton, Check, Export, Fail, Finish, Fragment, Ident, Path, LParen, Yield,
+            Assert, Automaton, Check, Property, Export, Fail, Finish, Fragment, Ident, Path,
+            LParen, Yield,
         ],
     },
     Group {
@@ -187,6 +189,7 @@ fn is_of_kind2(token: Token) -> bool {
     word || matches!(
         token,
         BitAnd
+            | Property
             | BitOr
             | BitNot
             | IfBlock

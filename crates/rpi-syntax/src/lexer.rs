@@ -20,8 +20,8 @@ pub(crate) struct Lexed {
     pub(crate) lexemes: Vec<Lexeme>,
     pub(crate) comments: Comments,
     pub(crate) findings: Vec<Finding>,
-    /// Contracts in comments that have been read.
-    pub(crate) contracts: Vec<Span>,
+    /// Comments that have been read: contracts and properties.
+    pub(crate) claims: Vec<Span>,
 }
 
 /// The longest text that is read; places are 32-bit.
@@ -31,7 +31,7 @@ pub(crate) fn lex(file: FileId, text: &str, mode: Mode) -> Lexed {
     lex_skipping(file, text, mode, &BTreeSet::new())
 }
 
-/// Contracts in comments that begin at these offsets are comments and nothing else.
+/// Contracts and properties in comments that begin at these offsets are comments and nothing else.
 pub(crate) fn lex_skipping(file: FileId, text: &str, mode: Mode, skipped: &BTreeSet<u32>) -> Lexed {
     let mut lexer = Lexer::new(file, text, mode, skipped);
     if text.len() > MAX_LEN {
@@ -55,6 +55,9 @@ const LAZY_IMPLICATION: &str = "==>";
 /// How a contract in a comment begins.
 const CONTRACT: &str = "@contract";
 
+/// How a property in a comment begins.
+const PROPERTY: &str = "%PROPERTY";
+
 struct Lexer<'t> {
     file: FileId,
     text: &'t str,
@@ -71,7 +74,7 @@ impl<'t> Lexer<'t> {
             lexemes: Vec::with_capacity(text.len() / 4),
             comments: Comments::default(),
             findings: Vec::new(),
-            contracts: Vec::new(),
+            claims: Vec::new(),
         };
         Lexer {
             file,
@@ -240,7 +243,7 @@ impl<'t> Lexer<'t> {
     fn contract(&mut self, lexeme: Lexeme) {
         let head = self.slice(lexeme).find(CONTRACT).unwrap_or_default() + CONTRACT.len();
         let (inner, close) = (lexeme.start + head as u32, lexeme.end - 2);
-        self.out.contracts.push(self.span(lexeme));
+        self.out.claims.push(self.span(lexeme));
         self.push(
             Token::Con,
             Lexeme {
@@ -254,18 +257,56 @@ impl<'t> Lexer<'t> {
         self.push(Token::Noc, Lexeme { start, ..lexeme });
     }
 
-    fn is_read(&self, lexeme: Lexeme, kind: CommentKind) -> bool {
-        kind == CommentKind::Contract
-            && lexeme.token == Token::BlockComment
-            && self.mode == Mode::Lustre
-            && !self.skipped.contains(&lexeme.start)
+    /// `--%PROPERTY x;` and `(*%PROPERTY x; *)` of Kind 2 are read as statements.
+    fn property(&mut self, lexeme: Lexeme) {
+        let head = self.slice(lexeme).find(PROPERTY).unwrap_or_default() + PROPERTY.len();
+        let inner = lexeme.start + head as u32;
+        let close = match lexeme.token {
+            Token::BlockComment => lexeme.end - 2,
+            _ => lexeme.end,
+        };
+        self.out.claims.push(self.span(lexeme));
+        self.push(
+            Token::Property,
+            Lexeme {
+                end: inner,
+                ..lexeme
+            },
+        );
+        self.stretch(inner as usize, close as usize);
+        self.report_unknown();
+        // Others do without.
+        if self.out.lexemes.last().map(|last| last.token) != Some(Token::Semi) {
+            let (start, end) = (close, close);
+            self.push(
+                Token::Semi,
+                Lexeme {
+                    start,
+                    end,
+                    ..lexeme
+                },
+            );
+        }
+    }
+
+    /// How a comment is read that is more than a comment, if it is.
+    fn reader(&self, lexeme: Lexeme, kind: CommentKind) -> Option<fn(&mut Self, Lexeme)> {
+        let read = self.mode == Mode::Lustre && !self.skipped.contains(&lexeme.start);
+        let whole = lexeme.token != Token::OpenComment;
+        match kind {
+            CommentKind::Contract if read && lexeme.token == Token::BlockComment => {
+                Some(Self::contract)
+            }
+            CommentKind::Property if read && whole => Some(Self::property),
+            _ => None,
+        }
     }
 
     fn comment(&mut self, lexeme: Lexeme) {
         let span = self.span(lexeme);
         let kind = comment_kind(self.slice(lexeme));
-        if self.is_read(lexeme, kind) {
-            return self.contract(lexeme);
+        if let Some(read) = self.reader(lexeme, kind) {
+            return read(self, lexeme);
         }
         let finding = match lexeme.token {
             Token::OpenComment => Some(lexical::open_comment(span)),
@@ -274,6 +315,7 @@ impl<'t> Lexer<'t> {
             }
             Token::Hash | Token::Percent => Some(lexical::foreign_comment(span, 1)),
             _ if kind == CommentKind::Contract => Some(lexical::contract_comment(span)),
+            _ if kind == CommentKind::Property => Some(lexical::property_comment(span)),
             _ => None,
         };
         self.out.findings.extend(finding);
@@ -307,6 +349,7 @@ impl<'t> Lexer<'t> {
 
 fn comment_kind(text: &str) -> CommentKind {
     match text.get(2..) {
+        Some(rest) if rest.starts_with(PROPERTY) => CommentKind::Property,
         Some(rest) if text.starts_with("--") => match rest.bytes().next() {
             Some(b'|') => CommentKind::Doc,
             Some(b'%') => CommentKind::Pragma,

@@ -108,6 +108,12 @@ pub(crate) fn contract_comment(span: Span) -> Finding {
         .help("what is read: `assume`, `guarantee`, `mode`, `import`, `var`, `const`")
 }
 
+pub(crate) fn property_comment(span: Span) -> Finding {
+    Finding::new(Code::RPI0014, "a property in a comment is not read")
+        .at(span, "skipped")
+        .help("what is read: `--%PROPERTY`, maybe a name in quotes, a Boolean and `;`, on one line of the body of a node in a `.lus` file")
+}
+
 pub(crate) fn file_too_long(file: FileId) -> Finding {
     Finding::new(Code::RPI0011, "the file is too long to be read")
         .at(Span::new(file, 0, 0), "more than 2 GB")

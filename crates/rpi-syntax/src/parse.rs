@@ -27,24 +27,27 @@ pub fn parse(file: FileId, text: &str, mode: Mode) -> Parse {
     }
 }
 
-/// Contracts in comments are read; those in which something is not understood are only comments again.
+/// After so many attempts nothing in comments is read any more.
+const MAX_ATTEMPTS: usize = 4;
+
+/// Contracts and properties in comments are read; those in which something is not understood are only comments again.
 fn understood(file: FileId, text: &str, mode: Mode) -> (Lexed, Vec<Item>, Vec<Finding>) {
-    let mut skipped = BTreeSet::new();
+    let (mut skipped, mut attempt) = (BTreeSet::new(), 0);
     loop {
         let lexed = lex_skipping(file, text, mode, &skipped);
         let (items, found) = items(file, text, mode, &lexed);
-        let faults = lexed
-            .findings
-            .iter()
-            .chain(&found)
-            .filter(|f| f.severity() == Severity::Error);
+        let faults = lexed.findings.iter().chain(&found);
+        let faults = faults.filter(|f| f.severity() == Severity::Error);
         let faults: Vec<Span> = faults.map(Finding::span).collect();
-        let inside = |contract: &&Span| {
-            let mut faults = faults.iter();
-            faults.any(|fault| contract.start <= fault.start && fault.end <= contract.end)
+        attempt += 1;
+        let is_strange = |claim: &&Span| match attempt < MAX_ATTEMPTS {
+            true => {
+                (faults.iter()).any(|fault| claim.start <= fault.start && fault.end <= claim.end)
+            }
+            false => !faults.is_empty(),
         };
-        let strange = lexed.contracts.iter().filter(inside);
-        let strange: Vec<u32> = strange.map(|contract| contract.start).collect();
+        let strange = lexed.claims.iter().filter(is_strange);
+        let strange: Vec<u32> = strange.map(|claim| claim.start).collect();
         if strange.is_empty() {
             return (lexed, items, found);
         }

@@ -142,6 +142,8 @@ macro_rules! tokens {
             Case,
             /// `?` of `A?(x)`.
             Asks,
+            /// `--%PROPERTY` of Kind 2.
+            Property,
             /// Stands for a phrase with a fault that has been reported.
             Broken,
         }

@@ -25,9 +25,9 @@ pub(crate) fn settle(lexemes: &mut [Lexeme], mode: Mode) {
 }
 
 fn settle_text(lexemes: &mut [Lexeme], at: usize) {
-    use Token::{Assert, Assume, Check, Ensure, Guarantee, Require};
+    use Token::{Assert, Assume, Check, Ensure, Guarantee, Property, Require};
     let before = at.checked_sub(1).map(|i| lexemes[i].token);
-    if let Some(Assert | Assume | Check | Ensure | Guarantee | Require) = before {
+    if let Some(Assert | Assume | Check | Ensure | Guarantee | Property | Require) = before {
         lexemes[at].token = Token::Label;
     }
 }

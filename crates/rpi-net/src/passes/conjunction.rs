@@ -4,8 +4,8 @@
 //! true exactly if its flow is, absent values included, as an absent part makes neither true.
 
 use crate::net::{Input, Net, Node, PortRef};
+use crate::prim;
 use rpi_image::{CommandFlow, Role, Value};
-use rpi_prims::prim;
 use std::collections::BTreeSet;
 
 /// The parts of a conjunction. All of them hold exactly if the flow is true.

@@ -189,7 +189,7 @@ impl<'a> Body<'_, 'a> {
 fn kind_of(kind: ast::ClaimKind) -> ClaimKind {
     match kind {
         ast::ClaimKind::Assert => ClaimKind::Assert,
-        ast::ClaimKind::Check => ClaimKind::Check,
+        ast::ClaimKind::Check | ast::ClaimKind::Property => ClaimKind::Check,
         ast::ClaimKind::Assume => ClaimKind::Assume,
         ast::ClaimKind::Guarantee => ClaimKind::Guarantee,
     }

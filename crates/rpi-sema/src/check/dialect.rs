@@ -8,8 +8,8 @@
 use crate::facts::literal;
 use crate::typed::{Each, Equation, ExprId, FlowId, Kind, Leaf, Place, PrimCall, Unit};
 use rpi_diag::{Code, Finding, Span};
+use rpi_net::prim;
 use rpi_prims::PrimId;
-use rpi_prims::prim;
 
 /// A kind of division, as it is written, with an example of what it gives here and for Kind 2.
 type Division = (PrimId, &'static str, &'static str, &'static str);

@@ -7,7 +7,7 @@ use crate::ty::{Ty, join};
 use crate::typed::{Each, ExprId, Kind, Leaf};
 use crate::units::Base;
 use rpi_diag::{Code, Finding, Span};
-use rpi_prims::prim;
+use rpi_net::prim;
 use rpi_syntax::ast::{self, Among, ExprKind, Number, Quantity};
 
 impl<'a> Body<'_, 'a> {

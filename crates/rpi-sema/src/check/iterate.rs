@@ -8,7 +8,7 @@ use super::report::Wanted;
 use crate::ty::{Member, Ty};
 use crate::typed::{Activation, ExprId, Kind, Leaf};
 use rpi_diag::{Code, Finding, Span};
-use rpi_prims::prim;
+use rpi_net::prim;
 use rpi_syntax::ast::{StaticArg, StaticValue};
 use rpi_syntax::ops::BinaryOp;
 use std::rc::Rc;

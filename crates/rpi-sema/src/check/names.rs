@@ -9,8 +9,8 @@ use crate::program::{Decl, DeclId, DeclKind, Lookup, Space};
 use crate::ty::Ty;
 use crate::typed::{ExprId, FlowId, Kind, Leaf, UnitKind};
 use rpi_diag::{Code, Finding, Span};
+use rpi_net::prim;
 use rpi_prims::PrimId;
-use rpi_prims::prim;
 use rpi_syntax::Name;
 use rpi_syntax::ast::{self, CommandDecl, ExprKind};
 

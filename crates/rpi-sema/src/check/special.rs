@@ -10,7 +10,7 @@ use crate::ty::Ty;
 use crate::typed::{Activation, Each, ExprId, Kind};
 use crate::units::{Dim, Ratio};
 use rpi_diag::{Code, Finding, Span};
-use rpi_prims::prim;
+use rpi_net::prim;
 use rpi_syntax::ast::{self, ExprKind};
 
 /// A predeclared operator.

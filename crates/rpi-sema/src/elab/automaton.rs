@@ -8,8 +8,8 @@ use super::{At, Elab};
 use crate::typed::{Automaton, Shared, Transition};
 use rpi_diag::Span;
 use rpi_image::{Scalar, Value};
+use rpi_net::prim;
 use rpi_net::{Exit, Exits, FragmentId, Restart};
-use rpi_prims::prim;
 
 /// The next state and whether it starts afresh.
 #[derive(Clone)]

@@ -11,9 +11,9 @@ use crate::typed::{BlockId, Claim, ClaimKind, Each, ExprId, FlowId, Kind, Unit, 
 use rpi_diag::{Code, Finding};
 use rpi_image::Value;
 use rpi_net::claim::{claim_key, read_key};
+use rpi_net::prim;
 use rpi_net::{self as net, ClaimRead};
 use rpi_prims::PrimId;
-use rpi_prims::prim;
 
 /// What becomes of the claims of a program: of its assertions and contracts.
 #[derive(Clone, Copy, PartialEq, Eq, Default, Debug)]

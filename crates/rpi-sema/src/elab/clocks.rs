@@ -7,8 +7,8 @@ use super::{At, Elab, Mode, Sampled};
 use crate::typed::{ClockOn, ExprId, FlowId};
 use rpi_diag::Span;
 use rpi_image::{Scalar, Value};
+use rpi_net::prim;
 use rpi_net::{FragmentId, PortRef, Restart};
-use rpi_prims::prim;
 
 /// What a clock's fragments are known by: the fragment around them, the flow that decides, and for which value.
 pub(super) type ClockKey = (FragmentId, Deciding, u32);

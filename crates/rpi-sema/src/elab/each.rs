@@ -8,8 +8,8 @@ use super::{At, Elab, Mode, NotConstant};
 use crate::typed::{Each, ExprId, Kind};
 use rpi_diag::Span;
 use rpi_image::{Scalar, Type, Value};
+use rpi_net::prim;
 use rpi_net::{FragmentId, Input, PortRef, Types};
-use rpi_prims::prim;
 
 impl<'u> Elab<'u> {
     pub(super) fn each(

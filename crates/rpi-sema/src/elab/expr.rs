@@ -8,8 +8,8 @@ use super::{At, Elab, Mode, NotConstant};
 use crate::typed::{Activation, ExprId, Kind, PrimCall};
 use rpi_diag::Span;
 use rpi_image::{ParamType, PortType, Scalar, Type, Value};
+use rpi_net::prim;
 use rpi_prims::PrimId;
-use rpi_prims::prim;
 use smallvec::SmallVec;
 
 /// Calls in one another that may be elaborated from outside.

@@ -7,8 +7,8 @@ use super::{At, Elab, MAX_NODES, Mode, NotConstant};
 use crate::typed::Leaf;
 use rpi_diag::{Code, Finding, Span};
 use rpi_image::{InPort, Need, PortDefault, PortType, Scalar, ShapeArgs, Type, Value};
+use rpi_net::prim;
 use rpi_net::{FragmentId, Input, Node, NodeId, Origin, PortRef, Types};
-use rpi_prims::prim;
 use rpi_prims::{FaultCode, PrimId, fold};
 
 impl Elab<'_> {

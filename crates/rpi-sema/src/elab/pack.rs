@@ -5,9 +5,9 @@ use super::signal::{Signal, alias_of};
 use super::{At, Elab};
 use rpi_diag::Span;
 use rpi_image::{PortType, Scalar, Type, Value};
+use rpi_net::prim;
 use rpi_net::{Input, PortRef, Types};
 use rpi_prims::PrimId;
-use rpi_prims::prim;
 
 impl Elab<'_> {
     /// What an in-port of this type reads to get a value.

@@ -29,8 +29,9 @@ use rpi_diag::{Code, Finding, Fix};
 use rpi_image::Role;
 use rpi_net::claim::is_for_claim;
 use rpi_net::passes::Users;
+use rpi_net::prim;
 use rpi_net::{Activation, Driver, FragmentId, Input, Net, NodeId, PortRef};
-use rpi_prims::{PrimId, prim};
+use rpi_prims::PrimId;
 use rules::{Rule, rule};
 use solve::Solution;
 

@@ -5,8 +5,8 @@ use super::phases::Active;
 use super::solve::{Seen, Solution, before};
 use crate::hash::Map;
 use rpi_image::{Presence, PrimDesc, Role, Value};
+use rpi_net::prim;
 use rpi_net::{Input, Net, Node, NodeId, PortRef};
-use rpi_prims::prim;
 use rpi_prims::{PrimId, fold};
 use std::rc::Rc;
 

@@ -200,6 +200,8 @@ pub enum ClaimKind {
     Assert,
     /// In a body: to be shown (Kind 2).
     Check,
+    /// The same as a remark for tools: `--%PROPERTY x;`.
+    Property,
     /// In a contract: the caller sees to it.
     Assume,
     /// In a contract: the body sees to it.

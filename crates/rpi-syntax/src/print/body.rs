@@ -129,6 +129,9 @@ impl Printer<'_> {
         let phrase = match kind {
             StatementKind::Equation(equation) => self.equation(equation),
             StatementKind::Call(call) => self.expr(call),
+            StatementKind::Claim(claim) if claim.kind == ClaimKind::Property => {
+                return self.property(claim);
+            }
             StatementKind::Claim(claim) => self.claim(claim),
             StatementKind::End(end) => {
                 let head = format!("{:width$} {} when ", end.kind.word(), end.result.name);
@@ -167,6 +170,15 @@ impl Printer<'_> {
             concat([word(" provided "), self.expr(when)])
         });
         concat([word(claim.kind.word()), word(" "), condition, provided])
+    }
+
+    /// `--%PROPERTY x;` ends with its line; comments in it stand before it.
+    fn property(&mut self, claim: &Claim) -> Doc {
+        let inside = self.trivia.before(claim.condition.span.end);
+        let inside = inside.into_iter().flat_map(|own| [own.doc, Doc::Hard]);
+        let before = concat(inside.collect::<Vec<_>>());
+        let line = concat([self.claim(claim), word(";")]);
+        concat([before, Doc::Flat(Box::new(line))])
     }
 
     /// Label and condition of a claim.
@@ -371,6 +383,7 @@ impl ClaimKind {
         match self {
             ClaimKind::Assert => "assert",
             ClaimKind::Check => "check",
+            ClaimKind::Property => "--%PROPERTY",
             ClaimKind::Assume => "assume",
             ClaimKind::Guarantee => "guarantee",
         }

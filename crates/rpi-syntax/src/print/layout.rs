@@ -27,6 +27,8 @@ pub(super) enum Doc {
     Concat(Vec<Doc>),
     /// Lines that begin so many columns further right.
     Indent(usize, Box<Doc>),
+    /// On one line, however long it is.
+    Flat(Box<Doc>),
     /// On one line if it fits, else broken at each `Line` and `Soft` directly in it.
     Group(Box<Doc>),
 }
@@ -63,7 +65,7 @@ impl Doc {
     pub(super) fn is_nothing(&self) -> bool {
         match self {
             Doc::Concat(parts) => parts.iter().all(Doc::is_nothing),
-            Doc::Indent(_, doc) | Doc::Group(doc) => doc.is_nothing(),
+            Doc::Indent(_, doc) | Doc::Group(doc) | Doc::Flat(doc) => doc.is_nothing(),
             Doc::Text(text) => text.is_empty(),
             _ => false,
         }
@@ -85,7 +87,7 @@ impl Doc {
                     todo.extend(parts.iter().rev());
                     0
                 }
-                Doc::Indent(_, doc) | Doc::Group(doc) => {
+                Doc::Indent(_, doc) | Doc::Group(doc) | Doc::Flat(doc) => {
                     todo.push(doc);
                     0
                 }
@@ -144,7 +146,7 @@ impl Layout {
             match doc {
                 Doc::Text(text) => self.text(text),
                 Doc::Word(word) => self.text(word),
-                Doc::Line if mode == Mode::Flat => self.text(" "),
+                Doc::Line | Doc::Hard if mode == Mode::Flat => self.text(" "),
                 Doc::Soft if mode == Mode::Flat => {}
                 Doc::Line | Doc::Soft | Doc::Hard => self.break_line(margin),
                 Doc::Empty => self.end_line(),
@@ -153,6 +155,7 @@ impl Layout {
                     todo.extend(parts.iter().rev().map(|part| (margin, mode, part)))
                 }
                 Doc::Indent(by, doc) => todo.push((margin + by, mode, doc)),
+                Doc::Flat(doc) => todo.push((margin, Mode::Flat, doc)),
                 Doc::Group(doc) => {
                     let mode = match mode == Mode::Flat || self.fits(margin, doc, &todo) {
                         true => Mode::Flat,
@@ -194,6 +197,10 @@ impl Layout {
                 }
                 Doc::Indent(_, doc) | Doc::Group(doc) => {
                     todo.push((mode, doc));
+                    0
+                }
+                Doc::Flat(doc) => {
+                    todo.push((Mode::Flat, doc));
                     0
                 }
             };
