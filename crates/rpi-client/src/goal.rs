@@ -193,6 +193,14 @@ impl Goal {
         self.ask("command.abort", &Value::Null)
     }
 
+    /// Lets go of it: one that runs is unloaded when it has ended.
+    ///
+    /// # Errors
+    /// If there is no connection.
+    pub fn unload(self) -> Result<(), Error> {
+        self.ask("command.unload", &Value::Null)
+    }
+
     /// What it tells, until it has ended or the connection has.
     pub fn feedback(&self) -> impl Iterator<Item = Feedback> + '_ {
         let mut known = Feedback::default();

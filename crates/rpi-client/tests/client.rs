@@ -1,9 +1,11 @@
 //! The client against a server.
 
+use std::collections::VecDeque;
 use std::net::{Ipv4Addr, SocketAddr};
+use std::path::Path;
 
-use rpi_client::{Core, Error, OnLoss, Program};
-use rpi_serve::{Server, Settings};
+use rpi_client::{Core, Error, Goal, OnLoss, Program, Session};
+use rpi_serve::{Pace, Server, Settings};
 use rpi_sim::Cell;
 
 const COUNT: &str = "
@@ -104,4 +106,55 @@ fn reasons_tokens_and_lost_connections_are_errors() {
     assert!(goal.preempt().is_err());
     drop(server);
     assert!(matches!(goal.start(), Err(Error::Connection(_))));
+}
+
+/// The paper's Listing 1 is a loop in a general language: each round loads a motion and schedules it on the one before, while
+/// that one runs. Every motion to C is taken over at B, and what is over leaves nothing behind.
+#[test]
+fn a_loop_outside_blends_motions_for_as_long_as_it_goes_on() {
+    let example = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../examples/blending");
+    let [text, cell] = ["blending.rpi", "cell.toml"]
+        .map(|file| std::fs::read_to_string(example.join(file)).unwrap());
+    let settings = Settings {
+        listen: SocketAddr::from((Ipv4Addr::LOCALHOST, 0)),
+        pace: Pace::Faster(10),
+        ..Settings::default()
+    };
+    let cell = Cell::parse("cell.toml", &cell).unwrap();
+    let server = Server::open(&cell, &settings, ()).unwrap();
+    let core = Core::connect(&server.address().to_string(), None).unwrap();
+    let session = core.open_session("loop", OnLoss::Cancel).unwrap();
+    let load = |command: &str| motion(&session, &text, command);
+    let first = load("MoveToA");
+    let mut line = VecDeque::from([first]);
+    let mut ended = Vec::new();
+    for round in 0..30 {
+        let next = load(["MoveToC", "MoveToE"][round % 2]);
+        next.follow(line.back().unwrap(), &[]).unwrap();
+        line.push_back(next);
+        if round == 2 {
+            line[0].start().unwrap();
+        }
+        while round >= 2 && line.len() > 3 {
+            let done = line.pop_front().unwrap();
+            ended.push(done.result().unwrap().result.unwrap());
+            done.unload().unwrap();
+        }
+        let there = core.call("commands", serde_json::json!({})).unwrap();
+        let there = there["commands"].as_array().unwrap().len();
+        assert!(there <= 4, "{there} commands in round {round}");
+    }
+    assert_eq!(ended.len(), 28);
+    assert_eq!(ended[0], "at_a");
+    let rounds = ended[1..].chunks_exact(2);
+    rounds.for_each(|round| assert_eq!(round, ["at_b", "at_e"]));
+    session.close().unwrap();
+}
+
+fn motion(session: &Session, text: &str, command: &str) -> Goal {
+    let program = Program {
+        command: Some(command.to_owned()),
+        ..Program::rpi(text)
+    };
+    session.load(&program).unwrap()
 }

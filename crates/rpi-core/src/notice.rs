@@ -52,6 +52,8 @@ pub enum Notice {
         command: CommandId,
         /// The actuator.
         resource: u32,
+        /// When, as its end.
+        tick: u64,
     },
     /// The first set-points of a command that took over do not join those before.
     Jumped {

@@ -192,7 +192,7 @@ impl Core {
 
     /// Frees what an ended command still holds; what of it moves is braked by its device.
     fn let_go(&mut self, place: usize, bank: &mut dyn DeviceBank) {
-        let command = self.id(place);
+        let (command, tick) = (self.id(place), self.tick);
         let entry = self.entries[place].as_mut();
         let Some(entry) = entry.filter(|e| e.leaving) else {
             return;
@@ -202,7 +202,11 @@ impl Core {
             let resource = hold.resource;
             if bank.moving(resource) {
                 bank.stop(resource);
-                self.notices.push(Notice::Braked { command, resource });
+                self.notices.push(Notice::Braked {
+                    command,
+                    resource,
+                    tick,
+                });
                 if let Some(ending) = &mut entry.command.ending {
                     ending.left_moving = true;
                 }

@@ -20,6 +20,8 @@ pub(crate) struct Cycle {
     pub(crate) around_tick: fn(&mut dyn FnMut()),
     /// There is to be no other tick.
     pub(crate) over: Arc<AtomicBool>,
+    /// Somebody wants an emergency stop: everything is stopped at the end of each tick until this is taken back.
+    pub(crate) alarm: Arc<AtomicBool>,
     /// Takes in what is recorded, if it is.
     pub(crate) camera: Option<Camera>,
     /// How many ticks the recording has lost, once there will be no more.
@@ -50,15 +52,29 @@ impl Cycle {
         let (executive, watch) = (&mut self.executive, &mut *self.watch);
         let Some(camera) = &mut self.camera else {
             executive.tick(wall_ns, watch);
-            if self.beat.over(now) {
-                executive.halt(Why::Overrun);
+            let too_often = self.beat.over(now);
+            if let Some(why) = reason_to_stop(&self.alarm, too_often) {
+                executive.halt(why);
             }
             return;
         };
         camera.tick(executive, wall_ns, watch);
-        if self.beat.over(now) {
-            camera.halt(executive, Why::Overrun);
+        let too_often = self.beat.over(now);
+        if let Some(late) = self.beat.overrun() {
+            camera.overrun(late);
+        }
+        if let Some(why) = reason_to_stop(&self.alarm, too_often) {
+            camera.halt(executive, why);
         }
         camera.take(executive, (now, wall_ns));
+    }
+}
+
+/// Why everything is to be stopped, if it is.
+fn reason_to_stop(alarm: &AtomicBool, too_often: bool) -> Option<Why> {
+    match (alarm.load(Ordering::Relaxed), too_often) {
+        (true, _) => Some(Why::EmergencyStop),
+        (false, true) => Some(Why::Overrun),
+        (false, false) => None,
     }
 }

@@ -16,9 +16,12 @@ mod desk;
 mod dio;
 mod limits;
 mod rpc;
+mod script;
 mod server;
 mod web;
 mod wire;
 
 pub use limits::{Limits, OnLoss};
+pub use rpi_host::realtime::Pace;
+pub use script::Script;
 pub use server::{CannotOpen, Server, Settings, TlsFiles};

@@ -268,6 +268,7 @@ impl Server {
             watch,
             around_tick: settings.around_tick,
             over: Arc::clone(&self.over),
+            alarm: office.desk().alarm(),
             camera,
             lost: Arc::clone(&self.lost),
         };
@@ -322,6 +323,14 @@ impl Server {
     #[must_use]
     pub fn grants(&self) -> &[Grant] {
         &self.grants
+    }
+
+    /// An emergency stop: in this tick everything is stopped, and nothing can be started until it is reset. `by` says who wants
+    /// it, or why.
+    pub fn emergency_stop(&self, by: &str) {
+        if let Some(office) = &self.office {
+            office.desk().emergency_stop(by, Box::new(|_| {}));
+        }
     }
 
     /// Where it listens.
@@ -408,7 +417,7 @@ mod tests {
 
     /// Has the server run a command, and waits until the arm moves.
     fn swing(office: &Office) {
-        let session = office.desk().open_session("test", None).unwrap();
+        let session = office.desk().open_session("test", None, None).unwrap();
         let load = Load {
             session: &session,
             title: "swing",

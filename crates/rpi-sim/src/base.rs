@@ -105,9 +105,10 @@ impl Base {
             .map(|side| (forwards + side * self.spec.track * turning) / self.spec.wheel_radius)
     }
 
+    /// Whether it moves; what it was just told counts in place of how it moved before.
     fn is_moving(&self) -> bool {
-        let mut parts = self.velocity.iter().chain(self.staged.iter().flatten());
-        parts.any(|part| part.abs() > STANDING)
+        let velocity = self.staged.unwrap_or(self.velocity);
+        velocity.iter().any(|part| part.abs() > STANDING)
     }
 
     /// The velocity that a set-point asks for, or what it breaks: code, value, limit.

@@ -70,7 +70,7 @@ const GROUPS: &[Group] = &[
     Group {
         words: "a step",
         needs: &[Repeat, Start],
-        covers: &[Repeat, Start, Ident, Path],
+        covers: &[Parallel, Repeat, Start, Ident, Path],
     },
     Group {
         words: "a type",

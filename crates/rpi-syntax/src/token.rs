@@ -242,6 +242,7 @@ tokens! {
         Export    "export"    Rpi  Statement    "makes a flow visible to rules and to the outside";
         Fail      "fail"      Rpi  Statement    "ends a command with an error";
         Finish    "finish"    Rpi  Statement    "ends a command at rest";
+        Parallel  "parallel"  Rpi  Statement    "steps of a task beside others, each on devices of its own";
         Repeat    "repeat"    Rpi  Statement    "repeats steps of a task";
         Start     "start"     Rpi  Statement    "names the first step of a task";
         State     "state"     Rpi  Statement    "a state of an automaton";
@@ -259,7 +260,7 @@ tokens! {
         On        "on"        Rpi  Branch       "what follows a result";
         Times     "times"     Rpi  AfterOperand "after the count of `repeat`";
 
-        End       "end"       Rpi  Clause       "ends an automaton; as a step: the task is done";
+        End       "end"       Rpi  Clause       "ends an automaton; as a step: the task is done, or its strand";
         Unless    "unless"    Rpi  Clause       "a strong transition";
         Until     "until"     Rpi  Clause       "a weak transition";
 

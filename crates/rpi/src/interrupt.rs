@@ -1,4 +1,4 @@
-//! Signals by which somebody ends this process in order: SIGINT (Ctrl-C) and SIGTERM.
+//! Signals by which somebody ends this process in order: SIGINT (Ctrl-C) and SIGTERM; and SIGQUIT (Ctrl-\\), an emergency stop.
 
 use std::io;
 use std::sync::Arc;
@@ -13,6 +13,7 @@ use crate::exit::Exit;
 pub(crate) struct Interrupt {
     raised: Arc<AtomicBool>,
     signal: Arc<AtomicUsize>,
+    emergency: Arc<AtomicBool>,
 }
 
 impl Interrupt {
@@ -24,7 +25,13 @@ impl Interrupt {
         let interrupt = Interrupt {
             raised: Arc::default(),
             signal: Arc::default(),
+            emergency: Arc::default(),
         };
+        #[cfg(unix)]
+        flag::register(
+            signal_hook::consts::SIGQUIT,
+            Arc::clone(&interrupt.emergency),
+        )?;
         for (signal, number) in [(SIGINT, 2), (SIGTERM, 15)] {
             // In this order: whoever sees that it was raised can say by what.
             flag::register_usize(signal, Arc::clone(&interrupt.signal), number)?;
@@ -36,6 +43,11 @@ impl Interrupt {
     /// Becomes true when somebody interrupts.
     pub(crate) fn flag(&self) -> Arc<AtomicBool> {
         Arc::clone(&self.raised)
+    }
+
+    /// Becomes true when somebody wants an emergency stop.
+    pub(crate) fn emergency(&self) -> Arc<AtomicBool> {
+        Arc::clone(&self.emergency)
     }
 
     /// How a process ends that was interrupted, by the custom of shells; nothing if it was not.

@@ -51,7 +51,7 @@ fn load(args: &LatencyArgs) -> Result<Load, Box<dyn std::error::Error>> {
     let (cell, _) = target::cell(&path, &target, &script)?;
     let outcome = run::run(Job {
         images: &script.images,
-        plans: &script.plans,
+        plans: std::slice::from_ref(&script.plan),
         cell: &cell,
         pace: Pace::Real,
         real_time: RealTime {
@@ -64,6 +64,7 @@ fn load(args: &LatencyArgs) -> Result<Load, Box<dyn std::error::Error>> {
             planning_ns: 0,
         },
         interrupted: Arc::default(),
+        emergency: Arc::default(),
         settings: &[],
         recording: None,
         sink: &mut (),

@@ -13,7 +13,7 @@ use rpi_host::plot;
 use rpi_host::realtime::Pace;
 use rpi_host::record::{Digest, Form, Motion, Rows};
 use rpi_host::recording::{Origin, Wanted as Recording};
-use rpi_host::run::{self, CommandEnd, Job, Limits, Outcome, Several, Sink, Status};
+use rpi_host::run::{self, CommandEnd, Failure, Job, Limits, Outcome, Several, Sink, Status};
 
 use rpi_net::Net;
 
@@ -22,7 +22,8 @@ use crate::exit::{self, Exit};
 use crate::interrupt::Interrupt;
 use crate::output;
 use crate::program;
-use crate::target::{self, Script};
+use crate::target;
+use rpi_serve::Script;
 
 /// Runs, records and says what happened.
 pub(crate) fn run(args: &RunArgs) -> exit::Outcome {
@@ -62,7 +63,8 @@ pub(crate) fn run(args: &RunArgs) -> exit::Outcome {
     let style = Style::of(&std::io::stderr());
     eprint!("{}{summary}", render(&findings, &compiled.sources, style));
     if let Some(rows) = rows {
-        rows.finish()?;
+        let file = record.unwrap_or(Path::new("")).display();
+        rows.finish().map_err(|e| format!("{file}: {e}"))?;
     }
     if let (Some(motion), Some(picture)) = (motion, &mut picture) {
         let title = args
@@ -101,7 +103,7 @@ fn execute(
     let shows = std::io::stderr().is_terminal();
     let outcome = run::run(Job {
         images: &script.images,
-        plans: &script.plans,
+        plans: std::slice::from_ref(&script.plan),
         cell: &cell,
         pace: match args.clock.real_time {
             true => Pace::Real,
@@ -114,13 +116,18 @@ fn execute(
             planning_ns: args.planning_time.unwrap_or(0),
         },
         interrupted: interrupt.flag(),
+        emergency: interrupt.emergency(),
         settings: &args.target.settings,
         recording: recording.transpose()?,
         sink,
         progress: if shows { Some(&mut tell) } else { None },
     });
     progress.clear();
-    Ok(outcome?)
+    let file = args.record.as_deref().unwrap_or(Path::new("")).display();
+    outcome.map_err(|failure| match failure {
+        Failure::Recording(why) => format!("{file}: {why}").into(),
+        other => other.into(),
+    })
 }
 
 /// Whether a file is to hold a recording of everything.

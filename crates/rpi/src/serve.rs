@@ -32,7 +32,8 @@ pub(crate) fn serve(args: &ServeArgs) -> exit::Outcome {
         ..Settings::default()
     };
     let recording = args.record.as_deref().map(|path| recording(path, text));
-    let interrupted = Interrupt::listen()?.flag();
+    let interrupt = Interrupt::listen()?;
+    let (interrupted, emergency) = (interrupt.flag(), interrupt.emergency());
     let server = Server::open_recorded(&cell, &settings, (), recording.transpose()?);
     let server = server.map_err(with_a_way_out)?;
     server
@@ -41,9 +42,14 @@ pub(crate) fn serve(args: &ServeArgs) -> exit::Outcome {
         .for_each(|grant| eprintln!("{grant}"));
     eprintln!("serving at {}", server.address());
     while server.runs() && !interrupted.load(Ordering::Relaxed) {
+        if emergency.swap(false, Ordering::Relaxed) {
+            server.emergency_stop("SIGQUIT");
+            eprintln!("EMERGENCY STOP; `emergency.reset` of JSON-RPC releases it");
+        }
         std::thread::sleep(LOOK);
     }
-    if let Some(written) = server.close().map_err(|e| format!("the recording: {e}"))? {
+    let file = args.record.as_deref().unwrap_or(Path::new("")).display();
+    if let Some(written) = server.close().map_err(|e| format!("{file}: {e}"))? {
         eprintln!("recorded {} ticks, {} lost", written.ticks, written.lost);
     }
     Ok(Exit::Good)

@@ -3,10 +3,10 @@
 use std::path::Path;
 use std::sync::Arc;
 
-use rpi_driver::{Compiled, Program, Task, TaskNode, TaskPlan};
-use rpi_host::run::{Node, Plan};
+use rpi_driver::{Compiled, Program, Task};
 use rpi_image::Image;
 use rpi_net::Net;
+use rpi_serve::Script;
 use rpi_sim::Cell;
 
 use crate::args::Target;
@@ -18,42 +18,26 @@ pub(crate) const PERIOD: u64 = 1_000_000;
 /// How a net is lowered: for running, or to be looked at.
 pub(crate) type Lower = fn(&Net, u64) -> Result<Image, String>;
 
-/// Commands and what follows what.
-pub(crate) struct Script {
-    /// The commands.
-    pub(crate) images: Vec<Arc<Image>>,
-    /// What follows what.
-    pub(crate) plans: Vec<Plan>,
-}
-
-impl Script {
-    fn needs_devices(&self) -> bool {
-        let needs = |image: &Arc<Image>| {
-            let ports = image.sensors.len() + image.actuators.len() + image.functions.len();
-            ports > 0
-        };
-        self.images.iter().any(needs)
-    }
+/// Whether commands name devices.
+fn needs_devices(images: &[Arc<Image>]) -> bool {
+    let needs = |image: &Arc<Image>| {
+        let ports = image.sensors.len() + image.actuators.len() + image.functions.len();
+        ports > 0
+    };
+    images.iter().any(needs)
 }
 
 /// Makes images of what is to be run: the command or task that was named, else the only task, else the only command.
 pub(crate) fn script(compiled: &Compiled, target: &Target, lower: Lower) -> Result<Script, String> {
     if let Program::Image(image) = &compiled.program {
-        return once(of_image(image, target)?);
+        return of_image(image, target).map(Script::once);
     }
     let (nets, period) = (compiled.nets(), target.period.unwrap_or(PERIOD));
     if let Some(task) = task(&compiled.tasks, target.command.as_deref()) {
-        return of_task(task, nets, |net| lower(net, period));
+        return Script::of_task(task, nets, |net| lower(net, period));
     }
     let net = program::choose(nets, &compiled.tasks, target.command.as_deref())?;
-    once(lower(net, period)?)
-}
-
-fn once(image: Image) -> Result<Script, String> {
-    Ok(Script {
-        images: vec![Arc::new(image)],
-        plans: vec![Plan::once(0)],
-    })
+    lower(net, period).map(Script::once)
 }
 
 fn task<'a>(tasks: &'a [Task], name: Option<&str>) -> Option<&'a Task> {
@@ -62,62 +46,6 @@ fn task<'a>(tasks: &'a [Task], name: Option<&str>) -> Option<&'a Task> {
         (_, Some(name)) => tasks.iter().find(|task| task.name == name),
         (_, None) => None,
     }
-}
-
-fn of_task(
-    task: &Task,
-    nets: &[Net],
-    lower: impl Fn(&Net) -> Result<Image, String>,
-) -> Result<Script, String> {
-    let name = &task.name;
-    let plan = task.plan.as_ref();
-    let plan = plan.map_err(|why| format!("task {name} needs what cannot be run yet: {why}"))?;
-    let mut used: Vec<String> = Vec::new();
-    let plan = resolved(plan, &mut used);
-    let images = used.iter().map(|command| {
-        let net = nets.iter().find(|net| net.name == *command);
-        lower(net.ok_or_else(|| format!("{command} cannot be run by itself"))?).map(Arc::new)
-    });
-    Ok(Script {
-        images: images.collect::<Result<_, _>>()?,
-        plans: vec![plan],
-    })
-}
-
-/// The plan with commands as indices into `used`.
-fn resolved(plan: &TaskPlan, used: &mut Vec<String>) -> Plan {
-    let mut node = |node: &TaskNode| match node {
-        TaskNode::Pass(then) => Node::Pass(*then),
-        TaskNode::Enter(repeat) => Node::Enter(*repeat),
-        TaskNode::Repeat { times, body, then } => Node::Repeat {
-            times: *times,
-            body: *body,
-            then: *then,
-        },
-        TaskNode::Run {
-            command,
-            on,
-            on_fail,
-            otherwise,
-        } => Node::Run {
-            command: index(command, used),
-            on: on.clone(),
-            on_fail: *on_fail,
-            otherwise: *otherwise,
-        },
-    };
-    Plan {
-        nodes: plan.nodes.iter().map(&mut node).collect(),
-        start: plan.start,
-    }
-}
-
-fn index(name: &str, used: &mut Vec<String>) -> usize {
-    let known = used.iter().position(|u| u == name);
-    known.unwrap_or_else(|| {
-        used.push(name.to_owned());
-        used.len() - 1
-    })
 }
 
 /// An image has the period that it was compiled for.
@@ -142,7 +70,7 @@ pub(crate) fn cell(
     let path = match &target.cell {
         Some(path) => path.as_path(),
         None if beside.is_file() => beside.as_path(),
-        None if !script.needs_devices() => return Ok((Cell::default(), String::new())),
+        None if !needs_devices(&script.images) => return Ok((Cell::default(), String::new())),
         None => {
             return Err(
                 "which cell? There is no cell.toml beside the program; say --cell FILE".into(),

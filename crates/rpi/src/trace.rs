@@ -37,7 +37,7 @@ fn record(args: &TraceArgs) -> Outcome {
     let mut traced = Traced::new(&mut text, 0)?;
     let outcome = run::run(Job {
         images: &script.images,
-        plans: &script.plans,
+        plans: std::slice::from_ref(&script.plan),
         cell: &cell,
         pace: Pace::Simulated,
         real_time: RealTime::default(),
@@ -47,6 +47,7 @@ fn record(args: &TraceArgs) -> Outcome {
             planning_ns: 0,
         },
         interrupted: Arc::default(),
+        emergency: Arc::default(),
         settings: &args.target.settings,
         recording: None,
         sink: &mut traced,

@@ -83,6 +83,20 @@ fn placed<'s>(
                 shape: place.1,
             })
         }
+        StepKind::Parallel(strands) => {
+            let place = drawing.shape(scene, Shape::new(Role::Fragment, "parallel"));
+            let inside = drawing.scene(Some(place));
+            for (k, strand) in strands.iter().enumerate() {
+                let title = format!("strand {}", k + 1);
+                let own = drawing.shape(inside, Shape::new(Role::Fragment, title));
+                let inner = drawing.scene(Some(own));
+                steps(shown, drawing, inner, &strand.steps);
+            }
+            Some(Placed {
+                run: None,
+                shape: place.1,
+            })
+        }
         StepKind::Start(_) | StepKind::Broken(_) => None,
     }
 }

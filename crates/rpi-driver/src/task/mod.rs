@@ -55,6 +55,22 @@ pub enum TaskNode {
         /// What comes then.
         then: Target,
     },
+    /// All of these at once; once each has come to its [`TaskNode::Join`], it goes on.
+    Parallel {
+        /// Where each strand begins.
+        strands: Vec<Target>,
+        /// What comes then.
+        then: Target,
+    },
+    /// A strand is over, and waits for those beside it.
+    Join,
+    /// The strands of a parallel are left by an error: the others are asked to end, and then it goes on.
+    Leave {
+        /// The node with the strands.
+        parallel: usize,
+        /// What comes then.
+        then: Target,
+    },
     /// A command.
     Run {
         /// Its name, with the arguments where these are not called as its parameters: `MoveTo(arm, home)`.
@@ -149,6 +165,31 @@ mod tests {
         let (command, _, fail, otherwise) = run(&plan, plan.start);
         assert_eq!((command, otherwise), ("A", Some(None)));
         assert_eq!(run(&plan, fail.unwrap()).0, "B");
+    }
+
+    /// M11.6.
+    #[test]
+    fn strands_meet_again_and_errors_leave_them() {
+        let inner =
+            "task Inner (arm: Arm) let parallel let A(arm); tel let Wait(1); Wait(2); tel tel\n";
+        let outer =
+            "task T (arm: Arm) let Inner(arm) on fail then b | on any then end; b: B(arm); tel";
+        let plan = planned(&format!("{inner}{outer}")).unwrap();
+        let parallel = |node: &TaskNode| match node {
+            TaskNode::Parallel { strands, then } => Some((strands.clone(), *then)),
+            _ => None,
+        };
+        let (strands, then) = plan.nodes.iter().find_map(parallel).unwrap();
+        assert_eq!(then, None);
+        let (command, _, fail, otherwise) = run(&plan, strands[0]);
+        assert_eq!(command, "A");
+        assert_eq!(plan.nodes[otherwise.unwrap().unwrap()], TaskNode::Join);
+        let TaskNode::Leave { then, .. } = plan.nodes[fail.unwrap().unwrap()] else {
+            panic!("an error leaves the strands");
+        };
+        assert_eq!(run(&plan, then).0, "B");
+        let (first, _, _, next) = run(&plan, strands[1]);
+        assert_eq!((first, run(&plan, next.unwrap()).0), ("Wait(1)", "Wait(2)"));
     }
 
     #[test]

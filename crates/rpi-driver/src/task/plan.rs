@@ -4,7 +4,7 @@ use rpi_diag::Span;
 use rpi_sema::elab::{self, Argument};
 use rpi_sema::program::{DeclId, DeclKind};
 use rpi_sema::typed::{TaskStep, Unit, UnitId, UnitKind};
-use rpi_syntax::ast::{Branch, Next, OnResult, Run, Step, StepKind};
+use rpi_syntax::ast::{Branch, Next, OnResult, Run, Step, StepKind, Strand};
 
 use super::instance::{self, Given, Instances};
 use super::{Target, TaskNode, TaskPlan};
@@ -111,6 +111,7 @@ impl<'f> Builder<'f> {
                     .transpose()?;
                 self.repeat(times, steps, next, scope)
             }
+            StepKind::Parallel(strands) => self.parallel(strands, next, scope),
             StepKind::Start(_) => Ok(TaskNode::Pass(next)),
             StepKind::Broken(_) => Err("a step that cannot be read".to_owned()),
         }
@@ -128,6 +129,38 @@ impl<'f> Builder<'f> {
         let body = self.steps(steps, Some(at), scope.clone())?;
         self.nodes[at] = TaskNode::Repeat { times, body, then };
         Ok(TaskNode::Enter(at))
+    }
+
+    /// Puts strands in place. Each leads to a node behind which it waits for the others; what leaves it by an error goes through
+    /// a node that ends them.
+    fn parallel(
+        &mut self,
+        strands: &[Strand],
+        then: Target,
+        scope: &Scope,
+    ) -> Result<TaskNode, String> {
+        let at = self.nodes.len();
+        self.nodes.push(TaskNode::Pass(None));
+        self.nodes.push(TaskNode::Join);
+        let fail = scope.fail.map(|then| {
+            self.nodes.push(TaskNode::Leave { parallel: at, then });
+            Some(self.nodes.len() - 1)
+        });
+        let join = Some(at + 1);
+        let mut begins = Vec::new();
+        for strand in strands {
+            let inside = Scope {
+                exit: join,
+                fail,
+                labels: Vec::new(),
+            };
+            begins.push(self.steps(&strand.steps, join, inside)?);
+        }
+        self.nodes[at] = TaskNode::Parallel {
+            strands: begins,
+            then,
+        };
+        Ok(TaskNode::Pass(Some(at)))
     }
 
     fn run(&mut self, run: &Run, next: Target, scope: &Scope) -> Result<TaskNode, String> {

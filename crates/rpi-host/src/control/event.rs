@@ -32,6 +32,8 @@ pub enum Event {
         code: i64,
         /// Whether it moves.
         moving: bool,
+        /// The tick after which it is so.
+        tick: u64,
     },
 }
 

@@ -222,6 +222,7 @@ impl<P: Plant> Executive<P> {
             self.ends.bury(Dead::Rule(rule));
         }
         self.ends.send_dead();
+        let tick = self.core.now().saturating_sub(1);
         let (told, events) = (&mut self.told, &mut self.ends.events);
         self.plant.conditions(&mut |device, code, moving| {
             let Some(last) = told.get_mut(device) else {
@@ -231,6 +232,7 @@ impl<P: Plant> Executive<P> {
                 device,
                 code,
                 moving,
+                tick,
             };
             if *last != (code, moving) && events.push(event).is_ok() {
                 *last = (code, moving);

@@ -11,6 +11,8 @@ pub struct Beat {
     clock: Clock,
     meter: Meter,
     policy: OverrunPolicy,
+    /// By how much the latest tick ended too late, nanoseconds.
+    over: u64,
     /// How late the present tick began, nanoseconds, and when.
     late: u64,
     begin: Instant,
@@ -24,6 +26,7 @@ impl Beat {
             clock: Clock::start(pace, tick_ns),
             meter: Meter::new(pace == Pace::Real),
             policy,
+            over: 0,
             late: 0,
             begin: Instant::now(),
         }
@@ -47,6 +50,7 @@ impl Beat {
         let took = u64::try_from(self.begin.elapsed().as_nanos()).unwrap_or(u64::MAX);
         self.meter.record(took, self.late);
         let over = self.clock.overrun(self.late, took);
+        self.over = over;
         let overruns = &mut self.meter.overruns;
         match overruns.judge(tick, over, self.clock.tick_ns(), self.policy) {
             Verdict::GoOn => false,
@@ -56,6 +60,12 @@ impl Beat {
             }
             Verdict::Stop => true,
         }
+    }
+
+    /// By how many nanoseconds the latest tick ended after the next one was due, if it did.
+    #[must_use]
+    pub fn overrun(&self) -> Option<u64> {
+        Some(self.over).filter(|over| *over > 0)
     }
 
     /// What was measured so far.

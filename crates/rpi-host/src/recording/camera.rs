@@ -62,6 +62,11 @@ impl Camera {
         executive.halt(why);
     }
 
+    /// The tick has ended so many nanoseconds after the next one was due.
+    pub fn overrun(&mut self, late_ns: u64) {
+        self.sights.overrun(late_ns);
+    }
+
     /// The tick of this number is over: records it.
     pub fn take(
         &mut self,

@@ -173,6 +173,11 @@ impl Names {
         self.image(command).map_or("?", |image| &image.name)
     }
 
+    /// The device that an actuator is part of: its place stands in the high half.
+    pub(super) fn of_actuator(&self, resource: u32) -> &str {
+        self.of_device((resource >> 16) as usize)
+    }
+
     /// What a device is called.
     pub(super) fn of_device(&self, device: usize) -> &str {
         self.devices.get(device).map_or("?", String::as_str)

@@ -90,7 +90,8 @@ impl Recorder {
             written: Written::default(),
             freed: Vec::new(),
             freed_before: Vec::new(),
-            latest: (0, 0),
+            latest: 0,
+            told: 0,
         };
         scribe.begin()?;
         let over = Arc::new(AtomicU64::new(UNDER_WAY));

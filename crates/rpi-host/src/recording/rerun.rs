@@ -230,15 +230,15 @@ impl<'a> Again<'a> {
 
 /// What the cycle tells, and not what the host and the writer tell of themselves.
 fn of_core(event: &Value) -> bool {
-    !["freed", "lost"].iter().any(|own| event["event"] == *own)
+    let own = ["freed", "lost", "overrun"];
+    !own.iter().any(|own| event["event"] == *own)
 }
 
 /// The same but for the tick of events that do not tell one: it is that of an event before.
 fn is_same(recorded: &Value, now: &Value) -> bool {
     let fields = now.as_object().into_iter().flatten();
-    let told = ["answer", "started", "ended"]
-        .iter()
-        .any(|e| now["event"] == *e);
+    let told = ["answer", "started", "ended", "braked", "device"];
+    let told = told.iter().any(|e| now["event"] == *e);
     let mut fields = fields.filter(|(key, _)| told || *key != "tick");
     fields.all(|(key, value)| recorded[key] == *value)
 }

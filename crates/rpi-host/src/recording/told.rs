@@ -55,6 +55,7 @@ pub(super) fn event(event: &Event, tick: u64, names: &Names) -> Value {
             device,
             code,
             moving,
+            tick,
         } => json!({
             "event": "device", "tick": tick, "device": names.of_device(*device), "code": code, "moving": moving,
         }),
@@ -66,7 +67,10 @@ pub(super) fn event(event: &Event, tick: u64, names: &Names) -> Value {
 pub(super) fn tick_of(event: &Event) -> Option<u64> {
     match event {
         Event::Answer { tick, .. }
-        | Event::Notice(Notice::Started { tick, .. } | Notice::Ended { tick, .. }) => Some(*tick),
+        | Event::Device { tick, .. }
+        | Event::Notice(
+            Notice::Started { tick, .. } | Notice::Ended { tick, .. } | Notice::Braked { tick, .. },
+        ) => Some(*tick),
         _ => None,
     }
 }
@@ -98,9 +102,16 @@ fn notice(notice: &Notice, tick: u64, names: &Names) -> Value {
         Notice::Orphaned { command, kept } => {
             with("orphaned", command, tick, json!({ "kept": kept }))
         }
-        Notice::Braked { command, resource } => {
-            with("braked", command, tick, json!({ "actuator": resource }))
-        }
+        Notice::Braked {
+            command,
+            resource,
+            tick,
+        } => with(
+            "braked",
+            command,
+            tick,
+            json!({ "actuator": resource, "device": names.of_actuator(resource) }),
+        ),
         Notice::Jumped { command, jump } => {
             let quantity = format!("{:?}", jump.quantity).to_lowercase();
             let more = json!({

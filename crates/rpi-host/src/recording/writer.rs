@@ -64,8 +64,10 @@ pub(super) struct Scribe {
     /// Commands that are no more, of this turn and of the one before.
     pub(super) freed: Vec<CommandId>,
     pub(super) freed_before: Vec<CommandId>,
-    /// Number and time of the latest tick.
-    pub(super) latest: (u64, u64),
+    /// Time of the latest tick.
+    pub(super) latest: u64,
+    /// The tick that was told last.
+    pub(super) told: u64,
 }
 
 impl Scribe {
@@ -132,7 +134,7 @@ impl Scribe {
     }
 
     fn note(&mut self, note: Note) -> io::Result<()> {
-        let (tick, time) = self.latest;
+        let time = self.latest;
         match note {
             Note::Asked(ticket, asked) => {
                 if let Asked::Load(id, image, _) = &asked {
@@ -142,8 +144,9 @@ impl Scribe {
                 self.file.message(REQUESTS, time, text.as_bytes())
             }
             Note::Event(event) => {
-                let tick = told::tick_of(&event).unwrap_or(tick);
-                let text = told::event(&event, tick, &self.names).to_string();
+                // What has no tick of its own follows from what was told before it.
+                self.told = told::tick_of(&event).unwrap_or(self.told);
+                let text = told::event(&event, self.told, &self.names).to_string();
                 if let Event::Freed(id) = event {
                     self.freed.push(id);
                 }
@@ -188,7 +191,7 @@ impl Scribe {
             return Ok(());
         };
         let time = tick.wall_ns.max(0).cast_unsigned();
-        self.latest = (tick.number, time);
+        self.latest = time;
         self.written.ticks += u64::from(tick.ticked);
         if tick.lost > 0 {
             let text = json!({ "event": "lost", "tick": tick.number, "ticks": tick.lost });
@@ -197,6 +200,12 @@ impl Scribe {
         }
         let bytes: Vec<u8> = words.iter().flat_map(|word| word.to_le_bytes()).collect();
         self.file.message(TAPE, time, &bytes)?;
+        for late in entries(tick.sights).filter(|e| e.kind == Kind::Overrun) {
+            let late = late.words.first().copied().unwrap_or(0);
+            let text = json!({ "event": "overrun", "tick": tick.number, "late_ns": late });
+            self.file
+                .message(EVENTS, time, text.to_string().as_bytes())?;
+        }
         for (topic, text) in self.views(&tick) {
             self.file.message(&topic, time, text.as_bytes())?;
         }

@@ -27,6 +27,8 @@ pub(super) struct Bounds {
     pub(super) last: u64,
     /// Somebody wants them to be stopped now.
     pub(super) interrupted: Arc<AtomicBool>,
+    /// Somebody wants an emergency stop.
+    pub(super) emergency: Arc<AtomicBool>,
     /// Length of a tick, nanoseconds.
     pub(super) tick_ns: u64,
 }
@@ -34,6 +36,10 @@ pub(super) struct Bounds {
 impl Bounds {
     fn are_reached(&self, now: u64) -> bool {
         now >= self.last || self.interrupted.load(Ordering::Relaxed)
+    }
+
+    fn is_emergency(&self) -> bool {
+        self.emergency.load(Ordering::Relaxed)
     }
 }
 
@@ -50,6 +56,8 @@ pub(super) struct Cycle {
     settling: Option<u64>,
     /// True once the run was cut off.
     pub(super) cut_off: bool,
+    /// True once everything was stopped: by an emergency stop, or as cycles took too long.
+    stopped: bool,
     /// Where all goes that is recorded.
     tape: Option<TapeIn>,
 }
@@ -81,6 +89,7 @@ impl Cycle {
             bounds,
             settling: None,
             cut_off: false,
+            stopped: false,
             tape,
         }
     }
@@ -91,8 +100,15 @@ impl Cycle {
         let wall_ns = self.beat.wait(now);
         self.watcher.begin(now);
         self.executive.tick(wall_ns, &mut self.watcher);
-        if self.settling.is_none() && self.beat.over(now) {
-            self.halt(Why::Overrun);
+        if self.settling.is_none() {
+            let too_often = self.beat.over(now);
+            if let (Some(sights), Some(late)) = (&mut self.watcher.sights, self.beat.overrun()) {
+                sights.overrun(late);
+            }
+            if too_often {
+                self.stopped = true;
+                self.halt(Why::Overrun);
+            }
         }
         self.sample(now);
         self.record((now, wall_ns), true);
@@ -103,11 +119,15 @@ impl Cycle {
     /// follow.
     pub(super) fn goes_on(&mut self, over: bool) -> bool {
         let now = self.executive.now();
-        if self.settling.is_none() && self.bounds.are_reached(now) {
+        if self.settling.is_none() && self.bounds.is_emergency() {
+            self.stopped = true;
+            self.halt(Why::EmergencyStop);
+        }
+        if self.settling.is_none() && !self.stopped && self.bounds.are_reached(now) {
             self.cut_off = true;
             self.halt(Why::Request);
         }
-        if self.settling.is_none() && (over || self.cut_off) {
+        if self.settling.is_none() && (over || self.cut_off || self.stopped) {
             let ticks = (SETTLE * 1e9 / self.bounds.tick_ns as f64) as u64;
             self.settling = Some(now + ticks);
         }

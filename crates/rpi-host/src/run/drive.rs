@@ -151,6 +151,7 @@ fn outcome(
             .collect(),
         unlisted: host.books.unlisted,
         late: host.desk.late,
+        missed: host.desk.missed,
         devices: devices::ends(cycle.bank()),
         figures: cycle.beat.figures(),
         tick_ns: listener.tick_ns,

@@ -1,6 +1,6 @@
 //! How commands end, in words.
 
-use rpi_core::{Cause, Ending, Refused};
+use rpi_core::{Cause, Ending, Refused, Why};
 use rpi_device::{Jump, Quantity};
 use rpi_image::Image;
 use rpi_image::image::{End, EndKind, EndResult};
@@ -21,7 +21,10 @@ pub(super) fn result_of(image: &Image, ending: Ending) -> Option<&EndResult> {
 pub(super) fn of(image: &Image, ending: Ending) -> RunEnd {
     let number = ending.error;
     match ending.cause {
-        Cause::Aborted(_) | Cause::Stopped(_) => RunEnd::CutOff,
+        Cause::Aborted(Why::Request) | Cause::Stopped(_) => RunEnd::CutOff,
+        Cause::Aborted(why) => RunEnd::Stopped {
+            why: stop_text(why).to_owned(),
+        },
         Cause::Fault(fault) => RunEnd::Fault {
             what: fault_text(fault.code).to_owned(),
             place: image
@@ -30,16 +33,17 @@ pub(super) fn of(image: &Image, ending: Ending) -> RunEnd {
         },
         Cause::Terminate if number == 0 => RunEnd::Terminated,
         Cause::Terminate => RunEnd::Error { number, name: None },
-        Cause::Result(_) => result(result_of(image, ending), number),
+        Cause::Result(_) => result(result_of(image, ending), ending),
     }
 }
 
-fn result(result: Option<&EndResult>, number: i64) -> RunEnd {
+fn result(result: Option<&EndResult>, ending: Ending) -> RunEnd {
     let name = result.map_or_else(String::new, |r| r.name.clone());
-    match number {
+    let yields = result.is_some_and(|r| r.kind == EndKind::Yield);
+    match ending.error {
         0 => RunEnd::Result {
             name,
-            moving: result.is_some_and(|r| r.kind == EndKind::Yield),
+            moving: yields && !ending.left_moving,
         },
         number => RunEnd::Error {
             number,
@@ -74,7 +78,8 @@ pub(super) fn refused(why: Refused, cell: &Cell) -> String {
         Refused::Unknown => "the core does not know it".to_owned(),
         Refused::State(state) => format!("that does not fit the state {state:?}"),
         Refused::Held { resource, .. } => {
-            format!("{} is held by another command", actuator(resource, cell))
+            let of = actuator(resource, cell);
+            format!("{of}, which it needs, is held by another command")
         }
         Refused::Successor => "it would follow itself or start twice".to_owned(),
         Refused::Never => "nothing can start it any more".to_owned(),
@@ -84,8 +89,21 @@ pub(super) fn refused(why: Refused, cell: &Cell) -> String {
     }
 }
 
+/// Why a command was ended by force, in words.
+#[must_use]
+pub fn stop_text(why: Why) -> &'static str {
+    match why {
+        Why::Request => "ended by force, as asked for",
+        Why::Overrun => "cycles took too long, once too often",
+        Why::EmergencyStop => "emergency stop",
+        Why::ClientLost => "its client is gone",
+        Why::Discontinuity => "another command did not join those before it",
+    }
+}
+
 /// A fault in words.
-pub(crate) fn fault_text(code: FaultCode) -> &'static str {
+#[must_use]
+pub fn fault_text(code: FaultCode) -> &'static str {
     match code {
         FaultCode::IntegerOverflow => "the result does not fit a 64-bit integer",
         FaultCode::DivisionByZero => "integer division by zero",

@@ -3,7 +3,7 @@
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
 
-use rpi_core::{CommandId, Ending, LoadFault, Notice};
+use rpi_core::{CommandId, Ending, LoadFault, Notice, Rule, RuleId};
 use rpi_device::Jump;
 use rpi_image::Image;
 use rpi_sim::Cell;
@@ -11,9 +11,10 @@ use rpi_sim::Cell;
 use super::end;
 use super::inputs::Set;
 use super::outcome::{CommandEnd, RunEnd};
+use super::plan::Plan;
 use super::samples::{Channel, Drain, Sink};
-use super::task::Task;
-use crate::control::{Control, Event, Rejected, Setting};
+use super::task::{NotStarted, Task, Workshop};
+use crate::control::{Control, Event, Rejected, Setting, Ticket};
 use crate::recording::Recorder;
 
 /// Commands whose ends are listed: a task without end must not fill the memory.
@@ -22,7 +23,7 @@ const LISTED: usize = 1000;
 /// The host's side.
 pub(super) struct Host<'a> {
     pub(super) desk: Desk<'a>,
-    pub(super) tasks: Vec<Task<'a>>,
+    pub(super) tasks: Vec<Task<&'a Plan>>,
     pub(super) drain: Drain,
     pub(super) channels: Vec<Channel>,
     pub(super) books: Books<'a>,
@@ -43,8 +44,10 @@ pub(super) struct Desk<'a> {
     pub(super) now: Arc<AtomicU64>,
     /// Ticks that pass after a command's start before its successors are scheduled.
     pub(super) planning: u64,
-    /// Successors that came too late.
+    /// Successors that were not scheduled when their predecessors ended.
     pub(super) late: u64,
+    /// Those of them that could have taken over in motion.
+    pub(super) missed: u64,
 }
 
 impl Desk<'_> {
@@ -65,6 +68,67 @@ impl Desk<'_> {
             self.control.set(settings)?;
         }
         Ok(id)
+    }
+}
+
+/// The core as the tasks of a run see it.
+struct Bench<'b, 'a> {
+    desk: &'b mut Desk<'a>,
+    books: &'b mut Books<'a>,
+}
+
+impl Workshop for Bench<'_, '_> {
+    fn image(&self, index: usize) -> Arc<Image> {
+        Arc::clone(&self.desk.images[index])
+    }
+
+    fn load(&mut self, index: usize) -> Result<CommandId, Rejected> {
+        self.desk.load(index)
+    }
+
+    fn start(&mut self, id: CommandId) -> Result<Ticket, Rejected> {
+        self.desk.control.start(id)
+    }
+
+    fn schedule(&mut self, rule: Rule) -> Result<(RuleId, Ticket), Rejected> {
+        self.desk.control.schedule(rule)
+    }
+
+    fn cancel(&mut self, id: CommandId) {
+        // Who has ended meanwhile need not be asked.
+        let _ = self.desk.control.cancel(id);
+    }
+
+    fn unload(&mut self, id: CommandId) {
+        // It can only be refused if it is unloaded already.
+        let _ = self.desk.control.unload(id);
+    }
+
+    fn may_plan(&self, first_tick: Option<u64>) -> bool {
+        let planning = self.desk.planning;
+        first_tick.map_or(planning == 0, |first| self.desk.tick() >= first + planning)
+    }
+
+    fn late(&mut self, in_motion: bool) {
+        self.desk.late += 1;
+        self.desk.missed += u64::from(in_motion);
+    }
+
+    fn handled(&mut self, id: CommandId) {
+        self.books.handled(id);
+    }
+
+    fn not_started(&mut self, index: usize, why: NotStarted) {
+        match why {
+            NotStarted::Rejected(Rejected::Loading(faults)) => self.books.not_loaded(index, faults),
+            NotStarted::Rejected(why) => self.books.not_started(index, why.to_string()),
+            NotStarted::Refused(why) => {
+                let why = end::refused(why, self.desk.cell);
+                self.books.not_started(index, why);
+            }
+            // All rules are dropped where everything is stopped: that is told of those that ran.
+            NotStarted::Dropped => {}
+        }
     }
 }
 
@@ -99,6 +163,8 @@ impl<'a> Books<'a> {
             first_tick: Some(tick),
             cycles: 0,
             end: RunEnd::CutOff,
+            braked: Vec::new(),
+            handled: false,
             jump: None,
         };
         self.commands.push((Some(id), end));
@@ -108,6 +174,22 @@ impl<'a> Books<'a> {
         if let Some((_, command)) = self.commands.iter_mut().rev().find(|c| c.0 == Some(id)) {
             command.cycles = ending.cycles;
             command.end = end::of(image, ending);
+        }
+    }
+
+    /// A command has left something moving, and its device brakes.
+    fn braked(&mut self, id: CommandId, device: &str) {
+        if let Some((_, command)) = self.commands.iter_mut().rev().find(|c| c.0 == Some(id))
+            && !command.braked.iter().any(|known| known == device)
+        {
+            command.braked.push(device.to_owned());
+        }
+    }
+
+    /// A branch of its task is for the error by which a command has ended.
+    fn handled(&mut self, id: CommandId) {
+        if let Some((_, command)) = self.commands.iter_mut().rev().find(|c| c.0 == Some(id)) {
+            command.handled = true;
         }
     }
 
@@ -129,6 +211,8 @@ impl<'a> Books<'a> {
             first_tick: None,
             cycles: 0,
             end: RunEnd::Refused { why },
+            braked: Vec::new(),
+            handled: false,
             jump: None,
         };
         self.commands.push((None, end));
@@ -139,8 +223,12 @@ impl Host<'_> {
     /// Does all that there is to do now, and hands samples to `sink`; called again and again beside the cycle.
     pub(super) fn serve(&mut self, sink: &mut dyn Sink) {
         self.listen(sink);
+        let mut bench = Bench {
+            desk: &mut self.desk,
+            books: &mut self.books,
+        };
         for task in &mut self.tasks {
-            task.advance(&mut self.desk, &mut self.books);
+            task.advance(&mut bench);
         }
     }
 
@@ -158,7 +246,7 @@ impl Host<'_> {
 
     /// True once no task will run anything more.
     pub(super) fn is_over(&self) -> bool {
-        self.books.failed.is_some() || self.tasks.iter().all(Task::is_over)
+        self.books.failed.is_some() || self.tasks.iter().all(|t| t.end().is_some())
     }
 
     /// The command that was started last.
@@ -184,6 +272,13 @@ impl Host<'_> {
             Notice::Started { command, tick } => {
                 if let Some(image) = image(command) {
                     self.books.started(command, &image, tick);
+                }
+            }
+            Notice::Braked {
+                command, resource, ..
+            } => {
+                if let Some((device, _)) = self.desk.cell.actuator(resource) {
+                    self.books.braked(command, device);
                 }
             }
             Notice::Jumped { command, jump } => self.books.jumped(command, &jump, self.desk.cell),

@@ -40,6 +40,8 @@ pub struct Job<'a> {
     pub limits: Limits,
     /// Becomes true when somebody wants it to be cut off at once.
     pub interrupted: Arc<AtomicBool>,
+    /// Becomes true when somebody wants an emergency stop.
+    pub emergency: Arc<AtomicBool>,
     /// Values for inputs.
     pub settings: &'a [Setting],
     /// Where everything is recorded, if it is.

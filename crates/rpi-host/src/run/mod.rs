@@ -21,16 +21,18 @@ mod samples;
 mod sides;
 mod sights;
 mod task;
+mod walk;
 
 pub(crate) use cycle::DeviceTap;
 pub(crate) use devices::{sample, taps};
-pub(crate) use end::fault_text;
 pub(crate) use print::time as time_text;
 pub(crate) use sides::sampled_flows;
 pub(crate) use sights::Sights;
 
+pub use end::{fault_text, stop_text};
 pub use inputs::{BadSetting, Setting};
 pub use job::{Failure, Job, Limits, Progress, run};
 pub use outcome::{CommandEnd, DeviceEnd, Outcome, RunEnd, Status, Trouble};
 pub use plan::{Node, Plan, Target};
 pub use samples::{Channel, Several, Sink, Source};
+pub use task::{NotStarted, Task, TaskEnd, Workshop};

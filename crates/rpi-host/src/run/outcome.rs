@@ -12,8 +12,10 @@ pub struct Outcome {
     pub commands: Vec<CommandEnd>,
     /// Commands before these, of which only the number is known.
     pub unlisted: u64,
-    /// Successors that were not scheduled in time: their predecessors ended at rest.
+    /// Successors that were not scheduled when their predecessors ended, and started after a while.
     pub late: u64,
+    /// Those of them whose predecessors would have let them take over in motion.
+    pub missed: u64,
     /// The devices in the order of the cell.
     pub devices: Vec<DeviceEnd>,
     /// How long cycles took.
@@ -35,7 +37,7 @@ pub struct Outcome {
     pub samples_lost: u64,
 }
 
-/// How the whole run went, which is how its last command went.
+/// How the whole run went.
 #[derive(Clone, Copy, PartialEq, Eq, Debug, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Status {
@@ -58,6 +60,12 @@ pub struct CommandEnd {
     pub cycles: u64,
     /// Its end.
     pub end: RunEnd,
+    /// The devices that still moved then, and that nobody took over: they have braked on their own.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub braked: Vec<String>,
+    /// True if it ended with an error that a branch of its task was for.
+    #[serde(skip_serializing_if = "std::ops::Not::not")]
+    pub handled: bool,
     /// What did not join when it took over, if something did not.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub jump: Option<String>,
@@ -71,7 +79,7 @@ pub enum RunEnd {
     Result {
         /// Its name.
         name: String,
-        /// True if it may have left something in motion for its successor.
+        /// True if it ended in motion, which its successor took over.
         moving: bool,
     },
     /// By its port `outTerminate`, without an error.
@@ -92,6 +100,11 @@ pub enum RunEnd {
     },
     /// Cut off, as it had run as long as asked for.
     CutOff,
+    /// Ended by force, and not as somebody had asked for it.
+    Stopped {
+        /// Why: an emergency stop, say.
+        why: String,
+    },
     /// The core did not take it.
     Refused {
         /// Why.
@@ -136,16 +149,17 @@ impl RunEnd {
         match self {
             RunEnd::Result { .. } | RunEnd::Terminated | RunEnd::CutOff => Status::Good,
             RunEnd::Error { .. } => Status::CommandError,
-            RunEnd::Fault { .. } | RunEnd::Refused { .. } => Status::Fault,
+            RunEnd::Fault { .. } | RunEnd::Refused { .. } | RunEnd::Stopped { .. } => Status::Fault,
         }
     }
 }
 
 impl Outcome {
-    /// How the run went: as its worst command.
+    /// How the run went: as its worst command, but for errors that its task has a branch for.
     #[must_use]
     pub fn status(&self) -> Status {
-        let all = self.commands.iter().map(|c| c.end.status());
+        let all = self.commands.iter().filter(|c| !c.handled);
+        let all = all.map(|c| c.end.status());
         all.max_by_key(|status| *status as u8)
             .unwrap_or(Status::Good)
     }

@@ -24,8 +24,8 @@ impl fmt::Display for Outcome {
         if self.late > 0 {
             writeln!(
                 f,
-                "{} times a successor came too late to take over in motion",
-                self.late
+                "{} times a successor was not scheduled when its predecessor ended, {} times of these too late to take over in motion",
+                self.late, self.missed
             )?;
         }
         writeln!(f, "cycle time  {}", self.figures.tick)?;
@@ -76,6 +76,12 @@ impl Outcome {
     ) -> fmt::Result {
         let seconds = |ticks: u64| ticks as f64 * self.tick_ns as f64 * 1e-9;
         write!(f, "{:width$}  {}", command.name, command.end)?;
+        if command.handled {
+            f.write_str(", which its task goes on after")?;
+        }
+        if !command.braked.is_empty() {
+            write!(f, ", and {} braked", command.braked.join(", "))?;
+        }
         match command.first_tick {
             None => writeln!(f)?,
             Some(first) => {
@@ -106,6 +112,7 @@ impl fmt::Display for RunEnd {
             RunEnd::Fault { what, place } if place.is_empty() => write!(f, "FAULT: {what}"),
             RunEnd::Fault { what, place } => write!(f, "FAULT at {place}: {what}"),
             RunEnd::CutOff => f.write_str("cut off"),
+            RunEnd::Stopped { why } => write!(f, "STOPPED: {why}"),
             RunEnd::Refused { why } => write!(f, "REFUSED: {why}"),
         }
     }

@@ -53,6 +53,7 @@ pub(super) fn sides<'a>(
     let bounds = Bounds {
         last: job.limits.ticks.unwrap_or(u64::MAX),
         interrupted: Arc::clone(&job.interrupted),
+        emergency: Arc::clone(&job.emergency),
         tick_ns,
     };
     let now = Arc::new(AtomicU64::new(0));
@@ -98,6 +99,7 @@ fn desk<'a>(
         now,
         planning: job.limits.planning_ns / tick_ns,
         late: 0,
+        missed: 0,
     }
 }
 

@@ -45,6 +45,11 @@ impl Sights {
         &self.stage
     }
 
+    /// The tick ended so many nanoseconds after the next one was due.
+    pub(crate) fn overrun(&mut self, late_ns: u64) {
+        self.stage.put(Kind::Overrun, 0, false, &[&[late_ns]]);
+    }
+
     /// A port of a device that is looked at after the tick.
     pub(crate) fn sample(&mut self, channel: usize, value: Option<&[u64]>) {
         // Fewer than 2^32 ports.

@@ -30,10 +30,12 @@ pub(crate) enum Kind {
     Flow = 12,
     /// A port of a device after it has moved. Key: which of those that are looked at; flag: there is a value; words: its cells.
     Sample = 13,
+    /// A tick ended when the next one was due already. Words: by how many nanoseconds.
+    Overrun = 14,
 }
 
 impl Kind {
-    const ALL: [Kind; 13] = [
+    const ALL: [Kind; 14] = [
         Kind::Read,
         Kind::Check,
         Kind::Error,
@@ -47,6 +49,7 @@ impl Kind {
         Kind::Halt,
         Kind::Flow,
         Kind::Sample,
+        Kind::Overrun,
     ];
 
     fn of(number: u64) -> Option<Kind> {

@@ -45,6 +45,39 @@ fn declarations_are_complete() {
     }
 }
 
+/// A sensor has nothing but out-ports; an actuator nothing but in-ports, and what the device has to say to them: one answer for
+/// each of its out-ports, an error number, a truth value about an error, or that it is done.
+#[test]
+fn sensors_only_give_and_actuators_only_take() {
+    let (mut sensors, mut actuators) = (0, 0);
+    for prim in registry() {
+        let desc = &prim.desc;
+        let names: Vec<&str> = desc.outputs.iter().map(|port| port.name).collect();
+        match desc.role {
+            Role::Sensor(_) => {
+                sensors += 1;
+                assert!(desc.inputs.is_empty(), "{} takes", desc.name);
+                assert!(!names.is_empty(), "{} gives nothing", desc.name);
+            }
+            Role::Actuator(device) => {
+                actuators += 1;
+                assert!(!desc.inputs.is_empty(), "{} takes nothing", desc.name);
+                assert_eq!(names.len(), device.answers.len(), "{}", desc.name);
+                let answers = names.iter().all(|name| is_answer(name));
+                assert!(answers, "{} gives {names:?}", desc.name);
+            }
+            _ => {}
+        }
+    }
+    assert!(sensors > 5 && actuators > 5, "{sensors} and {actuators}");
+}
+
+/// The names of what a device says to a set-point.
+fn is_answer(name: &str) -> bool {
+    let name = name.trim_start_matches("out");
+    name.starts_with("Error") || ["Completed", "Success", "Finished", "StatusCode"].contains(&name)
+}
+
 /// What other crates say of a primitive is its name, and the name is in the registry.
 #[test]
 fn names_in_other_crates_are_registered() {

@@ -11,7 +11,7 @@ use rpi_net::literal;
 
 use super::completion::Reasons;
 use super::eval::Eval;
-use super::loader::{Job, Language, Loaded, Origin};
+use super::loader::{Job, Language, Loaded, Made, Origin, What};
 use super::watch::Subscription;
 use super::{Desk, Failure, Phase, Reply, Status, Then, answer, number_of};
 
@@ -22,8 +22,12 @@ pub(crate) struct Record {
     pub(crate) session: u64,
     /// What its owner calls it.
     pub(crate) title: String,
-    /// What it was loaded from.
-    pub(crate) origin: Origin,
+    /// The task that it is part of.
+    pub(super) task: Option<u64>,
+    /// What it was loaded from; nothing for a command of a task.
+    pub(crate) origin: Option<Origin>,
+    /// Inputs that are taken over when it starts.
+    pub(super) taken_over: Vec<String>,
     pub(crate) status: Status,
     pub(crate) image: Option<Arc<Image>>,
     pub(super) board: Option<Arc<Board>>,
@@ -81,6 +85,7 @@ impl Desk {
         let job = Job {
             number,
             session,
+            what: What::Command,
             origin: Origin {
                 language: load.language,
                 text: load.text.into(),
@@ -89,39 +94,23 @@ impl Desk {
             period_ns: self.period(load.period_ns),
         };
         let record = Record {
-            id: None,
-            session,
-            title: load.title.to_owned(),
-            origin: job.origin.clone(),
-            status: Status {
-                phase: Phase::Is(State::Loading),
-                ending: None,
-                result: None,
-                taken_over: false,
-            },
-            image: None,
-            board: None,
-            subscriptions: Vec::new(),
-            reasons: Reasons::default(),
-            ends_by: Vec::new(),
-            completed: None,
-            held: None,
+            origin: Some(job.origin.clone()),
             loading: Some(reply),
             eval,
-            unload_at_end: false,
             bytes: load.text.len(),
+            ..Record::new(session, load.title, Phase::Is(State::Loading))
         };
         self.commands.insert(number, record);
         self.send(job);
     }
 
     /// The period in which a command runs: whole ticks, at least one.
-    fn period(&self, wanted_ns: u64) -> u64 {
+    pub(crate) fn period(&self, wanted_ns: u64) -> u64 {
         let ticks = wanted_ns.div_ceil(self.tick_ns).max(1);
         ticks.saturating_mul(self.tick_ns)
     }
 
-    fn send(&mut self, job: Job) {
+    pub(super) fn send(&mut self, job: Job) {
         let number = job.number;
         if !self.jobs.push(job) {
             self.reject(number, Failure::Busy);
@@ -129,7 +118,7 @@ impl Desk {
     }
 
     /// Makes room for a command by unloading those of its session that ended longest ago, if there is none.
-    fn has_room(&mut self, session: u64, text: usize) -> Result<(), Failure> {
+    pub(super) fn has_room(&mut self, session: u64, text: usize) -> Result<(), Failure> {
         let own = self.commands.values().filter(|r| r.session == session);
         let (count, bytes) = own.fold((0, text), |(n, b), r| (n + 1, b + r.bytes));
         let all = self.commands.len();
@@ -159,8 +148,16 @@ impl Desk {
     }
 
     /// Loading is done: the command goes to the cycle, or its owner hears why not.
-    pub(super) fn loaded(&mut self, job: Job, loaded: Result<Loaded, Vec<String>>) {
+    pub(super) fn loaded(&mut self, job: Job, loaded: Result<Made, Vec<String>>) {
         let generation = self.generation();
+        let loaded = match loaded {
+            Ok(Made::Task(script)) => return self.task_loaded(job.number, Ok(script)),
+            Ok(Made::Command(loaded)) => Ok(loaded),
+            Err(reasons) if job.what == What::Task => {
+                return self.task_loaded(job.number, Err(reasons));
+            }
+            Err(reasons) => Err(reasons),
+        };
         match loaded {
             Err(reasons) => self.reject(job.number, Failure::Rejected(reasons)),
             // Devices have come or gone meanwhile: its names are looked up again.
@@ -176,6 +173,7 @@ impl Desk {
         let bytes = loaded.command.machine().footprint();
         if let Some(record) = self.commands.get_mut(&number) {
             record.reasons = loaded.reasons;
+            record.taken_over = loaded.taken_over;
         }
         match self.control.adopt_with_board(loaded.command) {
             Ok(adopted) => self.adopted(number, adopted, loaded.image, bytes),
@@ -183,7 +181,13 @@ impl Desk {
         }
     }
 
-    fn adopted(&mut self, number: u64, adopted: Adopted, image: Arc<Image>, bytes: usize) {
+    pub(super) fn adopted(
+        &mut self,
+        number: u64,
+        adopted: Adopted,
+        image: Arc<Image>,
+        bytes: usize,
+    ) {
         let Adopted { id, ticket, board } = adopted;
         self.by_id.insert(id, number);
         let mut reply = None;
@@ -199,6 +203,9 @@ impl Desk {
 
     /// Loading has failed: the command is no more.
     pub(super) fn reject(&mut self, number: u64, why: Failure) {
+        if self.tasks.contains_key(&number) {
+            return self.reject_task(number, why);
+        }
         if let Some(record) = self.commands.remove(&number) {
             let title = &record.title;
             self.journal
@@ -247,7 +254,10 @@ impl Desk {
 
     /// Starts a command.
     pub(crate) fn start(&mut self, name: &str, reply: Reply) {
-        self.ask(name, Control::start, reply);
+        match self.may_start() {
+            Ok(()) => self.ask(name, Control::start, reply),
+            Err(why) => reply(Err(why)),
+        }
     }
 
     /// Asks a command to end.
@@ -287,6 +297,13 @@ impl Desk {
 
     fn setting(&self, (name, key, value): &(&str, &str, &str)) -> Result<Setting, Failure> {
         let (_, record) = self.find(name)?;
+        let waits = [State::Ready, State::Scheduled].map(Phase::Is);
+        let is_taken = record.taken_over.iter().any(|taken| taken == key);
+        if is_taken && !waits.contains(&record.status.phase) {
+            return Err(Failure::Bad(format!(
+                "{key} of {name} is taken over when it starts, and cannot be set any more"
+            )));
+        }
         let inputs = record.image.as_ref().map_or(&[][..], |i| &i.inputs);
         let found = inputs.iter().position(|i| i.key == *key);
         let input = found.ok_or_else(|| Failure::Unknown(format!("input {key} of {name}")))?;
@@ -295,6 +312,32 @@ impl Desk {
             input,
             value: cells(&inputs[input], value)?,
         })
+    }
+}
+
+impl Record {
+    /// A command of which nothing more is known yet.
+    pub(super) fn new(session: u64, title: &str, phase: Phase) -> Record {
+        Record {
+            id: None,
+            session,
+            title: title.to_owned(),
+            task: None,
+            origin: None,
+            taken_over: Vec::new(),
+            status: Status::new(phase),
+            image: None,
+            board: None,
+            subscriptions: Vec::new(),
+            reasons: Reasons::default(),
+            ends_by: Vec::new(),
+            completed: None,
+            held: None,
+            loading: None,
+            eval: None,
+            unload_at_end: false,
+            bytes: 0,
+        }
     }
 }
 

@@ -42,6 +42,18 @@ impl Devices {
         self.places.iter().flatten().any(|info| info.moving)
     }
 
+    /// The device that an actuator is part of: its place stands in the high half.
+    pub(super) fn name(&self, resource: u32) -> String {
+        let info = self.places.get((resource >> 16) as usize);
+        let info = info.and_then(Option::as_ref);
+        info.map_or_else(|| "a device".to_owned(), |info| info.name.clone())
+    }
+
+    /// What people call an actuator.
+    pub(super) fn actuator(&self, resource: u32) -> String {
+        format!("{}[{}]", self.name(resource), resource & 0xffff)
+    }
+
     fn find(&self, name: &str) -> Option<usize> {
         let is = |info: &Option<DeviceInfo>| info.as_ref().is_some_and(|i| i.name == name);
         self.places.iter().position(is)

@@ -6,12 +6,13 @@ use std::sync::{Arc, Mutex, PoisonError};
 
 use rpi_core::{Command, Continuity};
 use rpi_driver::{Compiled, Input, Program};
-use rpi_image::Image;
+use rpi_image::{Image, Role};
 use rpi_net::Net;
 use rpi_sim::SimBank;
 
 use super::completion::Reasons;
 use super::queue::Queue;
+use crate::script::Script;
 
 /// What a text is.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
@@ -22,9 +23,19 @@ pub(crate) enum Language {
     Rpi,
 }
 
+/// What is made of a text.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub(crate) enum What {
+    /// One of its commands.
+    Command,
+    /// One of its tasks.
+    Task,
+}
+
 /// Something to load.
 pub(crate) struct Job {
-    /// The command's number.
+    pub(crate) what: What,
+    /// The command's or task's number.
     pub(crate) number: u64,
     /// Whose turn it takes.
     pub(crate) session: u64,
@@ -37,8 +48,16 @@ pub(crate) struct Job {
 pub(crate) struct Origin {
     pub(crate) language: Language,
     pub(crate) text: Arc<str>,
-    /// Which command of the text, if there are several.
+    /// Which command or task of the text, if there are several.
     pub(crate) command: Option<String>,
+}
+
+/// What was made.
+pub(crate) enum Made {
+    /// A command that can run.
+    Command(Loaded),
+    /// What a task needs to run.
+    Task(Script),
 }
 
 /// What loading has given.
@@ -46,6 +65,8 @@ pub(crate) struct Loaded {
     pub(crate) command: Box<Command>,
     pub(crate) image: Arc<Image>,
     pub(super) reasons: Reasons,
+    /// Its inputs that stand after `given`.
+    pub(super) taken_over: Vec<String>,
     /// Of which devices the names were resolved: see [`Twin`].
     pub(crate) generation: u64,
 }
@@ -58,7 +79,7 @@ pub(crate) struct Twin {
 }
 
 /// Takes what was loaded, or every reason why not.
-pub(crate) type Done = Box<dyn Fn(Job, Result<Loaded, Vec<String>>) + Send>;
+pub(crate) type Done = Box<dyn Fn(Job, Result<Made, Vec<String>>) + Send>;
 
 /// Starts a thread that loads one job after the other; it ends when the queue is closed. `continuity` is what happens to
 /// commands that take over with a jump, where it is not as usual for their language.
@@ -77,7 +98,10 @@ pub(crate) fn start(
 
 fn work(jobs: &Queue, continuity: Option<Continuity>, twin: &Mutex<Twin>, done: &Done) {
     while let Some(job) = jobs.pop() {
-        let loaded = catch_unwind(AssertUnwindSafe(|| load(&job, continuity, twin)));
+        let loaded = catch_unwind(AssertUnwindSafe(|| match job.what {
+            What::Command => load(&job, continuity, twin).map(Made::Command),
+            What::Task => script(&job).map(Made::Task),
+        }));
         let loaded =
             loaded.unwrap_or_else(|_| Err(vec!["the compiler broke down at this text".to_owned()]));
         done(job, loaded);
@@ -89,7 +113,7 @@ fn load(
     continuity: Option<Continuity>,
     twin: &Mutex<Twin>,
 ) -> Result<Loaded, Vec<String>> {
-    let (image, reasons) = image(job)?;
+    let (image, reasons, taken_over) = image(job)?;
     let image = Arc::new(image);
     let mut twin = twin.lock().unwrap_or_else(PoisonError::into_inner);
     let generation = twin.generation;
@@ -104,15 +128,38 @@ fn load(
         command: Box::new(command),
         image,
         reasons,
+        taken_over,
         generation,
     })
 }
 
-fn image(job: &Job) -> Result<(Image, Reasons), Vec<String>> {
-    job.origin.net(|net| {
-        let image = rpi_driver::lower_to_run(net, job.period_ns).map_err(|e| vec![e])?;
-        Ok((image, Reasons::of(net)))
-    })
+fn image(job: &Job) -> Result<(Image, Reasons, Vec<String>), Vec<String>> {
+    let compiled = job.origin.compiled()?;
+    let net = choose(&compiled, job.origin.command.as_deref())?;
+    let image = rpi_driver::lower_to_run(net, job.period_ns).map_err(|e| vec![e])?;
+    Ok((image, Reasons::of(net), taken_over(&compiled, net)))
+}
+
+/// The inputs of a command that it takes over from the one before it: those that are declared as a flow, under its name.
+fn taken_over(compiled: &Compiled, net: &Net) -> Vec<String> {
+    let inputs = net.nodes.iter().filter(|n| n.desc().role == Role::Input);
+    let declared = inputs.filter(|n| compiled.sources.slice(n.origin.span) == n.name);
+    declared.map(|n| n.name.clone()).collect()
+}
+
+/// The task of a program that was asked for, or its only one.
+fn script(job: &Job) -> Result<Script, Vec<String>> {
+    let compiled = job.origin.compiled()?;
+    let tasks = &compiled.tasks;
+    let task = match job.origin.command.as_deref() {
+        Some(name) => tasks.iter().find(|task| task.name == name),
+        None => tasks.first().filter(|_| tasks.len() == 1),
+    };
+    let known = || -> Vec<&str> { tasks.iter().map(|task| task.name.as_str()).collect() };
+    let task =
+        task.ok_or_else(|| vec![format!("which task? There are: {}", known().join(", "))])?;
+    let lower = |net: &Net| rpi_driver::lower_to_run(net, job.period_ns);
+    Script::of_task(task, compiled.nets(), lower).map_err(|why| vec![why])
 }
 
 impl Origin {
@@ -124,6 +171,11 @@ impl Origin {
         &self,
         then: impl FnOnce(&Net) -> Result<T, Vec<String>>,
     ) -> Result<T, Vec<String>> {
+        then(choose(&self.compiled()?, self.command.as_deref())?)
+    }
+
+    /// The text, compiled without an error.
+    fn compiled(&self) -> Result<Compiled, Vec<String>> {
         let (name, kind) = match self.language {
             Language::Rpinet => ("from a client/net.rpinet", rpi_driver::Kind::Rpinet),
             Language::Rpi => ("from a client/program.rpi", rpi_driver::Kind::Rpi),
@@ -134,14 +186,14 @@ impl Origin {
             bytes: self.text.as_bytes().to_vec(),
         };
         let compiled = rpi_driver::compile(&input).map_err(|e| vec![e.to_string()])?;
-        then(choose(&compiled, self.command.as_deref())?)
+        match compiled.has_errors() {
+            true => Err(reasons(&compiled)),
+            false => Ok(compiled),
+        }
     }
 }
 
 fn choose<'a>(compiled: &'a Compiled, name: Option<&str>) -> Result<&'a Net, Vec<String>> {
-    if compiled.has_errors() {
-        return Err(reasons(compiled));
-    }
     let Program::Nets(nets) = &compiled.program else {
         return Err(vec!["an image is not taken from outside".to_owned()]);
     };

@@ -6,6 +6,7 @@
 mod commands;
 mod completion;
 mod devices;
+mod emergency;
 mod eval;
 mod journal;
 mod loader;
@@ -14,6 +15,7 @@ mod reports;
 mod rest;
 mod rules;
 mod sessions;
+mod tasks;
 mod types;
 mod watch;
 
@@ -21,6 +23,7 @@ use std::collections::BTreeMap;
 use std::fmt;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
+use rpi_core::Continuity;
 use rpi_host::control::{CommandId, Control, Rejected, RuleId, Ticket};
 use rpi_host::recording::Recorder;
 use rpi_sim::{Cell, SimBank};
@@ -30,9 +33,14 @@ use crate::server::Settings;
 
 pub(crate) use commands::{Load, Record, results};
 pub(crate) use devices::NewDevice;
+pub(crate) use emergency::Emergency;
 pub(crate) use loader::Language;
 pub(crate) use rules::Make;
-pub(crate) use types::{DeviceInfo, Failure, Phase, Reply, RuleState, Sink, Status, Update, cause};
+pub(crate) use sessions::Client;
+pub(crate) use tasks::{Step, TaskStatus};
+pub(crate) use types::{
+    DeviceInfo, Failure, Phase, Reply, RuleState, Sink, Status, Update, cause, why,
+};
 pub(crate) use watch::Watching;
 
 use devices::Devices;
@@ -41,6 +49,7 @@ use loader::Twin;
 use queue::Queue;
 use rules::RuleRecord;
 use sessions::Session;
+use tasks::TaskRecord;
 
 /// The books.
 pub(crate) struct Desk {
@@ -56,6 +65,8 @@ pub(crate) struct Desk {
     commands: BTreeMap<u64, Record>,
     by_id: BTreeMap<CommandId, u64>,
     rules: BTreeMap<RuleId, RuleRecord>,
+    tasks: BTreeMap<u64, TaskRecord>,
+    emergency: Emergency,
     /// Rules whose outcome somebody was told in this round.
     told: Vec<RuleId>,
     /// Rules that have fired before what they have stopped was known to run.
@@ -64,6 +75,8 @@ pub(crate) struct Desk {
     journal: Journal,
     twin: Arc<Mutex<Twin>>,
     jobs: Arc<Queue>,
+    /// What becomes of commands that take over with a jump, where it is not as usual for their language.
+    continuity: Option<Continuity>,
     /// The last number that was given to anything.
     last: u64,
 }
@@ -81,6 +94,8 @@ enum Then {
     Made(RuleId),
     Device(DeviceInfo),
     NoDevice(String),
+    /// All that was asked for before an emergency stop was carried out.
+    Stopped,
 }
 
 /// The desk, shared by everybody beside the cycle.
@@ -120,12 +135,15 @@ impl Office {
             commands: BTreeMap::new(),
             by_id: BTreeMap::new(),
             rules: BTreeMap::new(),
+            tasks: BTreeMap::new(),
+            emergency: Emergency::default(),
             told: Vec::new(),
             early: Vec::new(),
             devices: Devices::of(cell, limits.devices),
             journal: Journal::new(),
             twin: Arc::clone(&twin),
             jobs: Arc::clone(&jobs),
+            continuity: settings.continuity,
             last: 0,
         })));
         let weak = Arc::downgrade(&office.0);

@@ -93,11 +93,12 @@ impl Waiting {
 
 #[cfg(test)]
 mod tests {
-    use super::super::loader::{Language, Origin};
+    use super::super::loader::{Language, Origin, What};
     use super::*;
 
     fn job(session: u64, number: u64) -> Job {
         Job {
+            what: What::Command,
             number,
             session,
             origin: Origin {

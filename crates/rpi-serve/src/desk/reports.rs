@@ -8,6 +8,7 @@ use rpi_host::recording::Written;
 
 use super::commands::{results, yields};
 use super::rules::RuleRecord;
+use super::types::why;
 use super::{Desk, Errand, Failure, Phase, Record, RuleState, Then, answer, cause};
 
 impl Desk {
@@ -15,6 +16,7 @@ impl Desk {
     pub(crate) fn keep(&mut self) {
         while let Some(event) = self.control.poll() {
             self.recorder.iter().for_each(|r| r.event(&event));
+            self.tasks_hear(&event);
             match event {
                 Event::Answer {
                     ticket, refused, ..
@@ -25,9 +27,12 @@ impl Desk {
                     device,
                     code,
                     moving,
+                    ..
                 } => self.device_changed(device, code, moving),
             }
         }
+        self.keep_stopped();
+        self.advance_tasks();
         for rule in std::mem::take(&mut self.told) {
             self.rule_told(rule);
         }
@@ -56,9 +61,28 @@ impl Desk {
                 if let Then::Made(rule) = then {
                     self.forget_rule(rule);
                 }
-                answer(reply, Err(Failure::Refused(why)));
+                let why = self.refusal(why);
+                answer(reply, Err(why));
             }
         }
+    }
+
+    /// Why the core refuses something, with the names that people know.
+    pub(super) fn refusal(&self, why: Refused) -> Failure {
+        let Refused::Held { resource, by } = why else {
+            return Failure::Refused(why);
+        };
+        let actuator = self.devices.actuator(resource);
+        let number = self.by_id.get(&by);
+        let holder = number.and_then(|n| Some((n, self.commands.get(n)?)));
+        Failure::Held(match holder {
+            Some((number, record)) => {
+                let title = record.title.as_str();
+                let gap = if title.is_empty() { "" } else { " " };
+                format!("{actuator} is held by {title}{gap}n{number}")
+            }
+            None => format!("{actuator} is held by another command"),
+        })
     }
 
     /// A request was carried out: gives the name of what it made.
@@ -68,6 +92,10 @@ impl Desk {
             Then::Inserted(number) => self.inserted(number),
             Then::Made(rule) => format!("r{}", rule.0),
             Then::Device(info) => self.device_there(info),
+            Then::Stopped => {
+                self.has_stopped();
+                String::new()
+            }
             Then::NoDevice(name) => {
                 self.device_gone(&name);
                 String::new()
@@ -108,7 +136,10 @@ impl Desk {
                 }
                 self.unload_if_abandoned(command);
             }
-            Notice::Braked { .. } | Notice::Jumped { .. } => {}
+            Notice::Braked {
+                command, resource, ..
+            } => self.braked(command, resource),
+            Notice::Jumped { .. } => {}
             Notice::Rule { rule, outcome } => match outcome {
                 Outcome::Fired => self.rule_fired(rule),
                 Outcome::Failed(_) => self.rule_over(rule, RuleState::Failed),
@@ -120,6 +151,16 @@ impl Desk {
     fn phase(&mut self, id: CommandId, state: State) {
         if let Some(record) = self.record_of(id) {
             record.set_phase(Phase::Is(state));
+        }
+    }
+
+    /// A command has left something moving, which brakes on its own.
+    fn braked(&mut self, id: CommandId, resource: u32) {
+        let device = self.devices.name(resource);
+        if let Some(record) = self.record_of(id)
+            && !record.status.braked.contains(&device)
+        {
+            record.status.braked.push(device);
         }
     }
 
@@ -135,13 +176,17 @@ impl Desk {
         if let (Cause::Result(k), Some(image)) = (ending.cause, &record.image) {
             record.status.result = results(image).get(k).map(|name| (*name).to_owned());
         }
+        if let (Cause::Fault(fault), Some(image)) = (ending.cause, &record.image) {
+            record.status.place = image.place_of(fault.cell).map(|p| p.path.clone());
+        }
         let yielded = record.image.as_ref().is_some_and(|i| yields(i, &ending));
         (record.status.ending, record.status.taken_over) = (Some(ending), stopped || yielded);
         record.set_phase(Phase::Is(State::Terminated));
         let how = record.status.result.clone();
-        let how = how.unwrap_or_else(|| cause(&ending).to_owned());
+        let how = how.unwrap_or_else(|| why(&ending).unwrap_or(cause(&ending)).to_owned());
         let line = format!("{} has ended: {how}, error {}", record.title, ending.error);
         self.journal.note(format_args!("{line}"));
+        self.note_step(id);
         self.unload_if_abandoned(id);
     }
 

@@ -1,6 +1,7 @@
 //! Rules: when this holds, stop these, cancel those, start others.
 
 use rpi_host::control::{CommandId, Condition, Fact, Rule, RuleId};
+use rpi_image::{Scalar, Type};
 
 use super::commands::results;
 use super::{Desk, Failure, Reply, RuleState, Sink, Then, Update, number_of};
@@ -29,6 +30,8 @@ pub(crate) struct Make<'a> {
     pub(crate) stop: &'a [&'a str],
     pub(crate) cancel: &'a [&'a str],
     pub(crate) start: &'a [&'a str],
+    /// What nothing can start any more is ready again, instead of unloaded.
+    pub(crate) keep: bool,
 }
 
 /// Rules that are over and still remembered, for those who ask late.
@@ -37,6 +40,12 @@ const REMEMBERED: usize = 4096;
 impl Desk {
     /// Makes a rule; the reply has its name.
     pub(crate) fn make_rule(&mut self, make: &Make<'_>, reply: Reply) {
+        if let Err(why) = self.may_start().or_else(|why| match make.start {
+            [] => Ok(()),
+            _ => Err(why),
+        }) {
+            return reply(Err(why));
+        }
         let active = self.rules.values().filter(|r| r.state == RuleState::Active);
         if active.count() >= self.limits.rules {
             return reply(Err(Failure::Limit("rules")));
@@ -74,8 +83,8 @@ impl Desk {
             names.iter().map(|name| self.core_id(name)).collect()
         };
         let (stop, cancel, start) = (ids(make.stop)?, ids(make.cancel)?, ids(make.start)?);
-        // Whoever loaded a command also unloads it: what nothing can start any more stays, ready.
-        let mut rule = Rule::when(self.condition(make.when)?).keep();
+        let rule = Rule::when(self.condition(make.when)?);
+        let mut rule = if make.keep { rule.keep() } else { rule };
         rule = stop.iter().copied().fold(rule, Rule::stop);
         rule = cancel.into_iter().fold(rule, Rule::cancel);
         rule = start.iter().copied().fold(rule, Rule::start);
@@ -110,7 +119,14 @@ impl Desk {
         };
         Ok(match saying {
             Saying::Export(key) => {
-                let found = image.and_then(|i| i.exports.iter().position(|e| e.key == *key));
+                let exports = image.map_or(&[][..], |i| &i.exports);
+                let found = exports.iter().position(|e| e.key == *key);
+                let ty = found.map(|k| exports[k].value.ty);
+                if let Some(ty) = ty.filter(|ty| *ty != Type::One(Scalar::Bool)) {
+                    return Err(Failure::Bad(format!(
+                        "rules ask for Booleans, and {key} of {command} is {ty}"
+                    )));
+                }
                 Fact::Export(place("export", key, found)?)
             }
             Saying::Result(name) => {

@@ -10,17 +10,49 @@ pub(super) struct Session {
     /// What its client calls itself.
     pub(super) name: String,
     pub(super) on_loss: OnLoss,
+    /// The client that may act for it; nobody where whoever knows its name may.
+    owner: Option<Client>,
     /// Its client is gone, or has closed it.
     pub(super) closed: bool,
     pub(super) watchers: Vec<Box<dyn Sink>>,
 }
 
+/// A connection.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub(crate) struct Client(u64);
+
 impl Desk {
-    /// Opens a session and gives its name.
+    /// A name for a connection.
+    pub(crate) fn client(&mut self) -> Client {
+        Client(self.number())
+    }
+
+    /// Fails if a session belongs to another client that is still there.
+    fn may_act_in(&self, client: Client, session: u64, what: &str) -> Result<(), Failure> {
+        let session = self.sessions.get(&session);
+        let owner = session.filter(|s| !s.closed).and_then(|s| s.owner);
+        match owner {
+            Some(owner) if owner != client => Err(Failure::NotYours(what.to_owned())),
+            _ => Ok(()),
+        }
+    }
+
+    /// Fails if a command or task, by its name, is not this client's to start, to end or to change. What there is none of is
+    /// another failure.
+    pub(crate) fn may_act(&self, client: Client, name: &str) -> Result<(), Failure> {
+        let command = number_of(name, 'n').and_then(|n| self.commands.get(&n));
+        let task = number_of(name, 't').and_then(|n| self.tasks.get(&n));
+        let session = command.map(|r| r.session).or(task.map(|t| t.session));
+        let session = session.or(number_of(name, 's'));
+        session.map_or(Ok(()), |session| self.may_act_in(client, session, name))
+    }
+
+    /// Opens a session and gives its name. `owner` is the client that may act for it; without one, whoever knows a name may.
     pub(crate) fn open_session(
         &mut self,
         name: &str,
         on_loss: Option<OnLoss>,
+        owner: Option<Client>,
     ) -> Result<String, Failure> {
         if self.sessions.len() >= self.limits.sessions {
             return Err(Failure::Limit("sessions"));
@@ -29,6 +61,7 @@ impl Desk {
         let session = Session {
             name: name.to_owned(),
             on_loss: on_loss.unwrap_or(self.on_loss),
+            owner,
             closed: false,
             watchers: Vec::new(),
         };
@@ -45,9 +78,15 @@ impl Desk {
     }
 
     /// A session whose client was lost is taken up again by whoever knows its name, and is lost with them: true if it was.
-    pub(crate) fn take_up(&mut self, name: &str) -> bool {
+    pub(crate) fn take_up(&mut self, name: &str, client: Client) -> bool {
         let session = number_of(name, 's').and_then(|n| self.sessions.get_mut(&n));
-        session.is_some_and(|session| std::mem::replace(&mut session.closed, false))
+        session.is_some_and(|session| {
+            let was_closed = std::mem::replace(&mut session.closed, false);
+            if was_closed {
+                session.owner = session.owner.map(|_| client);
+            }
+            was_closed
+        })
     }
 
     /// Names of the sessions and of those who opened them.
@@ -103,7 +142,11 @@ impl Desk {
                 self.reject(number, Failure::Busy);
             }
         }
+        self.let_go_of_tasks(session, on_loss);
+        // A task lets go of its own commands.
+        let runs_on = on_loss == OnLoss::RunOn;
         let own = self.commands.iter().filter(|(_, r)| r.session == session);
+        let own = own.filter(|(_, r)| !(runs_on && r.task.is_some()));
         let own: Vec<u64> = own.map(|(number, _)| *number).collect();
         for number in own {
             match on_loss {
@@ -165,6 +208,7 @@ impl Desk {
     /// A session that is closed and owns nothing any more is forgotten.
     pub(super) fn close_if_empty(&mut self, number: u64) {
         let owns = self.commands.values().any(|r| r.session == number);
+        let owns = owns || self.tasks.values().any(|t| t.session == number);
         let closed = self.sessions.get(&number).is_some_and(|s| s.closed);
         if closed
             && !owns

@@ -4,6 +4,8 @@ use std::fmt;
 
 use rpi_host::control::{Cause, Ending, Refused, Rejected, State};
 
+use super::tasks::TaskStatus;
+
 /// Where a command is in its life, as clients see it.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub(crate) enum Phase {
@@ -20,8 +22,26 @@ pub(crate) struct Status {
     pub(crate) ending: Option<Ending>,
     /// The name of the result with which it has ended.
     pub(crate) result: Option<String>,
+    /// Where in the program the fault is that has ended it.
+    pub(crate) place: Option<String>,
+    /// The devices that it left moving, which brake on their own.
+    pub(crate) braked: Vec<String>,
     /// Another has started in its place: by the rule that stopped it, or because it ended in motion by `yield`.
     pub(crate) taken_over: bool,
+}
+
+impl Status {
+    /// That of a command that has not ended.
+    pub(crate) fn new(phase: Phase) -> Status {
+        Status {
+            phase,
+            ending: None,
+            result: None,
+            place: None,
+            braked: Vec::new(),
+            taken_over: false,
+        }
+    }
 }
 
 /// What has become of a rule.
@@ -62,6 +82,10 @@ pub(crate) enum Update<'a> {
     Rule(RuleState),
     /// Whether the session is open.
     Session(bool),
+    /// Who has stopped everything, if somebody has.
+    Emergency(Option<&'a str>),
+    /// How far the task is.
+    Task(&'a TaskStatus),
     /// A device is there.
     DeviceAdded(&'a DeviceInfo),
     /// Whether a device is well; its error code if not.
@@ -89,6 +113,12 @@ pub(crate) enum Failure {
     Refused(Refused),
     /// It is in use, by whom and for what.
     InUse(String),
+    /// The control core refused it, as somebody holds what is needed: what, who.
+    Held(String),
+    /// Its session belongs to another client.
+    NotYours(String),
+    /// Everything is stopped, by whom.
+    Stopped(String),
     /// More than the server grants.
     Limit(&'static str),
     /// The server has too much to do.
@@ -116,24 +146,28 @@ impl fmt::Display for Failure {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Failure::Unknown(what) => write!(f, "there is no {what}"),
-            Failure::Bad(what) | Failure::InUse(what) => f.write_str(what),
+            Failure::Bad(what) | Failure::InUse(what) | Failure::Held(what) => f.write_str(what),
             Failure::Rejected(reasons) => f.write_str(&reasons.join("; ")),
-            Failure::Refused(why) => f.write_str(&refused(*why)),
+            Failure::Refused(why) => f.write_str(&refused(*why, "an actuator that it needs")),
+            Failure::NotYours(what) => write!(f, "{what} belongs to the session of another client"),
+            Failure::Stopped(by) => {
+                write!(
+                    f,
+                    "everything is stopped since an emergency stop by {by}; it must be reset first"
+                )
+            }
             Failure::Limit(what) => write!(f, "limit reached: {what}"),
             Failure::Busy => f.write_str("the server has too much to do, try again"),
         }
     }
 }
 
-fn refused(why: Refused) -> String {
+/// Why the core has refused something; `actuator` is what people call the one that is held.
+pub(crate) fn refused(why: Refused, actuator: &str) -> String {
     match why {
         Refused::Unknown => "the control core does not know it".to_owned(),
         Refused::State(state) => format!("that does not fit the state {state:?}"),
-        Refused::Held { resource, .. } => format!(
-            "actuator {} of device {} is held by another command",
-            resource & 0xffff,
-            resource >> 16
-        ),
+        Refused::Held { .. } => format!("{actuator} is held by another command"),
         Refused::Successor => "a command would follow itself or start twice".to_owned(),
         Refused::Never => "the rule could never fire".to_owned(),
         Refused::Condition => "the condition is nested too deeply".to_owned(),
@@ -150,5 +184,14 @@ pub(crate) fn cause(ending: &Ending) -> &'static str {
         Cause::Fault(_) => "fault",
         Cause::Aborted(_) => "aborted",
         Cause::Stopped(_) => "stopped by a rule",
+    }
+}
+
+/// Why it has ended so, where that is not its own doing.
+pub(crate) fn why(ending: &Ending) -> Option<&'static str> {
+    match ending.cause {
+        Cause::Fault(fault) => Some(rpi_host::run::fault_text(fault.code)),
+        Cause::Aborted(why) => Some(rpi_host::run::stop_text(why)),
+        _ => None,
     }
 }

@@ -6,7 +6,7 @@ use super::message::{Arg, Message};
 use super::parse;
 use super::sink::DioSink;
 use crate::condition::{self, Expr, Saying};
-use crate::desk::{Failure, Language, Load, Make, Office, Reply, Watching};
+use crate::desk::{Client, Failure, Language, Load, Make, Office, Reply, Watching};
 use crate::limits::OnLoss;
 use crate::wire::{Front, Outbox};
 
@@ -20,6 +20,7 @@ const SETTLE: Duration = Duration::from_millis(20);
 /// A client.
 pub(crate) struct DioFront {
     office: Office,
+    client: Client,
     out: Outbox,
     /// Those that it has opened.
     sessions: Vec<String>,
@@ -94,11 +95,20 @@ impl Drop for DioFront {
 
 impl DioFront {
     pub(crate) fn new(office: Office, out: Outbox) -> DioFront {
+        let client = office.desk().client();
         DioFront {
             office,
+            client,
             out,
             sessions: Vec::new(),
         }
+    }
+
+    /// Sessions of this protocol are everybody's who knows their names; those of the native interface are their client's.
+    fn may_act<'n>(&self, names: impl Iterator<Item = &'n &'n str>) -> Result<(), Failure> {
+        let (desk, client) = (self.office.desk(), self.client);
+        let mut names = names;
+        names.try_for_each(|name| desk.may_act(client, name))
     }
 
     fn ok(&self, tag: &str, result: &str) -> bool {
@@ -141,7 +151,7 @@ impl DioFront {
         let name = self
             .office
             .desk()
-            .open_session(text(message, 0)?, on_loss)?;
+            .open_session(text(message, 0)?, on_loss, None)?;
         self.ok(&message.tag, &name);
         self.sessions.push(name);
         Ok(())
@@ -149,6 +159,7 @@ impl DioFront {
 
     fn abort_session(&mut self, message: &Message) -> Result<(), Failure> {
         let session = text(message, 0)?;
+        self.may_act([&session].into_iter())?;
         self.office.desk().abort_session(session)?;
         self.sessions.retain(|own| own != session);
         self.ok(&message.tag, "");
@@ -166,8 +177,9 @@ impl DioFront {
             // A negative or huge period saturates, and is then refused or rounded up.
             period_ns: (seconds.min(3600.0) * 1e9) as u64,
         };
+        self.may_act([&load.session].into_iter())?;
         let mut desk = self.office.desk();
-        if desk.take_up(load.session) {
+        if desk.take_up(load.session, self.client) {
             self.sessions.push(load.session.to_owned());
         }
         desk.load(&load, self.reply(&message.tag));
@@ -180,6 +192,7 @@ impl DioFront {
         what: impl FnOnce(&mut crate::desk::Desk, &str, Reply),
     ) -> Result<(), Failure> {
         let net = text(message, 0)?;
+        self.may_act([&net].into_iter())?;
         what(&mut self.office.desk(), net, self.reply(&message.tag));
         Ok(())
     }
@@ -191,7 +204,10 @@ impl DioFront {
             stop: &texts(message, 1)?,
             cancel: &texts(message, 2)?,
             start: &texts(message, 3)?,
+            // Whoever loaded a net also unloads it.
+            keep: true,
         };
+        self.may_act(make.stop.iter().chain(make.cancel).chain(make.start))?;
         self.office
             .desk()
             .make_rule(&make, self.reply(&message.tag));
@@ -210,6 +226,7 @@ impl DioFront {
                 values.push((net.as_str(), key, value.ok_or_else(bad)?));
             }
         }
+        self.may_act(values.iter().map(|(net, _, _)| net))?;
         self.office.desk().set(&values, self.reply(&message.tag));
         Ok(())
     }

@@ -26,6 +26,8 @@ impl Sink for DioSink {
                 let state = if *open { "ACTIVE" } else { "TERMINATED" };
                 self.push("st", Arg::text(state))
             }
+            // The protocol has no word for these.
+            Update::Emergency(_) | Update::Task(_) => true,
             Update::DeviceAdded(info) => {
                 self.push("da", device(info)) && self.push_status(&info.name, condition(info.code))
             }

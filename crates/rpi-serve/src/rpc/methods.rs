@@ -7,6 +7,7 @@ use serde_json::{Value, json};
 
 use super::front::{Answer, Call, RpcFront};
 use super::sink::{self, RpcSink};
+use super::tasks;
 use crate::condition::{self, Expr, Saying};
 use crate::desk::{Desk, Failure, Language, Load, Make, NewDevice, Record, Reply, Watching};
 use crate::limits::OnLoss;
@@ -35,6 +36,23 @@ pub(super) const METHODS: &[(&str, Method)] = &[
     ("watch.rule", watch_rule),
     ("watch.session", watch_session),
     ("watch.devices", watch_devices),
+    ("watch.task", tasks::watch),
+    ("watch.emergency", tasks::watch_emergency),
+    ("task.load", tasks::load),
+    ("task.start", |front, call| {
+        tasks::one(front, call, Desk::start_task)
+    }),
+    ("task.cancel", |front, call| {
+        tasks::one(front, call, Desk::cancel_task)
+    }),
+    ("task.unload", |front, call| {
+        tasks::one(front, call, Desk::unload_task)
+    }),
+    ("task.describe", tasks::describe),
+    ("tasks", tasks::list),
+    ("emergency.stop", tasks::stop),
+    ("emergency.reset", tasks::reset),
+    ("emergency.state", tasks::state),
     ("device.list", list_devices),
     ("device.add", add_device),
     ("device.remove", remove_device),
@@ -47,53 +65,43 @@ fn open_session(front: &mut RpcFront, call: &Call<'_>) -> Answer {
         Some(name) => Some(OnLoss::by_name(name).ok_or_else(|| bad("on_loss"))?),
     };
     let name = call.params.get("name").and_then(Value::as_str);
-    let session = front
-        .office
-        .desk()
-        .open_session(name.unwrap_or_default(), on_loss)?;
+    let shared = call.flag("shared")?;
+    let owner = Some(front.client).filter(|_| !shared);
+    let mut desk = front.office.desk();
+    let session = desk.open_session(name.unwrap_or_default(), on_loss, owner)?;
+    drop(desk);
     front.sessions.push(session.clone());
     Ok(Some(json!({"session": session})))
 }
 
 fn close_session(front: &mut RpcFront, call: &Call<'_>) -> Answer {
     let session = call.text("session")?;
+    front.may_act(&[session])?;
     front.office.desk().abort_session(session)?;
     front.sessions.retain(|own| own != session);
     Ok(Some(json!({})))
 }
 
 fn load(front: &mut RpcFront, call: &Call<'_>) -> Answer {
-    let language = match call.params.get("language").and_then(Value::as_str) {
-        None | Some("rpi") => Language::Rpi,
-        Some("rpinet") => Language::Rpinet,
-        Some(_) => return Err(bad("language")),
-    };
-    let period = call.params.get("period").and_then(Value::as_f64);
-    let load = Load {
-        session: call.text("session")?,
-        title: call.text("title").unwrap_or_default(),
-        language,
-        text: call.text("text")?,
-        command: call.params.get("command").and_then(Value::as_str),
-        period_ns: (period.unwrap_or(0.0).min(3600.0) * 1e9) as u64,
-    };
-    let reply = call.later(|name| json!({"command": name}));
-    let mut desk = front.office.desk();
-    if desk.take_up(load.session) {
-        front.sessions.push(load.session.to_owned());
-    }
-    desk.load(&load, reply);
+    let load = call.load("command")?;
+    let told = call.told_period(front, load.period_ns);
+    let reply = call.later(move |name| told("command", name));
+    front.take_up(load.session)?;
+    front.office.desk().load(&load, reply);
     Ok(None)
 }
 
 fn one(front: &mut RpcFront, call: &Call<'_>, what: fn(&mut Desk, &str, Reply)) -> Answer {
     let reply = call.later(|_| json!({}));
-    what(&mut front.office.desk(), call.text("command")?, reply);
+    let command = call.text("command")?;
+    front.may_act(&[command])?;
+    what(&mut front.office.desk(), command, reply);
     Ok(None)
 }
 
 fn set(front: &mut RpcFront, call: &Call<'_>) -> Answer {
     let command = call.text("command")?;
+    front.may_act(&[command])?;
     let values = call.params.get("values").and_then(Value::as_object);
     let values = values.ok_or_else(|| bad("values"))?;
     let texts = values
@@ -156,7 +164,9 @@ fn schedule(front: &mut RpcFront, call: &Call<'_>) -> Answer {
         stop: &[],
         cancel: &[],
         start: &[call.text("command")?],
+        keep: call.flag("keep")?,
     };
+    front.may_act(make.start)?;
     front
         .office
         .desk()
@@ -171,7 +181,11 @@ fn make_rule(front: &mut RpcFront, call: &Call<'_>) -> Answer {
         stop: &call.texts("stop")?,
         cancel: &call.texts("cancel")?,
         start: &call.texts("start")?,
+        keep: call.flag("keep")?,
     };
+    [make.stop, make.cancel, make.start]
+        .iter()
+        .try_for_each(|names| front.may_act(names))?;
     front
         .office
         .desk()
@@ -270,7 +284,16 @@ fn list_commands(front: &mut RpcFront, _: &Call<'_>) -> Answer {
 }
 
 impl RpcFront {
-    fn sink(&self, kind: &'static str, name: &str) -> Box<RpcSink> {
+    /// Takes a session up whose client is gone; fails if it is another client's.
+    pub(super) fn take_up(&mut self, session: &str) -> Result<(), Failure> {
+        self.may_act(&[session])?;
+        if self.office.desk().take_up(session, self.client) {
+            self.sessions.push(session.to_owned());
+        }
+        Ok(())
+    }
+
+    pub(super) fn sink(&self, kind: &'static str, name: &str) -> Box<RpcSink> {
         Box::new(RpcSink {
             about: Some((kind, name.to_owned())),
             out: self.out.clone(),
@@ -279,7 +302,50 @@ impl RpcFront {
 }
 
 impl<'a> Call<'a> {
-    fn text(&self, key: &str) -> Result<&'a str, Failure> {
+    /// What is to be loaded: `named` is the key that tells which of several.
+    pub(super) fn load(&self, named: &str) -> Result<Load<'a>, Failure> {
+        let language = match self.params.get("language").and_then(Value::as_str) {
+            None | Some("rpi") => Language::Rpi,
+            Some("rpinet") => Language::Rpinet,
+            Some(_) => return Err(bad("language")),
+        };
+        let period = self.params.get("period").and_then(Value::as_f64);
+        Ok(Load {
+            session: self.text("session")?,
+            title: self.text("title").unwrap_or_default(),
+            language,
+            text: self.text("text")?,
+            command: self.params.get(named).and_then(Value::as_str),
+            period_ns: (period.unwrap_or(0.0).min(3600.0) * 1e9) as u64,
+        })
+    }
+
+    /// Tells what was loaded with the period that it has, and says so if that is another than was asked for.
+    pub(super) fn told_period(
+        &self,
+        front: &RpcFront,
+        asked_ns: u64,
+    ) -> impl FnOnce(&str, String) -> Value + Send + 'static {
+        let period_ns = front.office.desk().period(asked_ns);
+        move |kind, name| {
+            let mut told = json!({"period": period_ns as f64 * 1e-9});
+            told[kind] = json!(name);
+            if asked_ns > 0 && asked_ns != period_ns {
+                told["rounded"] = json!(true);
+            }
+            told
+        }
+    }
+
+    /// A truth value; false if it is not said.
+    fn flag(&self, key: &str) -> Result<bool, Failure> {
+        match self.params.get(key) {
+            None | Some(Value::Null) => Ok(false),
+            Some(value) => value.as_bool().ok_or_else(|| bad(key)),
+        }
+    }
+
+    pub(super) fn text(&self, key: &str) -> Result<&'a str, Failure> {
         let found = self.params.get(key).and_then(Value::as_str);
         found.ok_or_else(|| bad(key))
     }

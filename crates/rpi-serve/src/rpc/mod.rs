@@ -1,7 +1,9 @@
 //! The native interface: JSON-RPC 2.0 over the websocket `/rpc` or, in lines, over a Unix socket.
 
+mod answers;
 mod front;
 mod methods;
 mod sink;
+mod tasks;
 
 pub(crate) use front::RpcFront;

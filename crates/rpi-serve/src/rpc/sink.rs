@@ -3,7 +3,9 @@
 use rpi_core::State;
 use serde_json::{Map, Value, json};
 
-use crate::desk::{DeviceInfo, Phase, RuleState, Sink, Status, Update, cause};
+use crate::desk::{
+    DeviceInfo, Phase, RuleState, Sink, Status, Step, TaskStatus, Update, cause, why,
+};
 use crate::wire::Outbox;
 
 /// Pushes updates about one thing.
@@ -20,6 +22,8 @@ impl Sink for RpcSink {
             Update::Values(values) => json!({"values": self::values(values)}),
             Update::Rule(state) => json!({"state": rule(*state)}),
             Update::Session(open) => json!({"open": open}),
+            Update::Emergency(by) => json!({"emergency": emergency(*by)}),
+            Update::Task(status) => task(status),
             Update::DeviceAdded(info) => json!({"device": info.name, "added": device(info)}),
             Update::DeviceCondition(name, code) => json!({"device": name, "error": code}),
             Update::DeviceRemoved(name) => json!({"device": name, "removed": true}),
@@ -52,7 +56,38 @@ pub(super) fn status(status: &Status) -> Value {
             "cancelled": ending.cancelled,
             "left_moving": ending.left_moving,
             "taken_over": status.taken_over,
+            "why": why(ending),
+            "place": status.place,
+            "braked": status.braked,
         });
+    }
+    told
+}
+
+/// Whether everything is stopped, and by whom.
+pub(super) fn emergency(by: Option<&str>) -> Value {
+    json!({"stopped": by.is_some(), "by": by})
+}
+
+/// How far a task is.
+pub(super) fn task(status: &TaskStatus) -> Value {
+    let step = |step: &Step| {
+        json!({
+            "command": step.title, "result": step.result, "error": step.error, "cycles": step.cycles,
+            "cause": step.cause, "handled": step.handled,
+        })
+    };
+    let running = status.running.iter();
+    let running = running.map(|(name, title)| json!({"command": name, "title": title}));
+    let mut told = json!({
+        "state": status.phase.name(),
+        "running": running.collect::<Value>(),
+        "ended": status.steps.iter().map(step).collect::<Value>(),
+        "late": status.late,
+        "missed": status.missed,
+    });
+    if let Some(trouble) = &status.trouble {
+        told["trouble"] = json!(trouble);
     }
     told
 }

@@ -147,13 +147,16 @@ fn nets(office: &Office) -> String {
 fn text(office: &Office, name: &str) -> Result<String, Failure> {
     let desk = office.desk();
     let (_, record) = desk.find(name)?;
-    Ok(record.origin.text.to_string())
+    let origin = record.origin.as_ref();
+    let none = || Failure::Unknown(format!("text of {name}: it is part of a task"));
+    Ok(origin.ok_or_else(none)?.text.to_string())
 }
 
 /// The parts of a net. It is taken apart again, beside everything else.
 fn parts_of(office: &Office, name: &str) -> Result<String, Failure> {
     let origin = office.desk().find(name)?.1.origin.clone();
-    let page = origin.net(|net| Ok(net::page(net)));
+    let none = || Failure::Unknown(format!("text of {name}: it is part of a task"));
+    let page = origin.ok_or_else(none)?.net(|net| Ok(net::page(net)));
     page.map_err(Failure::Rejected)
 }
 

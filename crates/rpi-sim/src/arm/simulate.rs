@@ -129,12 +129,10 @@ impl Arm {
         self.history.add(sample, age);
     }
 
-    /// Whether it moves, or is about to because it has not reached its last set-point or was just told one.
+    /// Whether it moves, or is about to because it has not reached its last set-point. What it was just told counts in place of
+    /// how it moved before: who tells it to stay where it is has brought it to rest.
     pub(super) fn is_moving(&self) -> bool {
-        let moves = |axis: &Axis| {
-            let told = axis.staged.is_some_and(|state| state.is_moving());
-            told || axis.commanded.is_moving()
-        };
+        let moves = |axis: &Axis| axis.staged.unwrap_or(axis.commanded).is_moving();
         self.brake.is_some() || self.left > 0 || self.axes.iter().any(moves)
     }
 

@@ -39,10 +39,21 @@ pub enum StepKind {
         /// What.
         steps: Vec<Step>,
     },
+    /// `parallel let ... tel let ... tel`: all at once
+    Parallel(Vec<Strand>),
     /// `start search;`: the step that comes first
     Start(Ident),
     /// A step with a fault; the labels that it seems to define
     Broken(Vec<Ident>),
+}
+
+/// Steps of a task that are run beside others.
+#[derive(Clone, PartialEq, Debug)]
+pub struct Strand {
+    /// In text order.
+    pub steps: Vec<Step>,
+    /// From its `let` to its `tel`.
+    pub span: Span,
 }
 
 /// A command or task that is run.
@@ -85,6 +96,6 @@ pub enum OnResult {
 pub enum Next {
     /// Another step.
     Step(Ident),
-    /// `end`: nothing, the task is done.
+    /// `end`: nothing, the task is done, or the strand in which it stands.
     End(Span),
 }

@@ -352,6 +352,9 @@ impl Dumper {
                     std::iter::once(count).chain(steps.iter().map(|step| self.step(step))),
                 )
             }
+            StepKind::Parallel(strands) => nodes("parallel", strands, |strand| {
+                nodes("strand", &strand.steps, |step| self.step(step))
+            }),
             StepKind::Start(label) => node("start", [name(label)]),
             StepKind::Broken(names) => nodes("broken", names, name),
         };

@@ -57,6 +57,7 @@ impl Printer<'_> {
                 let gap = self.gap(self.trivia.next_token(end));
                 self.repeat(concat([head, gap]), steps, span)
             }
+            StepKind::Parallel(strands) => self.parallel(strands),
             StepKind::Broken(_) => nothing(),
         }
     }
@@ -76,6 +77,16 @@ impl Printer<'_> {
         });
         let body = one_line_body(concat(steps.collect::<Vec<_>>()));
         group(concat([head, Doc::Line, body]))
+    }
+
+    /// One block below the other.
+    fn parallel(&mut self, strands: &[Strand]) -> Doc {
+        let blocks = strands.iter().flat_map(|strand| {
+            let steps = self.steps(&strand.steps, strand.span.end);
+            [Doc::Hard, block("let", steps, "tel")]
+        });
+        let blocks: Vec<Doc> = blocks.collect();
+        concat([word("parallel"), concat(blocks)])
     }
 
     fn run(&mut self, run: &Run, columns: Columns) -> Doc {

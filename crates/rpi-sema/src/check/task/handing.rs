@@ -1,6 +1,6 @@
 //! What a command takes over (`given`), each command that it may follow exports under the same name (M7.3).
 
-use super::Labels;
+use super::{Labels, Then};
 use crate::check::body::Body;
 use crate::program::DeclKind;
 use crate::ty::{Misfit, Subst, Ty, fit};
@@ -8,13 +8,23 @@ use crate::typed::{BlockId, FlowRole, UnitId, UnitKind};
 use rpi_diag::{Code, Finding, Span};
 use rpi_syntax::ast::{Next, Run};
 
-/// A step and what it may follow; nothing: it may come first.
-pub(super) type Follows<'a> = (Option<&'a Run>, &'a Run);
+/// What runs before a step.
+pub(super) enum Before<'a> {
+    /// It may come first.
+    Nothing,
+    /// This.
+    Run(&'a Run),
+    /// For each strand what it can end with: a value comes from the first that has it at each of its ends.
+    Strands(Vec<Vec<&'a Run>>),
+}
 
-/// The steps that may follow a step.
+/// A step and what it may follow.
+pub(super) type Follows<'a> = (Before<'a>, &'a Run);
+
+/// The steps that may follow a step by itself.
 pub(super) fn followers<'a>(
     run: &'a Run,
-    next: Option<&'a Run>,
+    next: &Then<'a>,
     labels: &Labels<'a>,
 ) -> Vec<Follows<'a>> {
     let by_branch = run.branches.iter().filter_map(|branch| match &branch.then {
@@ -24,9 +34,10 @@ pub(super) fn followers<'a>(
         }
         Next::End(_) => None,
     });
-    let in_turn = next.filter(|_| run.branches.is_empty());
+    let is_followed = run.branches.is_empty() && !next.joins;
+    let in_turn = next.runs.iter().filter(|_| is_followed).copied();
     let all = by_branch.map(|(_, run)| *run).chain(in_turn);
-    all.map(|follower| (Some(run), follower)).collect()
+    all.map(|follower| (Before::Run(run), follower)).collect()
 }
 
 impl<'a> Body<'_, 'a> {
@@ -37,25 +48,52 @@ impl<'a> Body<'_, 'a> {
             let Some(unit) = self.command_of(run) else {
                 continue;
             };
-            let before = match before {
-                Some(before) => match self.command_of(before) {
-                    Some(unit) => Some((unit, before.callee.span)),
-                    // What an inner task ends with is its own business.
-                    None => continue,
-                },
-                None => None,
-            };
             for (name, ty, declared) in self.taken_over(unit) {
                 let key = (run.callee.span, name.clone());
                 if told.contains(&key) {
                     continue;
                 }
-                if let Some(finding) = self.not_handed((&name, &ty, declared), before, run) {
+                if let Some(finding) = self.not_there((&name, &ty, declared), before, run) {
                     self.report(finding);
                     told.push(key);
                 }
             }
         }
+    }
+
+    /// What is wrong with a value that a step takes over from those before it, if something is.
+    fn not_there(
+        &mut self,
+        value: (&str, &Ty, Span),
+        before: &Before<'a>,
+        run: &Run,
+    ) -> Option<Finding> {
+        match before {
+            Before::Nothing => self.not_handed(value, None, run),
+            Before::Run(before) => self.not_handed_by(value, before, run),
+            Before::Strands(strands) => {
+                let mut wrong = None;
+                for ends in strands.iter().filter(|ends| !ends.is_empty()) {
+                    let mut ends = ends.iter();
+                    match ends.find_map(|end| self.not_handed_by(value, end, run)) {
+                        Some(finding) => wrong = wrong.or(Some(finding)),
+                        None => return None,
+                    }
+                }
+                wrong
+            }
+        }
+    }
+
+    /// As [`Body::not_handed`]; what an inner task ends with is its own business.
+    fn not_handed_by(
+        &mut self,
+        value: (&str, &Ty, Span),
+        before: &Run,
+        run: &Run,
+    ) -> Option<Finding> {
+        let unit = self.command_of(before)?;
+        self.not_handed(value, Some((unit, before.callee.span)), run)
     }
 
     /// The command that a step runs, once its arguments are known.

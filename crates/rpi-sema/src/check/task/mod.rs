@@ -6,8 +6,12 @@
 //! | `results.rs` | branches and the results of a command |
 //! | `takeover.rs` | what follows a `yield` |
 //! | `handing.rs` | values that a command takes over |
+//! | `order.rs` | with which steps a list begins and ends |
+//! | `parallel.rs` | strands need devices of their own |
 
 mod handing;
+mod order;
+mod parallel;
 mod results;
 mod takeover;
 
@@ -17,29 +21,44 @@ use super::report::{Wanted, not_a, unknown};
 use crate::program::{DeclId, DeclKind, Lookup, twice};
 use crate::ty::Ty;
 use crate::typed::{ExprId, TaskStep};
-use handing::Follows;
+use handing::{Before, Follows};
+use order::{entry_of, first_of, lasts, run_of};
 use rpi_diag::{Code, Finding};
-use rpi_syntax::ast::{Expr, Ident, Next, Run, Step, StepKind, TaskDecl};
+use rpi_syntax::ast::{Expr, Ident, Next, Run, Step, StepKind, Strand, TaskDecl};
 
 /// Steps that can be reached by name, the innermost list last.
 type Labels<'a> = Vec<(&'a Ident, &'a Run)>;
 
+/// What comes after a step if nothing else is said: several where strands begin.
+#[derive(Clone, Default)]
+struct Then<'a> {
+    runs: Vec<&'a Run>,
+    /// It follows once other strands are over, too.
+    joins: bool,
+}
+
+impl<'a> Then<'a> {
+    fn in_turn(runs: Vec<&'a Run>) -> Then<'a> {
+        Then { runs, joins: false }
+    }
+}
+
 impl<'a> Body<'_, 'a> {
     /// Checks a task.
     pub(super) fn check_task(&mut self, task: &'a TaskDecl) {
-        let mut follows: Vec<Follows<'a>> = first_of(&task.steps)
-            .map(|run| (None, run))
-            .into_iter()
-            .collect();
-        self.steps(&task.steps, None, &mut Labels::new(), &mut follows);
+        let first = first_of(&task.steps).into_iter();
+        let mut follows: Vec<Follows<'a>> = first.map(|run| (Before::Nothing, run)).collect();
+        let nothing = Then::default();
+        self.steps(&task.steps, &nothing, &mut Labels::new(), &mut follows);
         self.hand_over(&follows);
+        self.strands_apart(task);
     }
 
     /// Checks a list of steps, which is followed by another run of itself if it is repeated.
     fn steps(
         &mut self,
         steps: &'a [Step],
-        again: Option<&'a Run>,
+        again: &Then<'a>,
         labels: &mut Labels<'a>,
         follows: &mut Vec<Follows<'a>>,
     ) {
@@ -56,17 +75,21 @@ impl<'a> Body<'_, 'a> {
             labels.push((label, run));
         }
         for (k, step) in steps.iter().enumerate() {
-            let next = steps.get(k + 1).map_or(again, entry_of);
+            let next = match steps.get(k + 1) {
+                Some(next) => Then::in_turn(entry_of(next)),
+                None => again.clone(),
+            };
             match &step.kind {
                 StepKind::Run(run) => {
-                    self.run(run, next, labels);
-                    follows.extend(handing::followers(run, next, labels));
+                    self.run(run, &next.runs, labels);
+                    follows.extend(handing::followers(run, &next, labels));
                 }
                 StepKind::Repeat { count, steps } => {
                     self.times(count.as_ref());
-                    let first = first_of(steps);
-                    self.steps(steps, first, labels, follows);
+                    let first = Then::in_turn(first_of(steps));
+                    self.steps(steps, &first, labels, follows);
                 }
+                StepKind::Parallel(strands) => self.strands(strands, &next, follows),
                 StepKind::Start(label) => {
                     self.label(label, labels);
                 }
@@ -74,6 +97,22 @@ impl<'a> Body<'_, 'a> {
             }
         }
         labels.truncate(outer);
+    }
+
+    /// Checks steps beside others: from inside of a strand no step outside can be reached by name.
+    fn strands(&mut self, strands: &'a [Strand], next: &Then<'a>, follows: &mut Vec<Follows<'a>>) {
+        let joined = Then {
+            runs: next.runs.clone(),
+            joins: true,
+        };
+        for strand in strands {
+            self.steps(&strand.steps, &joined, &mut Labels::new(), follows);
+        }
+        let ends: Vec<Vec<&'a Run>> = strands.iter().map(|s| lasts(&s.steps)).collect();
+        if !next.joins {
+            let all = next.runs.iter().copied();
+            follows.extend(all.map(|run| (Before::Strands(ends.clone()), run)));
+        }
     }
 
     /// The step of a name; reports that there is none.
@@ -110,7 +149,7 @@ impl<'a> Body<'_, 'a> {
         known
     }
 
-    fn run(&mut self, run: &'a Run, next: Option<&'a Run>, labels: &Labels<'a>) {
+    fn run(&mut self, run: &'a Run, next: &[&'a Run], labels: &Labels<'a>) {
         if let Some(id) = self.run_by(run) {
             self.arguments(id, run);
             match self.c.program.decl(id).kind {
@@ -169,37 +208,6 @@ impl<'a> Body<'_, 'a> {
                 args,
             });
         }
-    }
-}
-
-fn run_of(step: &Step) -> Option<&Run> {
-    match &step.kind {
-        StepKind::Run(run) => Some(run),
-        _ => None,
-    }
-}
-
-/// The step with which a list begins.
-fn first_of(steps: &[Step]) -> Option<&Run> {
-    let start = steps.iter().find_map(|step| match &step.kind {
-        StepKind::Start(label) => Some(&label.name),
-        _ => None,
-    });
-    let is_start = |run: &&Run| {
-        let label = run.label.as_ref().map(|label| &label.name);
-        label.is_some() && label == start
-    };
-    match start {
-        None => steps.first().and_then(entry_of),
-        Some(_) => steps.iter().filter_map(run_of).find(is_start),
-    }
-}
-
-/// What a step runs first.
-fn entry_of(step: &Step) -> Option<&Run> {
-    match &step.kind {
-        StepKind::Repeat { steps, .. } => first_of(steps),
-        _ => run_of(step),
     }
 }
 

@@ -17,45 +17,50 @@ impl<'a> Body<'_, 'a> {
         &mut self,
         command: &CommandDecl,
         run: &'a Run,
-        next: Option<&'a Run>,
+        next: &[&'a Run],
         labels: &Labels<'a>,
     ) {
         let moving = given_to(&driven(command), command, run);
         let yields = ends_of(command).into_iter();
         for end in yields.filter(|end| end.kind == EndKind::Yield) {
-            let Some(follows) = target(run, &end.result.name, next, labels) else {
+            let follows = target(run, &end.result.name, next, labels);
+            let Some(first) = follows.first() else {
                 continue;
             };
-            let Lookup::Found(id) = self
-                .c
-                .program
-                .lookup(self.module, &follows.callee.name.name)
-            else {
+            // What an inner task begins with is its own business.
+            let Some(taken) = self.taken_by(&follows) else {
                 continue;
             };
-            let DeclKind::Command(successor) = self.c.program.decl(id).kind else {
-                continue;
-            };
-            let taken = given_to(&driven(successor), successor, follows);
             let left: Vec<&str> = moving
                 .iter()
                 .copied()
                 .filter(|d| !taken.contains(d))
                 .collect();
             if !left.is_empty() {
-                self.report(not_taken_over(command, end, follows, &left));
+                self.report(not_taken_over(command, end, first, &left));
             }
         }
     }
+
+    /// The devices that these steps drive together; nothing if one of them is no command.
+    fn taken_by<'r>(&self, runs: &[&'r Run]) -> Option<Vec<&'r str>> {
+        let mut taken = Vec::new();
+        for run in runs {
+            let name = &run.callee.name.name;
+            let Lookup::Found(id) = self.c.program.lookup(self.module, name) else {
+                return None;
+            };
+            let DeclKind::Command(successor) = self.c.program.decl(id).kind else {
+                return None;
+            };
+            taken.extend(given_to(&driven(successor), successor, run));
+        }
+        Some(taken)
+    }
 }
 
-/// The step that follows a result.
-fn target<'a>(
-    run: &'a Run,
-    result: &Name,
-    next: Option<&'a Run>,
-    labels: &Labels<'a>,
-) -> Option<&'a Run> {
+/// The steps that follow a result: several where strands begin.
+fn target<'a>(run: &'a Run, result: &Name, next: &[&'a Run], labels: &Labels<'a>) -> Vec<&'a Run> {
     let named = |on: &OnResult| matches!(on, OnResult::Named(name) if name.name == *result);
     let any = |on: &OnResult| matches!(on, OnResult::Any(_));
     let branch = |is: &dyn Fn(&OnResult) -> bool| -> Option<&'a Branch> {
@@ -68,16 +73,17 @@ fn target<'a>(
                     .iter()
                     .rev()
                     .find(|(known, _)| known.name == label.name);
-                found.map(|(_, run)| *run)
+                found.map(|(_, run)| *run).into_iter().collect()
             }
-            Next::End(_) => None,
+            Next::End(_) => Vec::new(),
         },
-        None => next.filter(|_| run.branches.is_empty()),
+        None if run.branches.is_empty() => next.to_vec(),
+        None => Vec::new(),
     }
 }
 
 /// The parameters of a command by which it writes to devices.
-fn driven(command: &CommandDecl) -> Vec<&Name> {
+pub(super) fn driven(command: &CommandDecl) -> Vec<&Name> {
     let mut written = Vec::new();
     targets(&command.body.statements, &mut written);
     let params = command.params.iter().flat_map(|param| &param.names);

@@ -244,6 +244,12 @@ impl<'a> Builder<'a> {
                     self.exprs(scope, count);
                     self.steps(scope, steps);
                 }
+                StepKind::Parallel(strands) => {
+                    for strand in strands {
+                        let own = self.scope(strand.span, Some(scope), None);
+                        self.steps(own, &strand.steps);
+                    }
+                }
                 StepKind::Start(name) => self.later(scope, Work::Name(name)),
                 StepKind::Broken(labels) => {
                     for label in labels {

@@ -1,0 +1,342 @@
+//! Where one stands in the plan of a task, and where it goes on from there.
+
+use rpi_image::Image;
+use rpi_image::image::{End, EndKind};
+
+use super::plan::{Node, Plan, Target};
+
+/// A place in a plan: a node, and how often each repetition was gone through.
+#[derive(Clone, PartialEq, Eq, Debug)]
+pub(super) struct Cursor {
+    node: usize,
+    counts: Vec<u64>,
+}
+
+/// Where a plan goes on.
+#[derive(Clone, PartialEq, Eq, Debug)]
+pub(super) enum Place {
+    /// With a command.
+    Run(Cursor),
+    /// With several strands at once.
+    Split {
+        /// The node with the strands.
+        at: Cursor,
+        /// Where each begins; [`Place::Joined`] for one without a command.
+        strands: Vec<Place>,
+    },
+    /// This strand is over.
+    Joined,
+    /// The strands are left by an error.
+    Left(Exit),
+    /// The task is done.
+    Done,
+    /// The task ends with the error.
+    Error,
+}
+
+/// How strands are left by an error.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub(super) enum Exit {
+    /// The task ends with it.
+    Error,
+    /// The strands of this node are ended, and it goes on there.
+    To(usize, Target),
+}
+
+/// Results (by index) of a command by which it comes to a place.
+#[derive(Clone, PartialEq, Eq, Default, Debug)]
+pub(super) struct By {
+    /// Without an error.
+    pub(super) regular: Vec<u32>,
+    /// With one.
+    pub(super) fails: Vec<u32>,
+}
+
+/// Nodes that are passed in search of the next command; a plan that passes more runs nothing.
+const LONGEST: usize = 10_000;
+
+impl Plan {
+    /// Where it begins.
+    pub(super) fn first(&self) -> Place {
+        self.from(self.start, vec![0; self.nodes.len()])
+    }
+
+    /// The command at a place.
+    pub(super) fn command(&self, cursor: &Cursor) -> usize {
+        match &self.nodes[cursor.node] {
+            Node::Run { command, .. } => *command,
+            _ => 0,
+        }
+    }
+
+    /// What follows when the command at a place ends by the result of this name; without one, by its port.
+    pub(super) fn after(&self, cursor: &Cursor, result: Option<(&str, EndKind)>) -> Place {
+        let Node::Run {
+            on,
+            on_fail,
+            otherwise,
+            ..
+        } = &self.nodes[cursor.node]
+        else {
+            return Place::Done;
+        };
+        let named = result.and_then(|(name, _)| on.iter().find(|(own, _)| own == name));
+        let fails = result.is_some_and(|(_, kind)| kind == EndKind::Fail);
+        let other = if fails {
+            *on_fail
+        } else {
+            Some(otherwise.unwrap_or(None))
+        };
+        match named.map(|(_, target)| *target).or(other) {
+            Some(target) => self.from(target, cursor.counts.clone()),
+            None => Place::Error,
+        }
+    }
+
+    /// What follows once all strands of a place are over.
+    pub(super) fn behind(&self, split: &Cursor) -> Place {
+        match &self.nodes[split.node] {
+            Node::Parallel { then, .. } => self.from(*then, split.counts.clone()),
+            _ => Place::Done,
+        }
+    }
+
+    /// Where it goes on after the strands of a place were left, if they were left by this.
+    pub(super) fn out_of(&self, split: &Cursor, exit: Exit) -> Option<Place> {
+        match exit {
+            Exit::To(node, then) if node == split.node => {
+                Some(self.from(then, split.counts.clone()))
+            }
+            _ => None,
+        }
+    }
+
+    /// All places to which the command at a place may come, with the results that lead there.
+    pub(super) fn ways(&self, cursor: &Cursor, image: &Image) -> Vec<(Place, By)> {
+        let results = match &image.end {
+            End::Results(results) => results.as_slice(),
+            End::Ports { .. } => return vec![(self.after(cursor, None), By::default())],
+        };
+        let mut all: Vec<(Place, By)> = Vec::new();
+        for (k, result) in (0u32..).zip(results) {
+            let place = self.after(cursor, Some((&result.name, result.kind)));
+            let known = all.iter().position(|(known, _)| *known == place);
+            let at = known.unwrap_or_else(|| {
+                all.push((place, By::default()));
+                all.len() - 1
+            });
+            match result.kind {
+                EndKind::Fail => all[at].1.fails.push(k),
+                EndKind::Finish | EndKind::Yield => all[at].1.regular.push(k),
+            }
+        }
+        all
+    }
+
+    /// The next command, or the next strands, from here on.
+    fn from(&self, from: Target, mut counts: Vec<u64>) -> Place {
+        let mut at = from;
+        for _ in 0..LONGEST {
+            let Some(node) = at else { return Place::Done };
+            at = match self.nodes.get(node) {
+                None => return Place::Done,
+                Some(Node::Run { .. }) => return Place::Run(Cursor { node, counts }),
+                Some(Node::Join) => return Place::Joined,
+                Some(Node::Leave { parallel, then }) => {
+                    return Place::Left(Exit::To(*parallel, *then));
+                }
+                Some(Node::Parallel { strands, then }) => {
+                    let begin = |strand: &Target| self.from(*strand, counts.clone());
+                    let strands: Vec<Place> = strands.iter().map(begin).collect();
+                    if strands.iter().any(|strand| *strand != Place::Joined) {
+                        let at = Cursor { node, counts };
+                        return Place::Split { at, strands };
+                    }
+                    *then
+                }
+                Some(Node::Pass(then)) => *then,
+                Some(Node::Enter(repeat)) => {
+                    counts[*repeat] = 0;
+                    Some(*repeat)
+                }
+                Some(Node::Repeat { times, body, then }) => {
+                    let again = times.is_none_or(|times| counts[node] < times);
+                    // Without a number nothing is counted: the same place comes again.
+                    counts[node] += u64::from(again && times.is_some());
+                    if again { *body } else { *then }
+                }
+            };
+        }
+        Place::Done
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::plan::Node;
+    use super::*;
+
+    fn run(command: usize, then: Target) -> Node {
+        Node::Run {
+            command,
+            on: vec![("back".into(), Some(0))],
+            on_fail: None,
+            otherwise: Some(then),
+        }
+    }
+
+    /// The commands that run if each ends by `result`.
+    fn walk(plan: &Plan, result: &str, kind: EndKind, most: usize) -> Vec<usize> {
+        let mut all = Vec::new();
+        let mut at = plan.first();
+        while let Place::Run(cursor) = at {
+            if all.len() == most {
+                break;
+            }
+            all.push(plan.command(&cursor));
+            at = plan.after(&cursor, Some((result, kind)));
+        }
+        all
+    }
+
+    /// `repeat 2 times let repeat 2 times let 1 tel; 2 tel`
+    fn nested() -> Plan {
+        let repeat = |times, body, then| Node::Repeat {
+            times,
+            body: Some(body),
+            then,
+        };
+        Plan {
+            nodes: vec![
+                Node::Enter(1),
+                repeat(Some(2), 2, None),
+                Node::Enter(3),
+                repeat(Some(2), 4, Some(5)),
+                run(1, Some(3)),
+                run(2, Some(1)),
+            ],
+            start: Some(0),
+        }
+    }
+
+    #[test]
+    fn repetitions_nest() {
+        assert_eq!(
+            walk(&nested(), "done", EndKind::Finish, 99),
+            [1, 1, 2, 1, 1, 2]
+        );
+    }
+
+    /// M11.4.
+    #[test]
+    fn branches_are_taken_and_a_fail_ends_it() {
+        assert_eq!(walk(&nested(), "back", EndKind::Finish, 4), [1, 1, 1, 1]);
+        assert_eq!(walk(&nested(), "broken", EndKind::Fail, 4), [1]);
+        let Place::Run(first) = nested().first() else {
+            panic!("it begins");
+        };
+        assert_eq!(
+            nested().after(&first, Some(("broken", EndKind::Fail))),
+            Place::Error
+        );
+    }
+
+    #[test]
+    fn for_ever_comes_to_the_same_place_again() {
+        let nodes = vec![
+            Node::Enter(1),
+            Node::Repeat {
+                times: None,
+                body: Some(2),
+                then: None,
+            },
+            run(7, Some(1)),
+        ];
+        let plan = Plan {
+            nodes,
+            start: Some(0),
+        };
+        assert_eq!(walk(&plan, "done", EndKind::Finish, 5), [7; 5]);
+        let Place::Run(first) = plan.first() else {
+            panic!("it begins");
+        };
+        assert_eq!(plan.after(&first, None), Place::Run(first));
+    }
+
+    #[test]
+    fn a_plan_that_runs_nothing_ends() {
+        let nodes = vec![Node::Repeat {
+            times: None,
+            body: Some(0),
+            then: None,
+        }];
+        assert_eq!(
+            Plan {
+                nodes,
+                start: Some(0)
+            }
+            .first(),
+            Place::Done
+        );
+        assert_eq!(walk(&Plan::once(3), "done", EndKind::Finish, 9), [3]);
+    }
+
+    /// Two strands: command 1 twice, and command 2; then command 3. (M11.6)
+    fn two_strands() -> Plan {
+        let nodes = vec![
+            Node::Parallel {
+                strands: vec![Some(2), Some(4)],
+                then: Some(5),
+            },
+            Node::Join,
+            run(1, Some(3)),
+            run(1, Some(1)),
+            run(2, Some(1)),
+            run(3, None),
+        ];
+        Plan {
+            nodes,
+            start: Some(0),
+        }
+    }
+
+    #[test]
+    fn strands_begin_at_once_and_join() {
+        let plan = two_strands();
+        let Place::Split { at, strands } = plan.first() else {
+            panic!("it splits");
+        };
+        let begins = strands.iter().map(|strand| match strand {
+            Place::Run(cursor) => plan.command(cursor),
+            other => panic!("{other:?}"),
+        });
+        assert_eq!(begins.collect::<Vec<_>>(), [1, 2]);
+        let Place::Run(second) = &strands[1] else {
+            panic!("it runs");
+        };
+        let done = Some(("done", EndKind::Finish));
+        assert_eq!(plan.after(second, done), Place::Joined);
+        let Place::Run(then) = plan.behind(&at) else {
+            panic!("it goes on");
+        };
+        assert_eq!(plan.command(&then), 3);
+        assert_eq!(plan.after(&then, done), Place::Done);
+    }
+
+    #[test]
+    fn strands_without_steps_are_passed() {
+        let nodes = vec![
+            Node::Parallel {
+                strands: vec![Some(1), Some(1)],
+                then: Some(2),
+            },
+            Node::Join,
+            run(3, None),
+        ];
+        let plan = Plan {
+            nodes,
+            start: Some(0),
+        };
+        assert_eq!(walk(&plan, "done", EndKind::Finish, 5), [3]);
+    }
+}

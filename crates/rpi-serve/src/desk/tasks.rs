@@ -1,0 +1,475 @@
+//! Tasks of programs: loaded whole, and carried out beside the cycle as a client would that works ahead.
+
+use std::sync::{Arc, PoisonError};
+
+use rpi_core::Command;
+use rpi_host::control::{
+    Adopted, Cause, CommandId, Control, Event, Rejected, Rule, RuleId, State, Ticket,
+};
+use rpi_host::run::{NotStarted, Plan, Task, TaskEnd, Workshop};
+use rpi_image::Image;
+
+use super::commands::Record;
+use super::loader::{Job, Origin, What};
+use super::{Desk, Failure, Load, Phase, Reply, Sink, Then, Update, answer, cause, number_of};
+use crate::limits::OnLoss;
+use crate::script::Script;
+
+/// Where a task is in its life.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub(crate) enum TaskPhase {
+    /// Its commands are compiled.
+    Loading,
+    /// It can be started.
+    Ready,
+    /// It runs.
+    Running,
+    /// It was asked to end.
+    Cancelling,
+    /// It has ended so.
+    Ended(TaskEnd),
+}
+
+impl TaskPhase {
+    /// The word for it.
+    pub(crate) fn name(self) -> &'static str {
+        match self {
+            TaskPhase::Loading => "loading",
+            TaskPhase::Ready => "ready",
+            TaskPhase::Running => "running",
+            TaskPhase::Cancelling => "cancelling",
+            TaskPhase::Ended(TaskEnd::Done) => "done",
+            TaskPhase::Ended(TaskEnd::Failed) => "failed",
+            TaskPhase::Ended(TaskEnd::Cancelled) => "cancelled",
+        }
+    }
+}
+
+/// A command of a task that has ended.
+#[derive(Clone, PartialEq, Debug)]
+pub(crate) struct Step {
+    id: CommandId,
+    pub(crate) title: String,
+    pub(crate) result: Option<String>,
+    pub(crate) cause: &'static str,
+    pub(crate) error: i64,
+    pub(crate) cycles: u64,
+    /// A branch of the task is for its error.
+    pub(crate) handled: bool,
+}
+
+/// What clients are told of a task.
+#[derive(Clone, PartialEq, Debug)]
+pub(crate) struct TaskStatus {
+    pub(crate) phase: TaskPhase,
+    /// Names and titles of the commands that run.
+    pub(crate) running: Vec<(String, String)>,
+    /// The latest commands that have ended.
+    pub(crate) steps: Vec<Step>,
+    /// Successors that were not scheduled when their predecessors ended.
+    pub(crate) late: u64,
+    /// Those of them that could have taken over in motion.
+    pub(crate) missed: u64,
+    /// What could not be started, and why.
+    pub(crate) trouble: Option<String>,
+}
+
+/// What the desk knows about a task.
+pub(super) struct TaskRecord {
+    pub(super) session: u64,
+    title: String,
+    script: Option<Script>,
+    task: Option<Task<Plan>>,
+    status: TaskStatus,
+    watchers: Vec<Box<dyn Sink>>,
+    /// Whoever waits for it to be loaded.
+    loading: Option<Reply>,
+    /// Nobody will look at it once it has ended.
+    unload_at_end: bool,
+    /// Something has changed that was not told.
+    changed: bool,
+}
+
+/// Ended commands that are remembered of a task.
+const REMEMBERED: usize = 100;
+
+impl TaskRecord {
+    fn has_ended(&self) -> bool {
+        matches!(self.status.phase, TaskPhase::Ended(_))
+    }
+}
+
+impl Desk {
+    /// Loads a task beside the cycle; the reply has its name.
+    pub(crate) fn load_task(&mut self, load: &Load<'_>, reply: Reply) {
+        let room = self.session(load.session);
+        let room = room.and_then(|s| self.has_room(s, load.text.len()).map(|()| s));
+        let session = match room {
+            Ok(session) => session,
+            Err(why) => return reply(Err(why)),
+        };
+        let number = self.number();
+        let record = TaskRecord {
+            session,
+            title: load.title.to_owned(),
+            script: None,
+            task: None,
+            status: TaskStatus {
+                phase: TaskPhase::Loading,
+                running: Vec::new(),
+                steps: Vec::new(),
+                late: 0,
+                missed: 0,
+                trouble: None,
+            },
+            watchers: Vec::new(),
+            loading: Some(reply),
+            unload_at_end: false,
+            changed: false,
+        };
+        self.tasks.insert(number, record);
+        let job = Job {
+            what: What::Task,
+            number,
+            session,
+            origin: Origin {
+                language: load.language,
+                text: load.text.into(),
+                command: load.command.map(str::to_owned),
+            },
+            period_ns: self.period(load.period_ns),
+        };
+        self.send(job);
+    }
+
+    /// Loading is done: the task can be started, or its owner hears why not.
+    pub(super) fn task_loaded(&mut self, number: u64, loaded: Result<Script, Vec<String>>) {
+        let script = match loaded {
+            Ok(script) => script,
+            Err(reasons) => return self.reject_task(number, Failure::Rejected(reasons)),
+        };
+        if let Some(record) = self.tasks.get_mut(&number) {
+            record.script = Some(script);
+            record.status.phase = TaskPhase::Ready;
+            answer(record.loading.take(), Ok(format!("t{number}")));
+        }
+        self.forget_task_if_abandoned(number);
+    }
+
+    /// Loading has failed: the task is no more.
+    pub(super) fn reject_task(&mut self, number: u64, why: Failure) {
+        if let Some(mut record) = self.tasks.remove(&number) {
+            let title = &record.title;
+            self.journal
+                .note(format_args!("task {title} cannot be loaded: {why}"));
+            answer(record.loading.take(), Err(why));
+            self.close_if_empty(record.session);
+        }
+    }
+
+    fn task_number(&self, name: &str) -> Result<u64, Failure> {
+        let found = number_of(name, 't').filter(|n| self.tasks.contains_key(n));
+        found.ok_or_else(|| Failure::Unknown(format!("task {name}")))
+    }
+
+    fn task(&mut self, name: &str) -> Result<(u64, &mut TaskRecord), Failure> {
+        let number = self.task_number(name)?;
+        let record = self.tasks.get_mut(&number);
+        let record = record.ok_or_else(|| Failure::Unknown(format!("task {name}")))?;
+        Ok((number, record))
+    }
+
+    /// Starts a task: what it begins with starts in one of the next ticks. It can be started once.
+    pub(crate) fn start_task(&mut self, name: &str) -> Result<(), Failure> {
+        self.may_start()?;
+        let (_, record) = self.task(name)?;
+        let ready = record.status.phase == TaskPhase::Ready;
+        let script = record.script.as_ref().filter(|_| ready);
+        let phase = record.status.phase.name();
+        let script = script.ok_or_else(|| Failure::Bad(format!("{name} is {phase}")))?;
+        record.task = Some(Task::new(script.plan.clone()));
+        record.status.phase = TaskPhase::Running;
+        record.changed = true;
+        Ok(())
+    }
+
+    /// Asks a task to end: nothing follows, and what runs is asked to end.
+    pub(crate) fn cancel_task(&mut self, name: &str) -> Result<(), Failure> {
+        let (number, record) = self.task(name)?;
+        match record.status.phase {
+            TaskPhase::Running | TaskPhase::Cancelling => {
+                record.status.phase = TaskPhase::Cancelling;
+                record.changed = true;
+                self.with_task(number, |task, shop| task.cancel(shop));
+                Ok(())
+            }
+            phase => Err(Failure::Bad(format!("{name} is {}", phase.name()))),
+        }
+    }
+
+    /// Lets go of a task; one that runs is forgotten when it has ended.
+    pub(crate) fn unload_task(&mut self, name: &str) -> Result<(), Failure> {
+        let (number, record) = self.task(name)?;
+        record.unload_at_end = true;
+        self.forget_task_if_abandoned(number);
+        Ok(())
+    }
+
+    /// How far a task is.
+    pub(crate) fn task_status(&self, name: &str) -> Result<&TaskStatus, Failure> {
+        let number = self.task_number(name)?;
+        let record = self.tasks.get(&number);
+        let record = record.ok_or_else(|| Failure::Unknown(format!("task {name}")))?;
+        Ok(&record.status)
+    }
+
+    /// All tasks by their names.
+    pub(crate) fn tasks(&self) -> impl Iterator<Item = (String, &str, &TaskStatus)> {
+        let tasks = self.tasks.iter();
+        tasks.map(|(number, r)| (format!("t{number}"), r.title.as_str(), &r.status))
+    }
+
+    /// Tells somebody how far a task is, now and whenever that changes.
+    pub(crate) fn watch_task(
+        &mut self,
+        name: &str,
+        mut sink: Box<dyn Sink>,
+    ) -> Result<(), Failure> {
+        let (_, record) = self.task(name)?;
+        if sink.tell(&Update::Task(&record.status)) {
+            record.watchers.push(sink);
+        }
+        Ok(())
+    }
+
+    /// Lets tasks hear what has happened.
+    pub(super) fn tasks_hear(&mut self, event: &Event) {
+        let tasks = self.tasks.values_mut().filter_map(|r| r.task.as_mut());
+        tasks.for_each(|task| task.hear(event));
+    }
+
+    /// Lets tasks go on, and tells how far they are.
+    pub(super) fn advance_tasks(&mut self) {
+        let under_way = self.tasks.iter().filter(|(_, r)| r.task.is_some());
+        let numbers: Vec<u64> = under_way.map(|(number, _)| *number).collect();
+        for number in numbers {
+            self.with_task(number, |task, shop| task.advance(shop));
+            self.note_progress(number);
+        }
+    }
+
+    /// Hands a task to `then`, with the core as it sees it.
+    fn with_task(&mut self, number: u64, then: impl FnOnce(&mut Task<Plan>, &mut Shop<'_>)) {
+        let record = self.tasks.get_mut(&number);
+        let Some(mut task) = record.and_then(|r| r.task.take()) else {
+            return;
+        };
+        let desk = &mut *self;
+        then(&mut task, &mut Shop { desk, number });
+        if let Some(record) = self.tasks.get_mut(&number) {
+            record.task = Some(task);
+        }
+    }
+
+    fn note_progress(&mut self, number: u64) {
+        let Some(record) = self.tasks.get(&number) else {
+            return;
+        };
+        let task = record.task.as_ref();
+        let running = task.map(Task::running).unwrap_or_default();
+        let named = running.iter().filter_map(|id| {
+            let number = self.by_id.get(id)?;
+            let record = self.commands.get(number)?;
+            let runs = [State::Running, State::Cancelling].map(Phase::Is);
+            runs.contains(&record.status.phase)
+                .then(|| (format!("n{number}"), record.title.clone()))
+        });
+        let (named, end): (Vec<_>, _) = (named.collect(), task.and_then(Task::end));
+        let Some(record) = self.tasks.get_mut(&number) else {
+            return;
+        };
+        record.changed |= record.status.running != named;
+        record.status.running = named;
+        if let Some(end) = end {
+            record.task = None;
+            record.status.phase = TaskPhase::Ended(end);
+            record.changed = true;
+            let word = record.status.phase.name();
+            let line = format!("task {} has ended: {word}", record.title);
+            self.journal.note(format_args!("{line}"));
+        }
+        self.tell_progress(number);
+        self.forget_task_if_abandoned(number);
+    }
+
+    fn tell_progress(&mut self, number: u64) {
+        if let Some(record) = self.tasks.get_mut(&number)
+            && std::mem::take(&mut record.changed)
+        {
+            let TaskRecord {
+                watchers, status, ..
+            } = record;
+            watchers.retain_mut(|sink| sink.tell(&Update::Task(status)));
+        }
+    }
+
+    /// A command has ended: its task keeps how.
+    pub(super) fn note_step(&mut self, id: CommandId) {
+        let number = self.by_id.get(&id).and_then(|n| self.commands.get(n));
+        let Some((task, record)) = number.and_then(|r| Some((r.task?, r))) else {
+            return;
+        };
+        let Some(ending) = record.status.ending else {
+            return;
+        };
+        let step = Step {
+            id,
+            title: record.title.clone(),
+            result: record.status.result.clone(),
+            cause: match ending.cause {
+                Cause::Result(_) => "result",
+                _ => cause(&ending),
+            },
+            error: ending.error,
+            cycles: ending.cycles,
+            handled: false,
+        };
+        if let Some(task) = self.tasks.get_mut(&task) {
+            task.changed = true;
+            task.status.steps.push(step);
+            if task.status.steps.len() > REMEMBERED {
+                task.status.steps.remove(0);
+            }
+        }
+    }
+
+    /// The client of a session is gone: its tasks end, or run on to their end.
+    pub(super) fn let_go_of_tasks(&mut self, session: u64, on_loss: OnLoss) {
+        let own = self.tasks.iter().filter(|(_, r)| r.session == session);
+        let own: Vec<u64> = own.map(|(number, _)| *number).collect();
+        for number in own {
+            if on_loss != OnLoss::RunOn {
+                self.with_task(number, |task, shop| task.cancel(shop));
+            }
+            if let Some(record) = self.tasks.get_mut(&number) {
+                record.unload_at_end = true;
+            }
+            self.forget_task_if_abandoned(number);
+        }
+    }
+
+    fn forget_task_if_abandoned(&mut self, number: u64) {
+        let record = self.tasks.get(&number);
+        let Some(record) = record.filter(|r| r.unload_at_end) else {
+            return;
+        };
+        if record.has_ended() || record.status.phase == TaskPhase::Ready {
+            let session = record.session;
+            self.tasks.remove(&number);
+            self.close_if_empty(session);
+        }
+    }
+}
+
+/// The core as a task of the desk sees it.
+struct Shop<'d> {
+    desk: &'d mut Desk,
+    number: u64,
+}
+
+impl Shop<'_> {
+    fn record(&mut self) -> Option<&mut TaskRecord> {
+        self.desk.tasks.get_mut(&self.number)
+    }
+
+    fn images(&self) -> &[Arc<Image>] {
+        let record = self.desk.tasks.get(&self.number);
+        let script = record.and_then(|r| r.script.as_ref());
+        script.map_or(&[], |script| &script.images)
+    }
+
+    /// A command of the task, in memory and guarded.
+    fn make(&self, image: &Arc<Image>) -> Result<Box<Command>, Rejected> {
+        let twin = self.desk.twin.lock();
+        let mut twin = twin.unwrap_or_else(PoisonError::into_inner);
+        let command = Command::load(Arc::clone(image), &mut twin.bank);
+        let mut command = command.map_err(Rejected::Loading)?;
+        command.guard(self.desk.continuity.unwrap_or_default());
+        Ok(Box::new(command))
+    }
+}
+
+impl Workshop for Shop<'_> {
+    fn image(&self, index: usize) -> Arc<Image> {
+        Arc::clone(&self.images()[index])
+    }
+
+    fn load(&mut self, index: usize) -> Result<CommandId, Rejected> {
+        let image = self.image(index);
+        let command = self.make(&image)?;
+        let bytes = command.machine().footprint();
+        let adopted: Adopted = self.desk.control.adopt_with_board(command)?;
+        let id = adopted.id;
+        let session = self.record().map_or(0, |record| record.session);
+        let number = self.desk.number();
+        let record = Record {
+            task: Some(self.number),
+            ..Record::new(session, &image.name, Phase::Is(State::Loading))
+        };
+        self.desk.commands.insert(number, record);
+        self.desk.adopted(number, adopted, image, bytes);
+        Ok(id)
+    }
+
+    fn start(&mut self, id: CommandId) -> Result<Ticket, Rejected> {
+        self.desk.control.start(id)
+    }
+
+    fn schedule(&mut self, rule: Rule) -> Result<(RuleId, Ticket), Rejected> {
+        self.desk.control.schedule(rule)
+    }
+
+    fn cancel(&mut self, id: CommandId) {
+        let ticket = self.desk.control.cancel(id);
+        self.desk.asked(ticket, Then::Nothing, None);
+    }
+
+    fn unload(&mut self, id: CommandId) {
+        let ticket = Control::unload(&mut self.desk.control, id);
+        self.desk.asked(ticket, Then::Nothing, None);
+    }
+
+    fn may_plan(&self, _: Option<u64>) -> bool {
+        true
+    }
+
+    fn late(&mut self, in_motion: bool) {
+        if let Some(record) = self.record() {
+            record.status.late += 1;
+            record.status.missed += u64::from(in_motion);
+            record.changed = true;
+        }
+    }
+
+    fn handled(&mut self, id: CommandId) {
+        if let Some(record) = self.record() {
+            let mut steps = record.status.steps.iter_mut().rev();
+            steps
+                .find(|step| step.id == id)
+                .into_iter()
+                .for_each(|step| step.handled = true);
+        }
+    }
+
+    fn not_started(&mut self, index: usize, why: NotStarted) {
+        let why = match why {
+            NotStarted::Refused(why) => self.desk.refusal(why).to_string(),
+            other => other.to_string(),
+        };
+        let name = self.image(index).name.clone();
+        if let Some(record) = self.record() {
+            record.status.trouble = Some(format!("{name} cannot be started: {why}"));
+            record.changed = true;
+        }
+    }
+}

@@ -1,0 +1,124 @@
+//! Where answers go: each by itself, those of a batch together, and those of notifications nowhere (JSON-RPC 2.0, sections 4.1, 6).
+
+use std::sync::{Arc, Mutex, PoisonError};
+
+use serde_json::{Value, json};
+
+use crate::desk::Failure;
+use crate::wire::Outbox;
+
+/// Where the answer to a request goes.
+#[derive(Clone)]
+pub(super) struct Answers {
+    /// The request's; none for a notification.
+    id: Option<Value>,
+    way: Way,
+}
+
+#[derive(Clone)]
+enum Way {
+    Alone(Outbox),
+    Together(Arc<Mutex<Batch>>),
+}
+
+/// The answers of a batch, sent once there is none left to come.
+struct Batch {
+    left: usize,
+    answers: Vec<Value>,
+    out: Outbox,
+}
+
+impl Answers {
+    /// For a request by itself.
+    pub(super) fn alone(request: &Value, out: &Outbox) -> Answers {
+        Answers {
+            id: id_of(request),
+            way: Way::Alone(out.clone()),
+        }
+    }
+
+    /// For each request of a batch.
+    pub(super) fn together(requests: &[Value], out: &Outbox) -> Vec<Answers> {
+        let batch = Batch {
+            left: requests.len(),
+            answers: Vec::new(),
+            out: out.clone(),
+        };
+        let batch = Arc::new(Mutex::new(batch));
+        let one = |request| Answers {
+            id: id_of(request),
+            way: Way::Together(Arc::clone(&batch)),
+        };
+        requests.iter().map(one).collect()
+    }
+
+    pub(super) fn success(&self, result: Value) -> bool {
+        self.send(json!({"result": result}))
+    }
+
+    pub(super) fn failure(&self, why: &Failure) -> bool {
+        let (code, data) = code_of(why);
+        self.error(code, &why.to_string(), data)
+    }
+
+    pub(super) fn error(&self, code: i64, message: &str, data: Value) -> bool {
+        let mut error = json!({"code": code, "message": message});
+        if !data.is_null() {
+            error["data"] = data;
+        }
+        self.send(json!({"error": error}))
+    }
+
+    /// What is no request at all is answered all the same.
+    pub(super) fn no_request(mut self) -> bool {
+        self.id.get_or_insert(Value::Null);
+        self.error(-32600, "this is no request", Value::Null)
+    }
+
+    fn send(&self, mut answer: Value) -> bool {
+        answer["jsonrpc"] = json!("2.0");
+        let answer = self.id.as_ref().map(|id| {
+            answer["id"] = id.clone();
+            answer
+        });
+        match (&self.way, answer) {
+            (Way::Alone(out), Some(answer)) => out.put(answer.to_string()),
+            (Way::Alone(_), None) => true,
+            (Way::Together(batch), answer) => {
+                let mut batch = batch.lock().unwrap_or_else(PoisonError::into_inner);
+                batch.take(answer)
+            }
+        }
+    }
+}
+
+impl Batch {
+    fn take(&mut self, answer: Option<Value>) -> bool {
+        self.answers.extend(answer);
+        self.left = self.left.saturating_sub(1);
+        if self.left > 0 || self.answers.is_empty() {
+            return true;
+        }
+        let answers = std::mem::take(&mut self.answers);
+        self.out.put(Value::Array(answers).to_string())
+    }
+}
+
+/// A request without an id is a notification; what is no request may have one.
+fn id_of(request: &Value) -> Option<Value> {
+    request.get("id").cloned()
+}
+
+/// Codes of the range that JSON-RPC leaves to servers, and -32602 for parameters.
+fn code_of(why: &Failure) -> (i64, Value) {
+    match why {
+        Failure::Bad(_) => (-32602, Value::Null),
+        Failure::Unknown(_) => (-32001, Value::Null),
+        Failure::Rejected(reasons) => (-32002, json!({"reasons": reasons})),
+        Failure::Refused(_) | Failure::InUse(_) | Failure::Held(_) => (-32003, Value::Null),
+        Failure::Limit(_) => (-32004, Value::Null),
+        Failure::Busy => (-32005, Value::Null),
+        Failure::Stopped(_) => (-32006, Value::Null),
+        Failure::NotYours(_) => (-32007, Value::Null),
+    }
+}

@@ -1,0 +1,80 @@
+//! Methods about tasks and the emergency stop.
+
+use serde_json::{Value, json};
+
+use super::front::{Answer, Call, RpcFront};
+use super::sink::{self, RpcSink};
+use crate::desk::{Desk, Failure};
+
+/// Loads a task of a program.
+pub(super) fn load(front: &mut RpcFront, call: &Call<'_>) -> Answer {
+    let load = call.load("task")?;
+    let told = call.told_period(front, load.period_ns);
+    let reply = call.later(move |name| told("task", name));
+    front.take_up(load.session)?;
+    front.office.desk().load_task(&load, reply);
+    Ok(None)
+}
+
+/// Does something with a task that is this client's.
+pub(super) fn one(
+    front: &mut RpcFront,
+    call: &Call<'_>,
+    what: fn(&mut Desk, &str) -> Result<(), Failure>,
+) -> Answer {
+    let task = call.text("task")?;
+    front.may_act(&[task])?;
+    what(&mut front.office.desk(), task)?;
+    Ok(Some(json!({})))
+}
+
+pub(super) fn describe(front: &mut RpcFront, call: &Call<'_>) -> Answer {
+    let desk = front.office.desk();
+    Ok(Some(sink::task(desk.task_status(call.text("task")?)?)))
+}
+
+pub(super) fn watch(front: &mut RpcFront, call: &Call<'_>) -> Answer {
+    let name = call.text("task")?;
+    let mut desk = front.office.desk();
+    desk.task_status(name)?;
+    call.answer(json!({}));
+    desk.watch_task(name, front.sink("task", name))?;
+    Ok(None)
+}
+
+pub(super) fn list(front: &mut RpcFront, _: &Call<'_>) -> Answer {
+    let desk = front.office.desk();
+    let tasks = desk.tasks().map(|(name, title, status)| {
+        let mut told = sink::task(status);
+        told["task"] = json!(name);
+        told["title"] = json!(title);
+        told
+    });
+    Ok(Some(json!({"tasks": tasks.collect::<Value>()})))
+}
+
+/// Anybody who was let in may stop everything.
+pub(super) fn stop(front: &mut RpcFront, call: &Call<'_>) -> Answer {
+    let by = call.params.get("by").and_then(Value::as_str);
+    let reply = call.later(|_| json!({}));
+    let by = by.unwrap_or("a client");
+    front.office.desk().emergency_stop(by, reply);
+    Ok(None)
+}
+
+pub(super) fn reset(front: &mut RpcFront, _: &Call<'_>) -> Answer {
+    front.office.desk().reset_emergency()?;
+    Ok(Some(json!({})))
+}
+
+pub(super) fn state(front: &mut RpcFront, _: &Call<'_>) -> Answer {
+    Ok(Some(sink::emergency(front.office.desk().emergency_by())))
+}
+
+pub(super) fn watch_emergency(front: &mut RpcFront, call: &Call<'_>) -> Answer {
+    call.answer(json!({}));
+    let (about, out) = (None, front.out.clone());
+    let sink = Box::new(RpcSink { about, out });
+    front.office.desk().watch_emergency(sink);
+    Ok(None)
+}
