@@ -10,6 +10,6 @@
 """
 
 from ._core import Core, RpiError, connect
-from ._goal import Ending, Feedback, Goal, Session
+from ._goal import Ending, Feedback, Goal, Session, Task, TaskEnd
 
-__all__ = ["Core", "Ending", "Feedback", "Goal", "RpiError", "Session", "connect"]
+__all__ = ["Core", "Ending", "Feedback", "Goal", "RpiError", "Session", "Task", "TaskEnd", "connect"]

@@ -62,8 +62,16 @@ class Core:
         opened = await self.call("session.open", name=name, on_loss=on_loss)
         return Session(self, opened["session"])
 
+    async def emergency_stop(self, by: str = "a client") -> None:
+        """Stops everything at once, whoever it belongs to; nothing can be started until :meth:`reset_emergency`."""
+        await self.call("emergency.stop", by=by)
+
+    async def reset_emergency(self) -> None:
+        """Lets commands start again after an emergency stop; :class:`RpiError` while devices are still braking."""
+        await self.call("emergency.reset")
+
     def listen(self, command: str, listener: Callable[[dict[str, Any]], None]) -> None:
-        """Hands what the server tells about a command to ``listener``."""
+        """Hands what the server tells about a command or task to ``listener``, until it is unloaded."""
         self._listeners.setdefault(command, []).append(listener)
 
     async def close(self) -> None:
@@ -102,8 +110,11 @@ class Core:
     def _hear(self, message: dict[str, Any]) -> None:
         if message.get("method") == "update":
             params = message["params"]
-            for listener in self._listeners.get(params.get("command", ""), []):
+            about = params.get("command") or params.get("task", "")
+            for listener in self._listeners.get(about, []):
                 listener(params)
+            if params.get("state") == "unloaded":
+                self._listeners.pop(about, None)
             return
         answer = self._waiting.pop(message.get("id", 0), None)
         if answer is None or answer.done():

@@ -6,6 +6,8 @@ import asyncio
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any, AsyncIterator, Sequence
 
+from ._core import RpiError
+
 if TYPE_CHECKING:
     from ._core import Core
 
@@ -13,7 +15,8 @@ if TYPE_CHECKING:
 @dataclass(frozen=True)
 class Ending:
     """How a command has ended: ``cause`` (``result``, ``fault``, ``aborted``, ...), the name of its result, its error number
-    (0 for none), the number of its cycles, whether it had been asked to end, whether it left something moving, whether another took over."""
+    (0 for none), the number of its cycles, whether it had been asked to end, whether it left something moving, whether another took over;
+    ``why`` it ended so and in which ``place`` of the program, where that was not its own doing; the devices that ``braked`` on their own."""
 
     cause: str
     result: str | None
@@ -22,6 +25,9 @@ class Ending:
     cancelled: bool
     left_moving: bool
     taken_over: bool = False
+    why: str | None = None
+    place: str | None = None
+    braked: list[str] = field(default_factory=list)
 
 
 @dataclass(frozen=True)
@@ -56,6 +62,16 @@ class Session:
         goal = Goal(self._core, loaded["command"])
         await self._core.call("watch.command", command=goal.name, period=feedback_period)
         return goal
+
+    async def load_task(self, text: str, *, task: str | None = None, period: float = 0.0) -> Task:
+        """Loads a task of a program, which the server carries out; the period in s, 0 for the server's tick."""
+        params: dict[str, Any] = {"session": self.name, "text": text, "period": period}
+        if task is not None:
+            params["task"] = task
+        loaded = await self._core.call("task.load", **params)
+        made = Task(self._core, loaded["task"])
+        await self._core.call("watch.task", task=made.name)
+        return made
 
     async def rule(
         self, when: str, *, stop: Sequence[Goal] = (), cancel: Sequence[Goal] = (), start: Sequence[Goal] = ()
@@ -113,7 +129,7 @@ class Goal:
             yield news
 
     async def result(self) -> Ending:
-        """Waits for its end."""
+        """Waits for its end; :class:`RpiError` if it is unloaded without having run, as who loses a choice is."""
         return await asyncio.shield(self._ending)
 
     def _hear(self, update: dict[str, Any]) -> None:
@@ -130,3 +146,55 @@ class Goal:
         if "ending" in update and not self._ending.done():
             self._ending.set_result(Ending(**update["ending"]))
             self._news.put_nowait(None)
+        elif self._state == "unloaded" and not self._ending.done():
+            self._ending.set_exception(RpiError(-32001, "it was unloaded before it ran", []))
+            # Nobody may be waiting for it; that is no fault.
+            self._ending.exception()
+            self._news.put_nowait(None)
+
+
+@dataclass(frozen=True)
+class TaskEnd:
+    """How a task has ended: ``state`` (``done``, ``failed``, ``cancelled``), what could not be started, and its latest commands
+    with the results by which they ended."""
+
+    state: str
+    trouble: str | None
+    commands: list[tuple[str, str | None]]
+
+
+class Task:
+    """A loaded task."""
+
+    def __init__(self, core: Core, name: str) -> None:
+        self._core = core
+        self.name = name
+        self._end: asyncio.Future[TaskEnd] = asyncio.get_running_loop().create_future()
+        core.listen(name, self._hear)
+
+    async def start(self) -> None:
+        """Starts it."""
+        await self._core.call("task.start", task=self.name)
+
+    async def preempt(self) -> None:
+        """Asks it to end: nothing follows, and what runs is asked to end."""
+        await self._core.call("task.cancel", task=self.name)
+
+    async def unload(self) -> None:
+        """Lets go of it."""
+        await self._core.call("task.unload", task=self.name)
+
+    async def result(self) -> TaskEnd:
+        """Waits for its end."""
+        return await asyncio.shield(self._end)
+
+    def _hear(self, update: dict[str, Any]) -> None:
+        if self._end.done():
+            return
+        if update.get("gone"):
+            self._end.set_exception(ConnectionError("the control core is gone"))
+            # Nobody may be waiting for it; that is no fault.
+            self._end.exception()
+        elif update.get("state") in ("done", "failed", "cancelled"):
+            commands = [(step["command"], step["result"]) for step in update["ended"]]
+            self._end.set_result(TaskEnd(update["state"], update.get("trouble"), commands))

@@ -98,8 +98,33 @@ class ClientTest(unittest.IsolatedAsyncioTestCase):
             await turn.start()
             self.assertEqual((await left.result()).cycles, 300)
             self.assertEqual((await turn.result()).result, "left")
-            told = await core.call("command.describe", command=right.name)
-            self.assertEqual((told["state"], told["cycles"]), ("ready", 0))
+            with self.assertRaises(RpiError):
+                await asyncio.wait_for(right.result(), 10)
+            with self.assertRaises(RpiError):
+                await core.call("command.describe", command=right.name)
+            self.assertNotIn(right.name, core._listeners)
+
+    async def test_a_task_is_carried_out(self) -> None:
+        async with await connect(self.path) as core:
+            session = await core.open_session("test")
+            text = "command Wait (n: int) let finish over when time >= real(n) * 1[ms]; tel\n"
+            text += "task All let parallel let Wait(20); tel let Wait(30); tel Wait(10); tel\n"
+            task = await session.load_task(text, task="All")
+            await task.start()
+            end = await asyncio.wait_for(task.result(), 10)
+            self.assertEqual((end.state, [result for _, result in end.commands]), ("done", ["over"] * 3))
+
+    async def test_an_emergency_stop_holds(self) -> None:
+        async with await connect(self.path) as core:
+            session = await core.open_session("test")
+            running, ready = [await session.load(COUNT) for _ in range(2)]
+            await running.start()
+            await core.emergency_stop("test")
+            self.assertEqual((await asyncio.wait_for(running.result(), 10)).why, "emergency stop")
+            with self.assertRaises(RpiError):
+                await ready.start()
+            await core.reset_emergency()
+            await ready.start()
 
     async def test_preempt_is_seen(self) -> None:
         async with await connect(self.path) as core:

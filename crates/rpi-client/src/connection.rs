@@ -106,6 +106,23 @@ impl Core {
         Ok(Session::new(self.clone(), &opened["session"]))
     }
 
+    /// Emergency stop: everything is stopped at once, whoever it belongs to, and nothing can be started until it is
+    /// [reset](Core::reset_emergency). `by` says who wants it, or why.
+    ///
+    /// # Errors
+    /// If there is no connection.
+    pub fn emergency_stop(&self, by: &str) -> Result<(), Error> {
+        self.call("emergency.stop", json!({"by": by})).map(drop)
+    }
+
+    /// Lets commands start again after an emergency stop.
+    ///
+    /// # Errors
+    /// While devices are still braking.
+    pub fn reset_emergency(&self) -> Result<(), Error> {
+        self.call("emergency.reset", json!({})).map(drop)
+    }
+
     pub(crate) fn listen(&self, command: &str, listener: Listener) -> Result<(), Error> {
         let order = Order::Listen(command.to_owned(), listener);
         self.0.send(order).map_err(Error::connection)
@@ -185,9 +202,13 @@ impl Talk {
     fn take(&mut self, message: &Value) {
         if message["method"] == "update" {
             let params = &message["params"];
-            let command = params["command"].as_str().unwrap_or_default();
-            if let Some(listeners) = self.listeners.get_mut(command) {
+            let about = params["command"].as_str().or(params["task"].as_str());
+            let about = about.unwrap_or_default();
+            if let Some(listeners) = self.listeners.get_mut(about) {
                 listeners.retain(|listener| listener.send(params.clone()).is_ok());
+                if listeners.is_empty() || params["state"] == "unloaded" {
+                    self.listeners.remove(about);
+                }
             }
             return;
         }

@@ -25,6 +25,15 @@ impl Error {
         Error::Connection(why.to_string())
     }
 
+    /// A command is no more, and has never run.
+    pub(crate) fn unloaded() -> Error {
+        Error::Refused {
+            code: -32001,
+            message: "it was unloaded before it ran".to_owned(),
+            reasons: Vec::new(),
+        }
+    }
+
     pub(crate) fn of(error: &Value) -> Error {
         let reasons = error["data"]["reasons"].as_array();
         let reasons = reasons.into_iter().flatten().filter_map(Value::as_str);

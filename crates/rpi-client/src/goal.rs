@@ -1,5 +1,6 @@
 //! Commands with the shape of goal, feedback, result, preempt.
 
+use std::cell::RefCell;
 use std::collections::BTreeMap;
 use std::sync::mpsc::{Receiver, channel};
 
@@ -7,6 +8,7 @@ use serde_json::{Value, json};
 
 use crate::connection::Core;
 use crate::error::Error;
+use crate::task::Task;
 
 /// What becomes of a session's commands when its connection ends.
 #[derive(Clone, Copy, PartialEq, Eq, Default, Debug)]
@@ -94,7 +96,22 @@ impl Session {
             core: self.core.clone(),
             name,
             updates,
+            end: RefCell::default(),
         })
+    }
+
+    /// Loads a task of a program, in [`Program::command`] the name of the task; it waits to be started.
+    ///
+    /// # Errors
+    /// Every reason why it cannot run.
+    pub fn load_task(&self, program: &Program) -> Result<Task, Error> {
+        let params = json!({
+            "session": self.name,
+            "text": program.text,
+            "task": program.command,
+            "period": program.period,
+        });
+        Task::load(&self.core, params)
     }
 
     /// Ends all its commands by force.
@@ -110,13 +127,13 @@ impl Session {
 /// What a command exports, as texts that keep every bit, and where it is in its life.
 #[derive(Clone, PartialEq, Eq, Default, Debug)]
 pub struct Feedback {
-    /// `ready`, `scheduled`, `running`, `cancelling`, `terminated`.
+    /// `ready`, `scheduled`, `running`, `cancelling`, `terminated`; `unloaded` for one that never ran.
     pub state: String,
     /// By key.
     pub values: BTreeMap<String, String>,
 }
 
-/// How a command has ended.
+/// How a command has ended. One that lost a choice, or was unloaded before it ran, has not: see [`Goal::result`].
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub struct Ending {
     /// `result`, `terminate`, `fault`, `aborted`, or that a rule stopped it.
@@ -127,6 +144,12 @@ pub struct Ending {
     pub error: i64,
     /// Number of its cycles.
     pub cycles: u64,
+    /// What has happened, where it did not end by itself: a fault, or why it was ended by force.
+    pub why: Option<String>,
+    /// Where in the program the fault is.
+    pub place: Option<String>,
+    /// The devices that it left moving, which have braked on their own.
+    pub braked: Vec<String>,
 }
 
 /// A loaded command.
@@ -135,6 +158,8 @@ pub struct Goal {
     core: Core,
     name: String,
     updates: Receiver<Value>,
+    /// Its end, once that was told.
+    end: RefCell<Option<Result<Ending, Error>>>,
 }
 
 impl Goal {
@@ -204,13 +229,8 @@ impl Goal {
     /// What it tells, until it has ended or the connection has.
     pub fn feedback(&self) -> impl Iterator<Item = Feedback> + '_ {
         let mut known = Feedback::default();
-        let mut over = false;
         std::iter::from_fn(move || {
-            if over {
-                return None;
-            }
-            let update = self.updates.recv().ok()?;
-            over = update.get("ending").is_some();
+            let update = self.next_update()?;
             if let Some(state) = update["state"].as_str() {
                 state.clone_into(&mut known.state);
             }
@@ -222,22 +242,43 @@ impl Goal {
         })
     }
 
+    /// The next thing that it tells, until it has ended.
+    fn next_update(&self) -> Option<Value> {
+        if self.end.borrow().is_some() {
+            return None;
+        }
+        let update = self.updates.recv().ok()?;
+        let unloaded = (update["state"] == "unloaded").then(|| Err(Error::unloaded()));
+        let ended = update.get("ending").map(|ending| Ok(Ending::of(ending)));
+        *self.end.borrow_mut() = ended.or(unloaded);
+        Some(update)
+    }
+
     /// Waits for its end.
     ///
     /// # Errors
-    /// If the connection ends before.
+    /// If the connection ends before, or it is unloaded without having run: it has lost a choice, say.
     pub fn result(&self) -> Result<Ending, Error> {
-        self.feedback().for_each(drop);
-        let params = json!({"command": self.name});
-        let told = self.core.call("command.describe", params)?;
-        let ending = &told["ending"];
-        let cause = ending["cause"].as_str();
-        let cause = cause.ok_or_else(|| Error::connection("it has not ended"))?;
-        Ok(Ending {
-            cause: cause.to_owned(),
-            result: ending["result"].as_str().map(str::to_owned),
-            error: ending["error"].as_i64().unwrap_or_default(),
-            cycles: ending["cycles"].as_u64().unwrap_or_default(),
-        })
+        while self.next_update().is_some() {}
+        let gone = || Err(Error::connection("the control core is gone"));
+        self.end.borrow().clone().unwrap_or_else(gone)
+    }
+}
+
+impl Ending {
+    /// From what the server tells.
+    fn of(told: &Value) -> Ending {
+        let text = |key: &str| told[key].as_str().map(str::to_owned);
+        let braked = told["braked"].as_array().into_iter().flatten();
+        let braked = braked.filter_map(Value::as_str).map(str::to_owned);
+        Ending {
+            cause: text("cause").unwrap_or_default(),
+            result: text("result"),
+            error: told["error"].as_i64().unwrap_or_default(),
+            cycles: told["cycles"].as_u64().unwrap_or_default(),
+            why: text("why"),
+            place: text("place"),
+            braked: braked.collect(),
+        }
     }
 }

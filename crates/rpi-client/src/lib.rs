@@ -13,15 +13,19 @@
 //! println!("{:?}", goal.result()?);
 //! # Ok::<(), rpi_client::Error>(())
 //! ```
+//! [`Session::load_task`] does the same for a whole task of a program, and [`Core::emergency_stop`] stops everything.
+//!
 //! It speaks JSON-RPC 2.0 over the server's websocket, on one thread of its own per connection; calls wait for their answer.
 //! This crate must not know how the server does anything.
 
 mod connection;
 mod error;
 mod goal;
+mod task;
 #[cfg(feature = "tls")]
 mod tls;
 
 pub use connection::Core;
 pub use error::Error;
 pub use goal::{Ending, Feedback, Goal, OnLoss, Program, Session};
+pub use task::{Task, TaskEnd};

@@ -91,6 +91,147 @@ fn goals_follow_one_another_and_tell_how_it_goes() {
     session.close().unwrap();
 }
 
+/// Who has lost a choice was unloaded by the core, and whoever waits for it is told so.
+#[test]
+fn losers_are_told_that_they_will_not_run() {
+    let server = server(None);
+    let core = Core::connect(&server.address().to_string(), None).unwrap();
+    let session = core.open_session("test", OnLoss::Cancel).unwrap();
+    let turn = "command Turn () let finish left when time >= 50[ms]; finish right when false; tel";
+    let load = |text: &str| session.load(&Program::rpi(text)).unwrap();
+    let (turn, left, right) = (load(turn), load(COUNT), load(COUNT));
+    left.follow(&turn, &["left"]).unwrap();
+    right.follow(&turn, &["right"]).unwrap();
+    turn.start().unwrap();
+    assert!(matches!(
+        right.result(),
+        Err(Error::Refused { code: -32001, .. })
+    ));
+    assert_eq!(left.result().unwrap().cycles, 200);
+    assert_eq!(left.result().unwrap().cycles, 200, "it is known for good");
+}
+
+const TASK: &str = "
+command Count (n: int)
+let
+  k = 1 -> pre k + 1;
+  finish done when k >= n;
+  finish asked when cancel;
+tel
+
+task All
+let
+  parallel
+  let Count(30); Count(10); tel
+  let Count(50); tel
+  Count(5);
+tel
+
+task Endless
+let
+  repeat let Count(20); tel
+tel
+";
+
+/// M11.6, M11.7.
+#[test]
+fn a_task_is_carried_out_by_the_server() {
+    let server = server(None);
+    let core = Core::connect(&server.address().to_string(), None).unwrap();
+    let session = core.open_session("test", OnLoss::Cancel).unwrap();
+    let load = |name: &str| {
+        let program = Program {
+            command: Some(name.to_owned()),
+            ..Program::rpi(TASK)
+        };
+        session.load_task(&program).unwrap()
+    };
+    let task = load("All");
+    task.start().unwrap();
+    let end = task.result().unwrap();
+    assert_eq!((end.state.as_str(), end.trouble), ("done", None));
+    let names: Vec<&str> = end.commands.iter().map(|c| c.0.as_str()).collect();
+    assert_eq!(names, ["Count(30)", "Count(10)", "Count(50)", "Count(5)"]);
+    let endless = load("Endless");
+    endless.start().unwrap();
+    std::thread::sleep(std::time::Duration::from_millis(200));
+    endless.preempt().unwrap();
+    assert_eq!(endless.result().unwrap().state, "cancelled");
+    endless.unload().unwrap();
+}
+
+/// Everything is stopped, whoever it belongs to, and stays so until it is reset.
+#[test]
+fn an_emergency_stop_holds_until_it_is_reset() {
+    let server = server(None);
+    let address = server.address().to_string();
+    let [one, other] = [(), ()].map(|()| Core::connect(&address, None).unwrap());
+    let session = one.open_session("test", OnLoss::Cancel).unwrap();
+    let endless = "command Wait () let finish never when false; finish over when cancel; tel";
+    let load = || session.load(&Program::rpi(endless)).unwrap();
+    let (running, next, ready) = (load(), load(), load());
+    next.follow(&running, &[]).unwrap();
+    running.start().unwrap();
+    other.emergency_stop("the door is open").unwrap();
+    let ending = running.result().unwrap();
+    assert_eq!(
+        (ending.cause.as_str(), ending.why.as_deref()),
+        ("aborted", Some("emergency stop"))
+    );
+    let refused = ready.start().unwrap_err();
+    assert!(
+        matches!(&refused, Error::Refused { code: -32006, .. }),
+        "{refused}"
+    );
+    assert!(
+        refused.to_string().contains("the door is open"),
+        "{refused}"
+    );
+    assert!(next.result().is_err(), "its rule is gone, and so is it");
+    one.reset_emergency().unwrap();
+    ready.start().unwrap();
+    ready.preempt().unwrap();
+    assert_eq!(ready.result().unwrap().result.as_deref(), Some("over"));
+}
+
+/// What belongs to one client no other starts, ends or changes; what it has opened for all, everybody does.
+#[test]
+fn a_session_belongs_to_its_client() {
+    let server = server(None);
+    let address = server.address().to_string();
+    let [one, other] = [(), ()].map(|()| Core::connect(&address, None).unwrap());
+    let session = one.open_session("test", OnLoss::Cancel).unwrap();
+    let goal = session.load(&Program::rpi(COUNT)).unwrap();
+    for method in ["start", "cancel", "abort", "unload"] {
+        let refused = other.call(
+            &format!("command.{method}"),
+            serde_json::json!({"command": goal.name()}),
+        );
+        assert!(
+            matches!(refused, Err(Error::Refused { code: -32007, .. })),
+            "{refused:?}"
+        );
+    }
+    goal.start().unwrap();
+    let opened = one.call(
+        "session.open",
+        serde_json::json!({"name": "all", "shared": true}),
+    );
+    let shared = opened.unwrap()["session"].clone();
+    let load = serde_json::json!({"session": shared, "text": COUNT, "period": 0.0025});
+    let loaded = other.call("command.load", load).unwrap();
+    assert_eq!(
+        (&loaded["period"], &loaded["rounded"]),
+        (&serde_json::json!(0.003), &serde_json::json!(true))
+    );
+    other
+        .call(
+            "command.start",
+            serde_json::json!({"command": loaded["command"]}),
+        )
+        .unwrap();
+}
+
 #[test]
 fn reasons_tokens_and_lost_connections_are_errors() {
     let server = server(Some("secret"));

@@ -27,6 +27,8 @@ pub struct Limits {
     pub loads: usize,
     /// How long a client may take from the first byte of a request head to its last.
     pub patience: Duration,
+    /// How long a client of the native interface may be silent over a websocket, answers to pings included.
+    pub silence: Duration,
 }
 
 impl Default for Limits {
@@ -43,6 +45,7 @@ impl Default for Limits {
             outbox: 4096,
             loads: 32,
             patience: Duration::from_secs(5),
+            silence: Duration::from_secs(30),
         }
     }
 }

@@ -5,6 +5,8 @@ use std::process::{Command, Output, Stdio};
 use std::thread::sleep;
 use std::time::{Duration, Instant};
 
+use rpi_host::recording::Recording;
+
 fn rpi(arguments: &[&str]) -> Output {
     let mut rpi = Command::new(env!("CARGO_BIN_EXE_rpi"));
     rpi.args(arguments).env("NO_COLOR", "1").output().unwrap()
@@ -243,4 +245,154 @@ fn a_server_records_until_it_is_interrupted() {
     assert!(!socket.exists());
     let (code, told) = replay(&file);
     assert_eq!(code, Some(0), "{told}");
+}
+
+/// Checksums in it are looked at: no changed bit goes unnoticed.
+#[test]
+fn a_flipped_bit_is_refused() {
+    let folder = tempfile::tempdir().unwrap();
+    let (file, _) = record(folder.path(), &["--time", "30ms"]);
+    let mut bytes = std::fs::read(&file).unwrap();
+    assert!(Recording::read(&bytes).is_ok());
+    for at in (0..bytes.len()).step_by(bytes.len() / 400) {
+        bytes[at] ^= 1 << (at % 8);
+        assert!(Recording::read(&bytes).is_err(), "byte {at}");
+        bytes[at] ^= 1 << (at % 8);
+    }
+    let middle = bytes.len() / 2;
+    bytes[middle] ^= 1;
+    std::fs::write(&file, &bytes).unwrap();
+    let (code, told) = replay(&file);
+    assert_eq!(code, Some(2), "{told}");
+    assert!(told.contains("RPI9021"), "{told}");
+}
+
+/// What is told of a topic.
+fn told(file: &Path, topic: &str) -> Vec<serde_json::Value> {
+    let bytes = std::fs::read(file).unwrap();
+    let messages = mcap::MessageStream::new(&bytes)
+        .unwrap()
+        .map(Result::unwrap);
+    let wanted = messages.filter(|message| message.channel.topic == topic);
+    let read = wanted.map(|m| serde_json::from_slice(&m.data).unwrap());
+    read.collect()
+}
+
+/// Brakes come with the end that they belong to, and a device moves in the tick in which it does.
+#[test]
+fn events_have_their_own_ticks() {
+    let folder = tempfile::tempdir().unwrap();
+    let (file, ran) = record(folder.path(), &["--time", "1s"]);
+    assert!(ran.contains("and arm braked"), "{ran}");
+    let events = told(&file, "/events");
+    let of = |kind: &str| -> Vec<u64> {
+        let own = events.iter().filter(|e| e["event"] == kind);
+        own.map(|e| e["tick"].as_u64().unwrap()).collect()
+    };
+    assert_eq!(of("ended"), [1000]);
+    assert_eq!(of("braked"), [1000; 7]);
+    let moves = events.iter().filter(|e| e["event"] == "device");
+    let moves: Vec<_> = moves
+        .map(|e| (e["tick"].as_u64().unwrap(), e["moving"] == true))
+        .collect();
+    assert_eq!(moves.len(), 2, "{moves:?}");
+    assert!(moves[0].0 < 10 && moves[0].1, "{moves:?}");
+    assert!(moves[1].0 > 1000 && !moves[1].1, "{moves:?}");
+    let (code, told) = replay(&file);
+    assert_eq!(code, Some(0), "{told}");
+}
+
+/// Cycles that cannot be kept end the run as a fault, and each is an event.
+#[test]
+fn overruns_are_recorded_and_a_stop_for_them_is_a_fault() {
+    let folder = tempfile::tempdir().unwrap();
+    let (program, file) = (blending(), folder.path().join("out.mcap"));
+    let mut arguments = vec![
+        "run",
+        program.to_str().unwrap(),
+        "--record",
+        file.to_str().unwrap(),
+    ];
+    arguments.extend(["--real-time", "--period", "1us", "--on-overrun", "stop:5/8"]);
+    let output = rpi(&arguments);
+    assert_eq!(output.status.code(), Some(3), "{}", said(&output));
+    assert!(
+        said(&output).contains("cycles took too long"),
+        "{}",
+        said(&output)
+    );
+    let events = told(&file, "/events");
+    let overruns = events.iter().filter(|e| e["event"] == "overrun");
+    let late: Vec<u64> = overruns.map(|e| e["late_ns"].as_u64().unwrap()).collect();
+    assert!(late.len() >= 5 && late.iter().all(|ns| *ns > 0), "{late:?}");
+    let (code, told) = replay(&file);
+    assert_eq!(code, Some(0), "{told}");
+}
+
+#[cfg(unix)]
+#[test]
+fn what_cannot_be_written_is_told_by_name() {
+    let folder = tempfile::tempdir().unwrap();
+    let full = folder.path().join("full.mcap");
+    std::os::unix::fs::symlink("/dev/full", &full).unwrap();
+    for file in [Path::new("/dev/full"), &full] {
+        let program = blending();
+        let [program, name] = [&program, file].map(|path| path.to_str().unwrap());
+        let output = rpi(&["run", program, "--time", "50ms", "--record", name]);
+        assert_eq!(output.status.code(), Some(2), "{}", said(&output));
+        assert!(said(&output).contains(name), "{}", said(&output));
+        assert!(said(&output).contains("No space left"), "{}", said(&output));
+    }
+}
+
+/// An emergency stop ends everything with that as its cause, and says what still moved.
+#[cfg(unix)]
+#[test]
+fn sigquit_is_an_emergency_stop() {
+    let folder = tempfile::tempdir().unwrap();
+    let (program, file) = (blending(), folder.path().join("out.mcap"));
+    let mut run = Command::new(env!("CARGO_BIN_EXE_rpi"));
+    let run = run.args(["run", program.to_str().unwrap(), "--real-time", "--record"]);
+    let run = run.arg(&file).env("NO_COLOR", "1");
+    let run = run.stdout(Stdio::piped()).stderr(Stdio::piped());
+    let run = run.spawn().unwrap();
+    let begin = Instant::now();
+    while !file.exists() {
+        assert!(begin.elapsed() < Duration::from_secs(30));
+        sleep(Duration::from_millis(10));
+    }
+    sleep(Duration::from_secs(1));
+    let mut kill = Command::new("kill");
+    kill.args(["-QUIT", &run.id().to_string()])
+        .status()
+        .unwrap();
+    let output = run.wait_with_output().unwrap();
+    assert_eq!(output.status.code(), Some(3), "{}", said(&output));
+    let told = said(&output);
+    assert!(
+        told.contains("STOPPED: emergency stop, and arm braked"),
+        "{told}"
+    );
+    assert!(told.contains("arm: ok, at rest"), "{told}");
+    let (code, told) = replay(&file);
+    assert_eq!(code, Some(0), "{told}");
+}
+
+/// Whoever ends at rest leaves nothing to brake.
+#[test]
+fn examples_end_at_rest() {
+    let examples = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../examples");
+    for name in ["first", "blending", "lifting", "assembly", "tending"] {
+        let program = examples.join(format!("{name}/{name}.rpi"));
+        let output = rpi(&["run", program.to_str().unwrap(), "--json"]);
+        assert_eq!(output.status.code(), Some(0), "{name}: {}", said(&output));
+        let told: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
+        for command in told["commands"].as_array().unwrap() {
+            assert_eq!(
+                command["braked"],
+                serde_json::Value::Null,
+                "{name}: {command}"
+            );
+        }
+    }
 }

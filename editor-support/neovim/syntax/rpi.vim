@@ -68,6 +68,7 @@ syntax match rpiKeyword /\.\@1<!\<automaton\>\(\s*[=:,)]\)\@!/
 syntax match rpiKeyword /\.\@1<!\<export\>\(\s*[=:,)]\)\@!/
 syntax match rpiKeyword /\.\@1<!\<fail\>\(\s*[=:,)]\)\@!/
 syntax match rpiKeyword /\.\@1<!\<finish\>\(\s*[=:,)]\)\@!/
+syntax match rpiKeyword /\.\@1<!\<parallel\>\(\s*[=:,)]\)\@!/
 syntax match rpiKeyword /\.\@1<!\<repeat\>\(\s*[=:,)]\)\@!/
 syntax match rpiKeyword /\.\@1<!\<start\>\(\s*[=:,)]\)\@!/
 syntax match rpiKeyword /\.\@1<!\<state\>\(\s*[=:,)]\)\@!/

@@ -20,6 +20,7 @@
 
 mod asked;
 mod camera;
+mod checksum;
 mod error;
 mod file;
 mod json;

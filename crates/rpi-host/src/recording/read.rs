@@ -3,13 +3,14 @@
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
+use mcap::read::ChunkFlattener;
 use mcap::records::Record;
-use mcap::sans_io::linear_reader::{LinearReadEvent, LinearReader, LinearReaderOptions};
 use rpi_core::Continuity;
 use rpi_image::Image;
 use rpi_sim::Cell;
 use serde_json::Value;
 
+use super::checksum;
 use super::error::RecordingError;
 use super::recorder::policy_by_word;
 use super::writer::{EVENTS, REQUESTS, TAPE};
@@ -80,32 +81,13 @@ fn number(text: &str) -> Result<u64, RecordingError> {
     number.ok_or_else(|| RecordingError::Broken(format!("{text} is no length of a tick")))
 }
 
-/// Every checksum of the file is looked at: no bit of it can have changed by accident.
-fn checked() -> LinearReaderOptions {
-    LinearReaderOptions::default()
-        .with_validate_chunk_crcs(true)
-        .with_validate_data_section_crc(true)
-        .with_validate_summary_section_crc(true)
-}
-
 impl Parts {
     fn read(bytes: &[u8]) -> Result<Parts, RecordingError> {
         let broken = |error: mcap::McapError| RecordingError::Broken(error.to_string());
         let mut parts = Parts::default();
-        let mut reader = LinearReader::new_with_options(checked());
-        let mut rest = bytes;
-        while let Some(event) = reader.next_event() {
-            match event.map_err(broken)? {
-                LinearReadEvent::ReadRequest(wanted) => {
-                    let (next, behind) = rest.split_at(wanted.min(rest.len()));
-                    reader.insert(next.len()).copy_from_slice(next);
-                    reader.notify_read(next.len());
-                    rest = behind;
-                }
-                LinearReadEvent::Record { data, opcode } => {
-                    parts.take(mcap::parse_record(opcode, data).map_err(broken)?);
-                }
-            }
+        checksum::check(bytes).map_err(|why| RecordingError::Broken(why.to_owned()))?;
+        for record in ChunkFlattener::new(bytes).map_err(broken)? {
+            parts.take(record.map_err(broken)?);
         }
         Ok(parts)
     }

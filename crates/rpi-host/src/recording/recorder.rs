@@ -116,6 +116,11 @@ impl Recorder {
         tell(&self.notes, &self.lost, Note::Event(*event));
     }
 
+    /// False once the writer has given up: the file takes no more.
+    pub(crate) fn writes(&self) -> bool {
+        !self.thread.is_finished()
+    }
+
     /// Ends the recording; `lost` ticks had no room on the tape.
     ///
     /// # Errors

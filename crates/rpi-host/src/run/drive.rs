@@ -68,7 +68,7 @@ pub(super) fn taking_turns(
         cycle.tick();
         listener.serve(&mut host);
         // Simulated time has time: nothing is lost.
-        while !cycle.has_room() {
+        while !cycle.has_room() && host.is_recorded() {
             std::thread::sleep(SERVE_EVERY);
         }
     }

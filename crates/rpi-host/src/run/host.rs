@@ -244,6 +244,11 @@ impl Host<'_> {
         });
     }
 
+    /// True while somebody writes down what happens.
+    pub(super) fn is_recorded(&self) -> bool {
+        self.recorder.as_ref().is_some_and(Recorder::writes)
+    }
+
     /// True once no task will run anything more.
     pub(super) fn is_over(&self) -> bool {
         self.books.failed.is_some() || self.tasks.iter().all(|t| t.end().is_some())

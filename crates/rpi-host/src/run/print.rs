@@ -24,7 +24,7 @@ impl fmt::Display for Outcome {
         if self.late > 0 {
             writeln!(
                 f,
-                "{} times a successor was not scheduled when its predecessor ended, {} times of these too late to take over in motion",
+                "{} times a successor came after its predecessor had ended, {} times too late to take over in motion",
                 self.late, self.missed
             )?;
         }

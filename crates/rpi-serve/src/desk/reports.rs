@@ -183,7 +183,10 @@ impl Desk {
         (record.status.ending, record.status.taken_over) = (Some(ending), stopped || yielded);
         record.set_phase(Phase::Is(State::Terminated));
         let how = record.status.result.clone();
-        let how = how.unwrap_or_else(|| why(&ending).unwrap_or(cause(&ending)).to_owned());
+        let how = how.unwrap_or_else(|| match why(&ending) {
+            Some(why) => format!("{}, {why}", cause(&ending)),
+            None => cause(&ending).to_owned(),
+        });
         let line = format!("{} has ended: {how}, error {}", record.title, ending.error);
         self.journal.note(format_args!("{line}"));
         self.note_step(id);

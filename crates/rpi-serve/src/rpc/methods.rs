@@ -57,6 +57,7 @@ pub(super) const METHODS: &[(&str, Method)] = &[
     ("device.add", add_device),
     ("device.remove", remove_device),
     ("commands", list_commands),
+    ("ping", |_, _| Ok(Some(json!({})))),
 ];
 
 fn open_session(front: &mut RpcFront, call: &Call<'_>) -> Answer {

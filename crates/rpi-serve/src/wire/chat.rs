@@ -2,7 +2,7 @@
 
 use std::io::{self, Read, Write};
 use std::sync::atomic::{AtomicBool, Ordering};
-use std::time::Duration;
+use std::time::{Duration, Instant};
 
 use tungstenite::protocol::{Role, WebSocketConfig};
 use tungstenite::{Error, Message, WebSocket};
@@ -25,11 +25,15 @@ pub(crate) trait Front {
 pub(crate) trait Stream: Read + Write + Send {}
 impl<T: Read + Write + Send> Stream for T {}
 
+/// How long a message may be (bytes), and how long a client may be silent: it is asked for a sign of life before, and given up
+/// then. None where clients are not asked.
+pub(crate) type Bounds = (usize, Option<Duration>);
+
 /// Talks over a websocket until one side has enough. `rest` was read already.
 pub(crate) fn websocket(
     stream: Box<dyn Stream>,
     rest: Vec<u8>,
-    most: usize,
+    (most, silence): Bounds,
     front: &mut dyn Front,
     out: &Outgoing,
     closing: &AtomicBool,
@@ -41,19 +45,68 @@ pub(crate) fn websocket(
         // The reference system's clients do not mask what they send, against RFC 6455, section 5.3.
         .accept_unmasked_frames(true);
     let mut socket = WebSocket::from_partially_read(stream, rest, Role::Server, Some(config));
+    let mut life = Life::new(silence);
     loop {
         let heard = match socket.read() {
-            Ok(Message::Text(text)) if front.hear(&text) => true,
-            Ok(Message::Ping(_) | Message::Pong(_)) => false,
+            Ok(Message::Text(text)) if front.hear(&text) => {
+                life.sign();
+                true
+            }
+            Ok(Message::Ping(_) | Message::Pong(_)) => {
+                life.sign();
+                false
+            }
             Err(Error::Io(e)) if is_pause(&e) => false,
             _ => break,
         };
+        if life.is_due() && socket.write(Message::Ping(Vec::new().into())).is_err()
+            || life.is_over()
+        {
+            break;
+        }
         if out.is_over() || is_closing(closing) || send(&mut socket, out, heard).is_err() {
             break;
         }
     }
     let _ = socket.close(None);
     let _ = socket.flush();
+}
+
+/// When a client gave a sign of life.
+struct Life {
+    silence: Option<Duration>,
+    latest: Instant,
+    asked: bool,
+}
+
+impl Life {
+    fn new(silence: Option<Duration>) -> Life {
+        Life {
+            silence,
+            latest: Instant::now(),
+            asked: false,
+        }
+    }
+
+    fn sign(&mut self) {
+        (self.latest, self.asked) = (Instant::now(), false);
+    }
+
+    fn is_silent_for(&self, share: u32) -> bool {
+        let silence = self.silence.map(|silence| silence / share);
+        silence.is_some_and(|silence| self.latest.elapsed() >= silence)
+    }
+
+    /// Whether it is to be asked for a sign now: once, after a third of the time.
+    fn is_due(&mut self) -> bool {
+        let due = !self.asked && self.is_silent_for(3);
+        self.asked |= due;
+        due
+    }
+
+    fn is_over(&self) -> bool {
+        self.is_silent_for(1)
+    }
 }
 
 fn send(socket: &mut WebSocket<Box<dyn Stream>>, out: &Outgoing, heard: bool) -> Result<(), Error> {

@@ -126,11 +126,12 @@ impl Reception {
              Sec-WebSocket-Accept: {accept}\r\n\r\n"
         );
         if agreed.and_then(|()| stream.flush()).is_ok() {
-            let most = self.limits.message;
+            // The reference system's clients are not known to answer pings.
+            let silence = Some(self.limits.silence).filter(|_| head.path == "/rpc");
             chat::websocket(
                 stream,
                 head.rest,
-                most,
+                (self.limits.message, silence),
                 &mut *front,
                 &outgoing,
                 &self.closing,

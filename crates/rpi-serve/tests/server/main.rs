@@ -10,3 +10,5 @@ mod native;
 mod nets;
 mod order;
 mod recording;
+mod rules;
+mod spec;

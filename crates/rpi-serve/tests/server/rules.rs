@@ -1,0 +1,126 @@
+//! What is refused, and what becomes of those who cannot start any more.
+
+use serde_json::{Value, json};
+
+use crate::client::{Client, open};
+use crate::native::call;
+use crate::nets::ECHO;
+
+const SWING: &str = "use motion;
+command Swing (arm: Arm)
+let
+  arm.joints = [0.1[rad/s] * time, 0[rad], 0[rad], 0[rad], 0[rad], 0[rad], 0[rad]];
+  finish never when false;
+  finish over when cancel;
+tel
+";
+
+const COUNT: &str = "command Count ()
+let
+  n = 1 -> pre n + 1;
+  export n;
+  even = n mod 2 = 0;
+  export even;
+  finish done when n >= 2000;
+tel
+";
+
+struct Owner {
+    client: Client,
+    session: Value,
+    id: u64,
+}
+
+impl Owner {
+    fn new(server: &rpi_serve::Server) -> Owner {
+        let mut client = Client::rpc(server.address());
+        let opened = call(&mut client, 1, "session.open", &json!({}));
+        let session = opened["result"]["session"].clone();
+        let id = 1;
+        Owner {
+            client,
+            session,
+            id,
+        }
+    }
+
+    fn ask(&mut self, method: &str, params: &Value) -> Value {
+        self.id += 1;
+        call(&mut self.client, self.id, method, params)
+    }
+
+    fn load(&mut self, text: &str, title: &str, language: &str) -> Value {
+        let session = self.session.clone();
+        let load = json!({"session": session, "text": text, "title": title, "language": language});
+        let loaded = self.ask("command.load", &load);
+        assert!(loaded["result"]["command"].is_string(), "{loaded}");
+        loaded["result"]["command"].clone()
+    }
+}
+
+#[test]
+fn rules_ask_for_booleans_only() {
+    let server = open();
+    let mut owner = Owner::new(&server);
+    let count = owner.load(COUNT, "count", "rpi");
+    let count = count.as_str().unwrap();
+    for (key, code) in [("n", json!(-32602)), ("even", Value::Null)] {
+        let other = owner.load(COUNT, "other", "rpi");
+        let rule = json!({"when": format!("{count}.{key}"), "start": [other]});
+        let made = owner.ask("rule.make", &rule);
+        assert_eq!(made["error"]["code"], code, "{made}");
+    }
+}
+
+/// What is taken over is read in the first cycle; before it may be set, as whoever comes first has no predecessor.
+#[test]
+fn what_is_taken_over_cannot_be_set_while_it_runs() {
+    let server = open();
+    let mut owner = Owner::new(&server);
+    let text = "command Cut () given (length: real[m])\nlet\n  far = length;\n  export far;\n  finish cut when far > 5[m];\ntel\n";
+    let cut = owner.load(text, "cut", "rpi");
+    let set = |length: f64| json!({"command": cut, "values": {"length": length}});
+    assert_eq!(owner.ask("command.set", &set(1.0))["result"], json!({}));
+    owner.ask("command.start", &json!({"command": cut}));
+    let refused = owner.ask("command.set", &set(7.0));
+    assert_eq!(refused["error"]["code"], -32602, "{refused}");
+    assert!(refused.to_string().contains("taken over"), "{refused}");
+    // The inputs of nets are there to be set.
+    let echo = owner.load(ECHO, "echo", "rpinet");
+    owner.ask("command.start", &json!({"command": echo}));
+    let set = json!({"command": echo, "values": {"gain": 2.0}});
+    assert_eq!(owner.ask("command.set", &set)["result"], json!({}));
+}
+
+#[test]
+fn who_holds_what_is_told_by_name() {
+    let server = open();
+    let mut owner = Owner::new(&server);
+    let [one, other] = ["first", "second"].map(|title| owner.load(SWING, title, "rpi"));
+    owner.ask("command.start", &json!({"command": one}));
+    let refused = owner.ask("command.start", &json!({"command": other}));
+    assert_eq!(refused["error"]["code"], -32003, "{refused}");
+    let why = refused["error"]["message"].as_str().unwrap();
+    let held = format!("is held by first {}", one.as_str().unwrap());
+    assert!(why.starts_with("arm[") && why.ends_with(&held), "{why}");
+}
+
+/// Who wants it back keeps what nothing can start any more.
+#[test]
+fn who_is_to_be_kept_is_ready_again() {
+    let server = open();
+    let mut owner = Owner::new(&server);
+    let first = owner.load(COUNT, "first", "rpi");
+    for (keep, state) in [(true, "ready"), (false, "unloaded")] {
+        let next = owner.load(COUNT, "next", "rpi");
+        owner.ask("watch.command", &json!({"command": next}));
+        let after = json!({"command": next, "after": first, "keep": keep});
+        let rule = owner.ask("command.schedule", &after)["result"]["rule"].clone();
+        owner.ask("rule.withdraw", &json!({"rule": rule}));
+        owner.client.wait_for_next(state, |text| {
+            let update: Value = serde_json::from_str(text).ok()?;
+            let params = &update["params"];
+            (params["command"] == next && params["state"] == state).then_some(())
+        });
+    }
+}
