@@ -15,6 +15,7 @@ mod reports;
 mod rest;
 mod rules;
 mod sessions;
+mod shop;
 mod tasks;
 mod types;
 mod watch;

@@ -1,0 +1,116 @@
+//! What a task asks of the desk that carries it out: its commands are commands of the desk, under names that clients can watch.
+
+use std::sync::{Arc, PoisonError};
+
+use rpi_core::Command;
+use rpi_host::control::{Adopted, CommandId, Rejected, Rule, RuleId, State, Ticket};
+use rpi_host::run::{NotStarted, Workshop};
+use rpi_image::Image;
+
+use super::commands::Record;
+use super::tasks::TaskRecord;
+use super::{Desk, Phase, Then};
+
+/// The core as a task of the desk sees it.
+pub(super) struct Shop<'d> {
+    pub(super) desk: &'d mut Desk,
+    /// The task's.
+    pub(super) number: u64,
+}
+
+impl Shop<'_> {
+    fn record(&mut self) -> Option<&mut TaskRecord> {
+        self.desk.tasks.get_mut(&self.number)
+    }
+
+    fn images(&self) -> &[Arc<Image>] {
+        let record = self.desk.tasks.get(&self.number);
+        let script = record.and_then(|r| r.script.as_ref());
+        script.map_or(&[], |script| &script.images)
+    }
+
+    /// A command of the task, in memory and guarded.
+    fn make(&self, image: &Arc<Image>) -> Result<Box<Command>, Rejected> {
+        let twin = self.desk.twin.lock();
+        let mut twin = twin.unwrap_or_else(PoisonError::into_inner);
+        let command = Command::load(Arc::clone(image), &mut twin.bank);
+        let mut command = command.map_err(Rejected::Loading)?;
+        command.guard(self.desk.continuity.unwrap_or_default());
+        Ok(Box::new(command))
+    }
+}
+
+impl Workshop for Shop<'_> {
+    fn image(&self, index: usize) -> Arc<Image> {
+        Arc::clone(&self.images()[index])
+    }
+
+    fn load(&mut self, index: usize) -> Result<CommandId, Rejected> {
+        let image = self.image(index);
+        let command = self.make(&image)?;
+        let bytes = command.machine().footprint();
+        let adopted: Adopted = self.desk.control.adopt_with_board(command)?;
+        let id = adopted.id;
+        let session = self.record().map_or(0, |record| record.session);
+        let number = self.desk.number();
+        let record = Record {
+            task: Some(self.number),
+            ..Record::new(session, &image.name, Phase::Is(State::Loading))
+        };
+        self.desk.commands.insert(number, record);
+        self.desk.adopted(number, adopted, image, bytes);
+        Ok(id)
+    }
+
+    fn start(&mut self, id: CommandId) -> Result<Ticket, Rejected> {
+        self.desk.control.start(id)
+    }
+
+    fn schedule(&mut self, rule: Rule) -> Result<(RuleId, Ticket), Rejected> {
+        self.desk.control.schedule(rule)
+    }
+
+    fn cancel(&mut self, id: CommandId) {
+        let ticket = self.desk.control.cancel(id);
+        self.desk.asked(ticket, Then::Nothing, None);
+    }
+
+    fn unload(&mut self, id: CommandId) {
+        let ticket = self.desk.control.unload(id);
+        self.desk.asked(ticket, Then::Nothing, None);
+    }
+
+    fn may_plan(&self, _: Option<u64>) -> bool {
+        true
+    }
+
+    fn late(&mut self, in_motion: bool) {
+        if let Some(record) = self.record() {
+            record.status.late += 1;
+            record.status.missed += u64::from(in_motion);
+            record.changed = true;
+        }
+    }
+
+    fn handled(&mut self, id: CommandId) {
+        if let Some(record) = self.record() {
+            let mut steps = record.status.steps.iter_mut().rev();
+            steps
+                .find(|step| step.id == id)
+                .into_iter()
+                .for_each(|step| step.handled = true);
+        }
+    }
+
+    fn not_started(&mut self, index: usize, why: NotStarted) {
+        let why = match why {
+            NotStarted::Refused(why) => self.desk.refusal(why).to_string(),
+            other => other.to_string(),
+        };
+        let name = self.image(index).name.clone();
+        if let Some(record) = self.record() {
+            record.status.trouble = Some(format!("{name} cannot be started: {why}"));
+            record.changed = true;
+        }
+    }
+}
