@@ -148,6 +148,7 @@ codes! {
     RPI8003 Warning "two branches for one result";
     RPI8004 Error "value that nothing hands over";
     RPI8005 Error "device that two strands drive";
+    RPI8006 Error "number of repetitions out of range";
     RPI9001 Error "claim that does not hold";
     RPI9002 Error "claim that was never made";
     RPI9003 Error "fault while running";

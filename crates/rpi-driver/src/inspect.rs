@@ -108,8 +108,9 @@ impl Inspected {
     }
 
     fn facts(&self) -> &[Facts] {
-        self.facts
-            .get_or_init(|| facts::find(&self.checked.units).0)
+        self.facts.get_or_init(|| {
+            facts::find(&self.checked.units, &vec![true; self.checked.units.len()]).0
+        })
     }
 }
 

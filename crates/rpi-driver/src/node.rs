@@ -63,6 +63,9 @@ pub fn compile_node(
     let mut sources = SourceMap::new();
     let modules = program_text(input, &stem, &path, text).modules(&mut sources);
     let (made, findings, _) = source::with_front(&modules, &sources, |front, findings| {
+        if source::has_errors(findings) {
+            return Ok(None);
+        }
         let unit = chosen(front, name, &marked(text, &path), &stem)?;
         let elaborated = elaborate_alone(
             &front.checked.units,
@@ -78,12 +81,11 @@ pub fn compile_node(
         });
         Ok(made.map(node))
     });
-    let node = made.transpose();
-    let node = node.map_err(|message: String| InputError::new(&input.path, message))?;
+    let node = made.map_err(|message: String| InputError::new(&input.path, message))?;
     Ok(NodeCompiled {
         sources,
         findings,
-        node: node.flatten(),
+        node,
     })
 }
 

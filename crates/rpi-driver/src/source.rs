@@ -7,7 +7,7 @@ use std::path::Path;
 use rpi_diag::{Finding, Severity, SourceMap, Span};
 use rpi_net::passes::{Analysis, Machine, over_budget};
 use rpi_net::{FragmentId, Net};
-use rpi_sema::elab::{Argument, Claims, Elaborated, elaborate, elaborate_steps};
+use rpi_sema::elab::{Argument, Claims, Elaborated, Room, elaborate, elaborate_steps};
 use rpi_sema::facts::{self, Facts};
 use rpi_sema::program::Program;
 use rpi_sema::typed::{Kind, Unit, UnitId, UnitKind};
@@ -59,7 +59,11 @@ pub(crate) struct Front<'p> {
     pub(crate) checked: &'p Checked,
     pub(crate) sources: &'p SourceMap,
     pub(crate) facts: &'p [Facts],
+    /// Which units have been found in order so far.
+    pub(crate) sound: &'p [bool],
     pub(crate) machine: Machine,
+    /// How many nodes all nets together may have, and have so far.
+    pub(crate) room: Room,
     /// What was found out about each unit so far.
     told: RefCell<Vec<Told>>,
 }
@@ -81,7 +85,6 @@ pub(crate) fn build_modules(
 ) -> (Built, Checked) {
     let back = |front: &Front<'_>, findings: &mut Vec<Finding>| roots(front, claims, findings);
     let (roots, findings, checked) = with_front(modules, sources, back);
-    let roots = roots.unwrap_or_default();
     let built = Built {
         nets: roots.nets,
         tests: roots.tests,
@@ -92,34 +95,40 @@ pub(crate) fn build_modules(
     (built, checked)
 }
 
-/// Checks parsed modules and, if nothing is wrong with them, hands them to what makes nets of them.
+/// Checks parsed modules and hands them to what makes nets of those units that nothing is wrong with.
 pub(crate) fn with_front<T>(
     modules: &Modules,
     sources: &SourceMap,
     back: impl FnOnce(&Front<'_>, &mut Vec<Finding>) -> T,
-) -> (Option<T>, Vec<Finding>, Checked) {
+) -> (T, Vec<Finding>, Checked) {
     let texts = modules.sources();
     let (program, mut findings) = Program::collect_beside(&texts, crate::modules::BESIDE);
     findings.splice(0..0, modules.findings.iter().cloned());
     let mut checked = check(&program);
     findings.append(&mut checked.findings);
-    let facts = match has_errors(&findings) {
-        true => Vec::new(),
-        false => {
-            let (facts, mut found) = facts::find(&checked.units);
-            findings.append(&mut found);
-            facts
-        }
-    };
+    let sound = rpi_sema::sound(&program, &checked.units, &findings);
+    let (facts, mut found) = facts::find(&checked.units, &sound);
+    findings.append(&mut found);
+    let sound = rpi_sema::sound(&program, &checked.units, &findings);
     let front = Front {
         program: &program,
         checked: &checked,
         sources,
         facts: &facts,
+        sound: &sound,
         machine: modules.machine,
+        room: Room::of(&program, &checked),
         told: RefCell::default(),
     };
-    let made = (!has_errors(&findings)).then(|| back(&front, &mut findings));
+    let (is_faulty, before) = (has_errors(&findings), findings.len());
+    let made = back(&front, &mut findings);
+    if is_faulty {
+        // What has a fault may be what needs it.
+        let needless = |f: &Finding| f.code.is_about_needless_text();
+        let mut found = findings.split_off(before);
+        found.retain(|finding| !needless(finding));
+        findings.append(&mut found);
+    }
     crate::fixes::typed(&mut findings, &checked);
     // What is only worth knowing about a library is not the business of who uses it.
     let own = texts.first().map_or(0, |root| root.files.len());
@@ -145,6 +154,9 @@ fn roots(front: &Front<'_>, claims: Claims, findings: &mut Vec<Finding>) -> Root
     let mut roots = Roots::default();
     for (_, unit) in &checked.runnable {
         let kind = checked.unit(*unit).kind;
+        if !front.is_sound(*unit) {
+            continue;
+        }
         if kind == UnitKind::Task {
             front.tell_task(*unit);
             continue;
@@ -221,13 +233,13 @@ fn one(
     args: &[Argument],
     findings: &mut Vec<Finding>,
 ) -> Option<Elaborated> {
-    let made = elaborate(
-        &front.checked.units,
-        front.facts,
-        unit,
-        args,
-        Claims::Report,
-    );
+    let units = &front.checked.units;
+    if !front.room.is_left() {
+        findings.extend(front.room.used_up(front.checked.unit(unit).span));
+        return None;
+    }
+    let made = elaborate(units, front.facts, unit, args, Claims::Report);
+    front.room.take(made.net.nodes.len());
     analysed(front, unit, args, made, findings)
 }
 
@@ -267,6 +279,11 @@ pub(crate) fn analysed(
 }
 
 impl Front<'_> {
+    /// Whether a unit, with all that it needs, has been found in order so far.
+    pub(crate) fn is_sound(&self, unit: UnitId) -> bool {
+        self.sound[unit.0 as usize]
+    }
+
     /// Keeps what was found out about a task.
     fn tell_task(&self, unit: UnitId) {
         let lines = rpi_sema::told(&self.checked.units, unit);
@@ -332,7 +349,7 @@ pub(crate) fn called(checked: &Checked) -> BTreeSet<UnitId> {
     calls.collect()
 }
 
-fn has_errors(findings: &[Finding]) -> bool {
+pub(crate) fn has_errors(findings: &[Finding]) -> bool {
     findings
         .iter()
         .any(|finding| finding.severity() == Severity::Error)

@@ -36,11 +36,11 @@ pub fn typed(input: &Input) -> Result<Result<Typed, Vec<Finding>>, InputError> {
     let (stem, path, text) = (input.stem(), display(&input.path), input.text()?);
     let mut sources = SourceMap::new();
     let modules = program_text(input, &stem, &path, text).modules(&mut sources);
-    let (known, findings, checked) = source::with_front(&modules, &sources, |front, _| {
+    let (known, findings, checked) = source::with_front(&modules, &sources, |front, findings| {
         let name = |decl| front.program.decl(decl).name.to_string();
         let runnable = front.checked.runnable.iter();
         let runnable = runnable.map(|(decl, unit)| (name(*decl), *unit)).collect();
-        (front.facts.to_vec(), runnable)
+        (!source::has_errors(findings)).then(|| (front.facts.to_vec(), runnable))
     });
     Ok(match known {
         None => Err(findings),

@@ -254,6 +254,8 @@ pub struct Net {
     pub claims: Vec<Claim>,
     /// The transitions of its automata, where they were asked for.
     pub exits: Vec<Exits>,
+    /// Whether it is a test: one that does not finish fails when it runs.
+    pub is_test: bool,
 }
 
 impl Net {
@@ -285,6 +287,7 @@ impl Net {
             alternatives: Vec::new(),
             claims: Vec::new(),
             exits: Vec::new(),
+            is_test: false,
         }
     }
 

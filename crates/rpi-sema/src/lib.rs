@@ -20,10 +20,12 @@ mod hash;
 pub mod init;
 pub mod program;
 pub mod query;
+mod sound;
 mod told;
 pub mod ty;
 pub mod typed;
 pub mod units;
 
 pub use check::{Checked, check, result_identity};
+pub use sound::sound;
 pub use told::told;

@@ -1,7 +1,7 @@
 //! Text to tokens: comments set aside, numbers and texts checked, words settled.
 
 use crate::comments::{Comment, CommentKind, Comments};
-use crate::token::Token;
+use crate::token::{Place, Token};
 use crate::{Mode, blocks, habits, lexical, units, words};
 use logos::Logos;
 use rpi_diag::{FileId, Finding, Span};
@@ -167,6 +167,14 @@ impl<'t> Lexer<'t> {
         self.push(Token::DotDot, dots);
     }
 
+    /// The word of the language that a text is, if a number could stand before it.
+    fn word_behind_number(&self, text: &str) -> Option<Token> {
+        let token = Token::of_spelling(text)?;
+        let word = token.keyword().filter(|word| word.is_in(self.mode))?;
+        let is_word = word.is_reserved_in(self.mode) || word.place == Place::AfterOperand;
+        is_word.then_some(token)
+    }
+
     /// `250mm/s`: reported, and read as the number with its unit.
     fn number_word(&mut self, lexeme: Lexeme) {
         let text = self.slice(lexeme);
@@ -174,7 +182,9 @@ impl<'t> Lexer<'t> {
             - text
                 .trim_start_matches(|c: char| c.is_ascii_digit() || c == '.')
                 .len();
-        let finding = lexical::number_runs_into_word(self.span(lexeme), text, digits);
+        let word = self.word_behind_number(&text[digits..]);
+        let finding =
+            lexical::number_runs_into_word(self.span(lexeme), text, digits, word.is_some());
         self.out.findings.push(finding);
         let end = lexeme.start + digits as u32;
         let token = match text[..digits].contains('.') {
@@ -182,7 +192,16 @@ impl<'t> Lexer<'t> {
             false => Token::Int,
         };
         self.push(token, Lexeme { end, ..lexeme });
-        self.unit(&text[digits..], end);
+        match word {
+            Some(word) => self.push(
+                word,
+                Lexeme {
+                    start: end,
+                    ..lexeme
+                },
+            ),
+            None => self.unit(&text[digits..], end),
+        }
     }
 
     /// A unit that lacks its brackets, with them.

@@ -65,14 +65,23 @@ pub(crate) fn open_str(span: Span) -> Finding {
         .fix(Fix::maybe("insert `\"`").insert_after(span, "\""))
 }
 
-pub(crate) fn number_runs_into_word(span: Span, text: &str, digits: usize) -> Finding {
+/// A number and, right behind it, a unit or a word of the language.
+pub(crate) fn number_runs_into_word(
+    span: Span,
+    text: &str,
+    digits: usize,
+    is_keyword: bool,
+) -> Finding {
     let (number, word) = text.split_at(digits);
-    let meant = format!("{number}[{word}]");
+    let (meant, why) = match is_keyword {
+        true => (format!("{number} {word}"), "a space goes between them"),
+        false => (format!("{number}[{word}]"), "a unit is written in brackets"),
+    };
     Finding::new(
         Code::RPI0007,
         format!("the number `{number}` runs into the word `{word}`"),
     )
-    .at(span, "a unit is written in brackets")
+    .at(span, why)
     .fix(Fix::maybe(format!("write `{meant}`")).replace(span, meant))
 }
 

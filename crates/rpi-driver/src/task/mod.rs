@@ -90,7 +90,7 @@ pub(crate) fn tasks(front: &Front<'_>) -> (Vec<Task>, Vec<Instance>) {
     let mut instances = Instances::default();
     let mut tasks = Vec::new();
     for (decl, unit) in front.checked.runnable.iter().copied() {
-        if is_task(unit) {
+        if is_task(unit) && front.is_sound(unit) {
             tasks.push(Task {
                 name: front.checked.unit(unit).name.to_string(),
                 plan: plan::plan(front, decl, unit, &mut instances),

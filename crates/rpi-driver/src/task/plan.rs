@@ -197,7 +197,8 @@ impl<'f> Builder<'f> {
         match elab::argument(&self.front.checked.units, self.unit, *id, &known) {
             Argument::Value(leaves) => {
                 let times = leaves.first().and_then(|leaf| leaf.as_int()).unwrap_or(0);
-                u64::try_from(times).map_err(|_| format!("{times} repetitions"))
+                u64::try_from(times)
+                    .map_err(|_| format!("{times} repetitions, which are no number of times"))
             }
             _ => Err("a number of repetitions that has no value before the task runs".to_owned()),
         }

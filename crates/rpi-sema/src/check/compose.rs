@@ -3,6 +3,7 @@
 use super::access::leaves;
 use super::body::Body;
 use super::report::{Wanted, no_member, not_a};
+use super::types::{MAX_LEAVES, too_large};
 use crate::program::{DeclKind, Lookup, Space};
 use crate::ty::{StructTy, Subst, Ty, fit};
 use crate::typed::{ExprId, Kind};
@@ -11,7 +12,7 @@ use rpi_syntax::ast::{self, Binary, Change, FieldValue, Ident, StaticArg, Struct
 use std::rc::Rc;
 
 /// The most elements of one array.
-const MAX_LENGTH: i64 = 1 << 20;
+const MAX_LENGTH: i64 = MAX_LEAVES as i64;
 
 impl<'a> Body<'_, 'a> {
     /// `[x, y]`
@@ -30,11 +31,16 @@ impl<'a> Body<'_, 'a> {
             }
         }
         let n = u32::try_from(ids.len()).unwrap_or(u32::MAX);
-        self.add(
-            Kind::Build(ids.into()),
-            Ty::Array(Rc::new(element), n),
-            span,
-        )
+        self.add_array(Kind::Build(ids.into()), Rc::new(element), n, span)
+    }
+
+    /// An expression that is an array, if that is of a size that can be worked with.
+    pub(super) fn add_array(&mut self, kind: Kind, element: Rc<Ty>, n: u32, span: Span) -> ExprId {
+        let ty = Ty::Array(element, n);
+        match ty.leaf_count() > MAX_LEAVES {
+            true => self.fault_with(too_large(span), span),
+            false => self.add(kind, ty, span),
+        }
     }
 
     /// `x ^ n`
@@ -43,8 +49,8 @@ impl<'a> Body<'_, 'a> {
         let Some(n) = self.size(&binary.rhs) else {
             return self.fault(span);
         };
-        let ty = Ty::Array(Rc::new(self.ty_of(element).clone()), n);
-        self.add(Kind::Repeat(element), ty, span)
+        let ty = Rc::new(self.ty_of(element).clone());
+        self.add_array(Kind::Repeat(element), ty, n, span)
     }
 
     /// `x | y`
@@ -66,8 +72,8 @@ impl<'a> Body<'_, 'a> {
             let expected = (**a).clone();
             self.misfit(right, &expected, &misfit, &wanted);
         }
-        let ty = Ty::Array(a.clone(), n.saturating_add(*m));
-        self.add(Kind::Build([left, right].into()), ty, span)
+        let n = n.saturating_add(*m);
+        self.add_array(Kind::Build([left, right].into()), a.clone(), n, span)
     }
 
     /// A size: a constant integer from 0 on.

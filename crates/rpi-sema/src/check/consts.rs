@@ -31,7 +31,7 @@ impl<'a> Checker<'a> {
         let DeclKind::Const(def) = decl.kind else {
             return None;
         };
-        if !self.may_nest("constant", decl.span) {
+        if !self.may_keep(&[], decl.span) || !self.may_nest("constant", decl.span) {
             return None;
         }
         let before = self.findings.len();
@@ -48,6 +48,7 @@ impl<'a> Checker<'a> {
         if let Some(outside) = found.find(|finding| finding.code == Code::RPI1012) {
             self.outside.insert(id, outside.clone());
         }
+        let constant = constant.filter(|constant| self.may_keep(&constant.leaves, decl.span));
         self.constants.insert(id, Lazy::Done(constant.clone()));
         constant
     }

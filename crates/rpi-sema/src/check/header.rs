@@ -31,6 +31,14 @@ pub(super) struct Header {
     pub(super) free_frames: Vec<Name>,
 }
 
+impl Header {
+    /// Whether it is one of several of its declaration, by the types or values that were chosen.
+    pub(super) fn is_instance(&self) -> bool {
+        let mut statics = self.statics.values();
+        statics.any(|value| matches!(value, Static::Ty(_) | Static::Value(_)))
+    }
+}
+
 /// A port.
 #[derive(Debug)]
 pub(super) struct Port {

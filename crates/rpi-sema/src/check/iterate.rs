@@ -146,6 +146,12 @@ impl<'a> Body<'_, 'a> {
 
     /// The element of each array at one place.
     fn elements(&mut self, arrays: &[ExprId], k: u32, n: u32) -> Option<Vec<ExprId>> {
+        let place = arrays
+            .first()
+            .map_or(Span::NONE, |array| self.span_of(*array));
+        if !self.may_go_on(place) {
+            return None;
+        }
         let mut elements = Vec::with_capacity(arrays.len());
         for array in arrays {
             let span = self.span_of(*array);
@@ -228,11 +234,7 @@ impl<'a> Body<'_, 'a> {
         let element = elements
             .first()
             .map_or(Ty::Unknown, |id| self.ty_of(*id).clone());
-        self.add(
-            Kind::Build(elements.into()),
-            Ty::Array(Rc::new(element), n),
-            span,
-        )
+        self.add_array(Kind::Build(elements.into()), Rc::new(element), n, span)
     }
 
     fn one_or_tuple(&mut self, values: Vec<ExprId>, span: Span) -> ExprId {

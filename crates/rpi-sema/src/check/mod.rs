@@ -202,6 +202,12 @@ struct Checker<'a> {
     units: Vec<Unit>,
     entries: Vec<unit::Entry>,
     too_many_units: bool,
+    /// Expressions and flows of the units that have been checked.
+    written_out: usize,
+    /// How many there may be.
+    most: usize,
+    /// How many instances lie around the unit that is being checked, each made by the one before.
+    depth: u32,
     unit_ids: Map<String, UnitId>,
     queue: VecDeque<UnitId>,
     constants: Map<DeclId, Lazy<Constant>>,
@@ -236,6 +242,9 @@ impl<'a> Checker<'a> {
             units: Vec::new(),
             entries: Vec::new(),
             too_many_units: false,
+            written_out: 0,
+            most: nesting::most(program),
+            depth: 0,
             unit_ids: Map::default(),
             queue: VecDeque::new(),
             constants: Map::default(),

@@ -1,8 +1,11 @@
-//! How deep declarations may need one another: each level costs stack, and what a chain of them makes is taken apart
-//! level by level again.
+//! How deep declarations may need one another, and how much a program may ask for: each level costs stack, and what a
+//! chain of them makes is taken apart level by level again; iterators and recursions ask for far more than is written.
 
 use super::Checker;
+use super::body::Body;
+use crate::program::Program;
 use crate::ty::{Member, Ty};
+use crate::typed::Leaf;
 use rpi_diag::{Code, Finding, Span};
 
 /// The deepest nesting of expressions and declarations at which one more declaration is looked at. Within one
@@ -13,9 +16,55 @@ const MAX_NESTING: u32 = 420;
 const MAX_LEVELS: u32 = 420;
 
 /// The most parts of a struct, all levels together.
-const MAX_PARTS: usize = 1 << 20;
+const MAX_PARTS: usize = super::types::MAX_LEAVES;
+
+/// The most expressions and flows of all units together, beyond what the text is paid for.
+const MAX_WRITTEN_OUT: usize = 400_000;
+
+/// Expressions that a byte of text may stand for.
+const PER_BYTE: usize = 4;
+
+/// Leaves of constants that cost as much as an expression.
+const LEAVES: usize = 4;
+
+/// The most expressions and flows of all units of a program together.
+pub(super) fn most(program: &Program<'_>) -> usize {
+    MAX_WRITTEN_OUT + PER_BYTE * program.length()
+}
+
+impl Body<'_, '_> {
+    /// Whether one more element, or instance, may be written out; says so once if not.
+    pub(super) fn may_go_on(&mut self, span: Span) -> bool {
+        let may = self.c.written_out + self.unit.exprs.len() < self.c.most;
+        if !may {
+            self.c.too_much(span);
+        }
+        may
+    }
+}
 
 impl Checker<'_> {
+    /// Whether a constant of these leaves may be kept; says so once if not.
+    pub(super) fn may_keep(&mut self, leaves: &[Leaf], span: Span) -> bool {
+        self.written_out += leaves.len() / LEAVES;
+        let may = self.written_out < self.most;
+        if !may {
+            self.too_much(span);
+        }
+        may
+    }
+
+    /// Says once that a program asks for too much.
+    pub(super) fn too_much(&mut self, span: Span) {
+        if std::mem::replace(&mut self.too_many_units, true) {
+            return;
+        }
+        let most = self.most;
+        let message = format!("written out this is more than {most} expressions");
+        let finding = Finding::new(Code::RPI1011, message).at(span, "one more here");
+        self.findings.push(finding.help("iterators are written out element by element, generic nodes for each choice of their static arguments"));
+    }
+
     /// Whether a declaration that is needed by what is being checked can be looked at now; says so once if not.
     pub(super) fn may_nest(&mut self, what: &str, span: Span) -> bool {
         let may = self.nesting < MAX_NESTING;

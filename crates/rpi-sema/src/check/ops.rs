@@ -2,7 +2,7 @@
 
 use super::body::Body;
 use super::quantity;
-use super::report::{Wanted, listed};
+use super::report::{WRITE_A_REAL, Wanted, listed};
 use super::types::{FOREIGN, is_foreign};
 use crate::ty::{Geometry, Ty, join};
 use crate::typed::{Each, ExprId, Kind, Leaf, Unit, UnitKind};
@@ -238,6 +238,25 @@ impl<'a> Body<'_, 'a> {
         self.report(finding);
     }
 
+    /// `x * 2 + 1`: what mends the first integer among reals, mends the others of the same expression.
+    fn is_real_too(&mut self, left: ExprId, right: ExprId) {
+        let is_int = |body: &Self, id| body.is_number(id) && *body.ty_of(id) == Ty::Int;
+        let (faulty, int) = match (is_int(self, left), is_int(self, right)) {
+            (false, true) => (self.span_of(left), self.span_of(right)),
+            (true, false) => (self.span_of(right), self.span_of(left)),
+            _ => return,
+        };
+        let Some(last) = self.findings.last_mut() else {
+            return;
+        };
+        let place = last.span();
+        let is_inside = place.start >= faulty.start && place.end <= faulty.end;
+        let fix = last.fixes.iter_mut().find(|fix| fix.title == WRITE_A_REAL);
+        if let Some(fix) = fix.filter(|_| is_inside) {
+            *fix = fix.clone().insert_after(int, ".0");
+        }
+    }
+
     /// A binary operator on checked operands.
     pub(super) fn binary_prim(
         &mut self,
@@ -251,6 +270,7 @@ impl<'a> Body<'_, 'a> {
         }
         let (a, b) = (self.ty_of(left).clone(), self.ty_of(right).clone());
         if a.is_unknown() || b.is_unknown() {
+            self.is_real_too(left, right);
             return self.add(Kind::Fault, binary_guess(op, &a, &b), span);
         }
         let shifts = matches!(op, BinaryOp::ShiftLeft | BinaryOp::ShiftRight) && b == Ty::Int;
@@ -510,15 +530,18 @@ fn unary_guess(op: UnaryOp) -> Ty {
     }
 }
 
+/// Whether an operand of this type says little of the result.
+fn is_vague(ty: &Ty) -> bool {
+    matches!(ty, Ty::Time | Ty::Int)
+}
+
 /// What the result is as far as one known operand tells.
 fn binary_guess(op: BinaryOp, a: &Ty, b: &Ty) -> Ty {
     match op {
         And | Or | Xor | Implies | Lt | Le | Gt | Ge => Ty::Bool,
-        Add | Sub | Mod if !matches!(a, Ty::Time) && !matches!(b, Ty::Time) => {
-            join(a, b).unwrap_or(Ty::Unknown)
-        }
+        // An integer may be meant as a real, which may be what is wrong with the other one.
+        Add | Sub | Mod if !is_vague(a) && !is_vague(b) => join(a, b).unwrap_or(Ty::Unknown),
         IntDiv => Ty::Int,
-        Mul | Div if [a, b].into_iter().any(|ty| matches!(ty, Ty::Int)) => Ty::Int,
         _ => Ty::Unknown,
     }
 }

@@ -8,6 +8,9 @@ use crate::typed::{ExprId, Kind};
 use crate::units::Dim;
 use rpi_diag::{Code, Finding, Fix, Span};
 
+/// What mends an integer where a real is wanted.
+pub(super) const WRITE_A_REAL: &str = "write a real";
+
 impl Body<'_, '_> {
     /// Takes up a finding about this body.
     pub(super) fn report(&mut self, finding: Finding) {
@@ -71,6 +74,9 @@ impl Body<'_, '_> {
                 quantity::with_units(finding, *dim, span)
             }
             (Ty::Real(_), Ty::Int) => finding.fix(self.as_real(id)),
+            (Ty::Int, Ty::Real(Dim::ONE)) if self.is_number(id) => {
+                finding.help("a whole number is written without a point")
+            }
             (Ty::Int, Ty::Real(_)) => finding
                 .help("`int x` cuts off the fraction; `int round(x)` takes the nearest")
                 .fix(self.converted(id, "int")),
@@ -101,7 +107,7 @@ impl Body<'_, '_> {
     /// A real in place of an integer: another literal, or a conversion.
     pub(super) fn as_real(&self, id: ExprId) -> Fix {
         match self.is_number(id) {
-            true => Fix::sure("write a real").insert_after(self.span_of(id), ".0"),
+            true => Fix::sure(WRITE_A_REAL).insert_after(self.span_of(id), ".0"),
             false => self.converted(id, "real"),
         }
     }

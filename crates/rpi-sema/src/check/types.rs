@@ -21,7 +21,7 @@ use rpi_syntax::ast::{
 use std::rc::Rc;
 
 /// The most elements that an array may have, all levels together: more is a slip, and would only fill memory.
-const MAX_LEAVES: usize = 1 << 20;
+pub(super) const MAX_LEAVES: usize = 1 << 16;
 
 /// A type with whether a value may be absent.
 #[derive(Clone, Debug)]
@@ -146,10 +146,7 @@ impl<'a> Body<'_, 'a> {
         };
         let ty = Ty::Array(Rc::new(element), size);
         if ty.leaf_count() > MAX_LEAVES {
-            self.report(
-                Finding::new(Code::RPI2009, "the array is too large")
-                    .at(span, format!("more than {MAX_LEAVES} values")),
-            );
+            self.report(too_large(span));
             return Ty::Unknown;
         }
         ty
@@ -555,4 +552,10 @@ pub(super) fn is_foreign(ty: &Ty, beginnings: &[&str]) -> bool {
         && beginnings
             .iter()
             .any(|beginning| of.name.starts_with(beginning))
+}
+
+/// An array with more elements than can be worked with.
+pub(super) fn too_large(span: Span) -> Finding {
+    Finding::new(Code::RPI2009, "the array is too large")
+        .at(span, format!("more than {MAX_LEAVES} values"))
 }

@@ -4,9 +4,10 @@ use super::Checker;
 use super::body::Body;
 use super::header::{Header, kind_of};
 use super::statics::{Statics, key};
+use crate::elab::MAX_DEPTH;
 use crate::program::{DeclId, DeclKind};
-use crate::typed::{ExprId, Kind, Unit, UnitId};
-use rpi_diag::{Code, Finding, Span};
+use crate::typed::{ExprId, Kind, Unit, UnitId, UnitKind};
+use rpi_diag::{Code, Finding, Severity, Span};
 use rpi_syntax::ast::{
     self, CommandDecl, Contract, FragmentDecl, Modifier, NodeDecl, NodeDef, NodeKind,
 };
@@ -18,6 +19,10 @@ const MAX_UNITS: usize = 20_000;
 /// A unit on its way.
 pub(super) struct Entry {
     pub(super) header: Rc<Header>,
+    /// Where it is called first.
+    called: Span,
+    /// How many instances lie around it, each made by the one before.
+    depth: u32,
     state: Progress,
 }
 
@@ -36,8 +41,16 @@ impl<'a> Checker<'a> {
         if let Some(id) = self.unit_ids.get(&key) {
             return Some(*id);
         }
-        if self.units.len() >= MAX_UNITS {
-            self.endless(header, span);
+        let depth = match header.statics.is_empty() {
+            true => 0,
+            false => self.depth + 1,
+        };
+        if self.units.len() >= MAX_UNITS || depth as usize > MAX_DEPTH {
+            self.endless(header, depth, span);
+            return None;
+        }
+        if self.written_out >= self.most {
+            self.too_much(span);
             return None;
         }
         let id = UnitId(u32::try_from(self.units.len()).unwrap_or(u32::MAX));
@@ -45,6 +58,8 @@ impl<'a> Checker<'a> {
             .push(Unit::new(header.name.clone(), header.kind, header.span));
         self.entries.push(Entry {
             header: header.clone(),
+            called: span,
+            depth,
             state: Progress::Queued,
         });
         self.unit_ids.insert(key, id);
@@ -52,18 +67,18 @@ impl<'a> Checker<'a> {
         Some(id)
     }
 
-    fn endless(&mut self, header: &Header, span: Span) {
+    fn endless(&mut self, header: &Header, depth: u32, span: Span) {
         if std::mem::replace(&mut self.too_many_units, true) {
             return;
         }
-        self.findings.push(
-            Finding::new(
-                Code::RPI1011,
-                format!("`{}` has more than {MAX_UNITS} instances", header.name),
-            )
-            .at(span, "one more is called here")
-            .help("a recursion over static parameters ends by `with`"),
-        );
+        let name = &self.program.decl(header.decl).name;
+        let message = match depth as usize > MAX_DEPTH {
+            true => format!("instances of `{name}` need one another more than {MAX_DEPTH} deep"),
+            false => format!("`{name}` has more than {MAX_UNITS} instances"),
+        };
+        let finding = Finding::new(Code::RPI1011, message).at(span, "one more is called here");
+        self.findings
+            .push(finding.help("a recursion over static parameters ends by `with`"));
     }
 
     /// The unit of a declaration that is run by itself, if it needs no static arguments.
@@ -172,17 +187,35 @@ impl<'a> Checker<'a> {
         }
         entry.state = Progress::Busy;
         let header = entry.header.clone();
+        let called = entry.called;
+        let outer = std::mem::replace(&mut self.depth, entry.depth);
         let module = self.program.decl(header.decl).module;
         let mut unit = Unit::new(header.name.clone(), header.kind, header.span);
         unit.is_lustre = self.program.module(module).mode == rpi_syntax::Mode::Lustre;
         let mut body = Body::new(self, module, header.statics.clone(), unit);
         body.check_decl(header.decl);
-        self.units[id.0 as usize] = body.leave();
+        if called != header.span && header.is_instance() {
+            body.say_for_whom(&header, called);
+        }
+        let unit = body.leave();
+        self.depth = outer;
+        self.written_out += unit.exprs.len() + unit.flows.len();
+        self.units[id.0 as usize] = unit;
         self.entries[id.0 as usize].state = Progress::Done;
     }
 }
 
 impl<'a> Body<'_, 'a> {
+    /// Names the call that a generic callable is checked for, beside what is wrong in it.
+    fn say_for_whom(&mut self, header: &Header, called: Span) {
+        let findings = std::mem::take(&mut self.findings);
+        let named = |finding: Finding| match finding.severity() {
+            Severity::Error => finding.also(called, format!("in `{}`, called here", header.name)),
+            _ => finding,
+        };
+        self.findings = findings.into_iter().map(named).collect();
+    }
+
     fn check_decl(&mut self, id: DeclId) {
         self.declare_ports(id);
         // The header has reported what is wrong with the ports.
@@ -238,14 +271,31 @@ impl<'a> Body<'_, 'a> {
     }
 
     fn state_in_function(&mut self, span: Span) {
-        let finding = Finding::new(
-            Code::RPI3005,
-            format!("the function `{}` has state", self.unit.name),
-        )
-        .at(span, "this remembers earlier cycles")
-        .also(self.unit.span, "declared as a function here")
-        .help("a function depends on its arguments alone; declare a `node`");
-        self.report(finding);
+        let name = &self.unit.name;
+        let finding = match self.called_at(span) {
+            Some(node) => {
+                let message = format!("the function `{name}` calls the node `{node}`");
+                Finding::new(Code::RPI3005, message)
+                    .at(span, "a node may remember earlier cycles")
+                    .help(format!("a function depends on its arguments alone: declare `{node}` as a `function`, too, or `{name}` as a `node`"))
+            }
+            None => Finding::new(Code::RPI3005, format!("the function `{name}` has state"))
+                .at(span, "this remembers earlier cycles")
+                .help("a function depends on its arguments alone; declare a `node`"),
+        };
+        self.report(finding.also(self.unit.span, "declared as a function here"));
+    }
+
+    /// The node that is called at a place.
+    fn called_at(&self, span: Span) -> Option<rpi_syntax::Name> {
+        let mut here = self.unit.exprs.iter().filter(|expr| expr.span == span);
+        here.find_map(|expr| match &expr.kind {
+            Kind::Call(call) => {
+                let header = &self.c.entries[call.unit.0 as usize].header;
+                (header.kind == UnitKind::Node).then(|| header.name.clone())
+            }
+            _ => None,
+        })
     }
 
     fn check_fragment(&mut self, fragment: &'a FragmentDecl) {

@@ -4,7 +4,7 @@ use super::expr::leaf_scalars;
 use super::families::Family;
 use super::scope::{Scope, State};
 use super::signal::{Signal, Wire};
-use super::{At, Elab, MAX_CALLS, MAX_DEPTH, Mode, NotConstant};
+use super::{At, Elab, MAX_DEPTH, Mode, NotConstant};
 use crate::typed::{Activation, BlockId, Call, ExprId, Unit, UnitId, UnitKind};
 use rpi_diag::{Code, Finding, Span};
 use rpi_image::{Scalar, Value};
@@ -193,10 +193,10 @@ impl<'u> Elab<'u> {
         if self.calling.len() >= MAX_DEPTH {
             return self.too_deep(id, span);
         }
-        if self.calls >= MAX_CALLS {
-            return self.too_many_calls(span);
+        self.pay_for(id);
+        if !self.may_call(span) {
+            return super::signal::nothing();
         }
-        self.calls += 1;
         self.calling.push(id);
         let outer = (std::mem::take(&mut self.name), self.serial, self.top);
         let result = self.inlined_here(unit, id, args, at, path, span);
@@ -295,14 +295,6 @@ impl<'u> Elab<'u> {
             .at(span, format!("`{}` is called here", unit.name))
             .also(unit.span, "declared here")
             .help("a recursion over static parameters ends by `with`");
-        self.refuse(finding, span)
-    }
-
-    fn too_many_calls(&mut self, span: Span) -> Wire {
-        let message = format!("more than {MAX_CALLS} calls are written out for this");
-        let finding = Finding::new(Code::RPI1011, message)
-            .at(span, "one more here")
-            .help("each call has a copy of its own: give a value that is used twice a name");
         self.refuse(finding, span)
     }
 

@@ -33,9 +33,13 @@ impl<'u> Elab<'u> {
         if let Some(wire) = scope.recall(id) {
             return wire;
         }
+        if self.allowance.is_used_up {
+            return nothing();
+        }
         let at = self.placed(scope, id, at);
         self.innermost_first(scope, id, at);
         let wire = self.fresh(scope, id, at);
+        self.may_hold(wire.len(), scope.unit.expr(id).span);
         scope.remember(id, &wire);
         wire
     }
@@ -182,6 +186,15 @@ impl<'u> Elab<'u> {
     }
 
     fn check_index(&mut self, index: &Signal, count: usize, at: At, span: Span) {
+        if let Signal::Const(value) = index
+            && let Some(k) = value.as_int()
+            && !(0..count as i64).contains(&k)
+            && at.guard.is_none()
+        {
+            let text =
+                format!("there is no element {k}: the array has {count} elements, counted from 0");
+            return self.certain_fault(text, span);
+        }
         let [first, last] = [0, count as i64 - 1].map(|k| Signal::Const(Value::int(k)));
         let from = self.simple(
             prim!("Rpi::IntGreaterOrEqual"),

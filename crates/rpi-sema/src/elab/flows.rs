@@ -2,7 +2,7 @@
 
 use super::expr::leaf_scalars;
 use super::scope::{Scope, State};
-use super::signal::{Signal, Wire, alias_of};
+use super::signal::{Signal, Wire, alias_of, nothing};
 use super::{At, Elab, Mode, NotConstant};
 use crate::ty::Ty;
 use crate::typed::{Equation, FlowId, FlowRole, Place, Target};
@@ -19,7 +19,7 @@ impl<'u> Elab<'u> {
         }
         match self.mode {
             Mode::Net | Mode::Steps => {
-                let wire = self.alias_wire(&scope.unit.flow(flow).ty);
+                let wire = self.alias_wire(&scope.unit.flow(flow).ty, span);
                 *scope.state(flow) = State::Known(wire.clone());
                 wire
             }
@@ -27,7 +27,10 @@ impl<'u> Elab<'u> {
         }
     }
 
-    fn alias_wire(&mut self, ty: &Ty) -> Wire {
+    fn alias_wire(&mut self, ty: &Ty, span: Span) -> Wire {
+        if !self.may_hold(ty.leaf_count(), span) {
+            return nothing();
+        }
         let scalars = leaf_scalars(ty);
         scalars
             .into_iter()

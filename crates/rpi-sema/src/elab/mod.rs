@@ -16,6 +16,7 @@
 //! | `block.rs`, `claims.rs`, `automaton.rs`, `clocks.rs`, `leaving.rs` | bodies, fragments, states, sampled flows |
 //! | `device.rs`, `root.rs`, `settle.rs` | devices, commands and nodes that are run, the end |
 
+mod allowance;
 mod automaton;
 mod block;
 mod call;
@@ -31,12 +32,14 @@ mod leaving;
 mod nodes;
 mod pack;
 mod promise;
+mod room;
 mod root;
 mod scope;
 mod settle;
 mod signal;
 
 pub use claims::Claims;
+pub use room::Room;
 pub use root::{
     Argument, Elaborated, Local, PortShape, elaborate, elaborate_alone, elaborate_steps, parameters,
 };
@@ -191,8 +194,8 @@ struct Elab<'u> {
     serial: u32,
     /// The calls that are being written out, each in the one before.
     calling: Vec<UnitId>,
-    /// How many calls have been written out.
-    calls: usize,
+    /// How much may still be written out.
+    allowance: allowance::Allowance,
     findings: Vec<Finding>,
     /// Whether a claim was met.
     has_claims: bool,
@@ -205,14 +208,7 @@ struct Elab<'u> {
 }
 
 /// The deepest nesting of calls: each level costs stack.
-const MAX_DEPTH: usize = 400;
-
-/// The most calls that are written out for a net or a constant: what only folds makes no nodes, and may still have no
-/// end in sight.
-const MAX_CALLS: usize = 1 << 21;
-
-/// The most nodes of a net.
-const MAX_NODES: usize = 20_000_000;
+pub(crate) const MAX_DEPTH: usize = 400;
 
 impl<'u> Elab<'u> {
     fn new(units: &'u [Unit], facts: &'u [Facts], mode: Mode) -> Self {
@@ -236,7 +232,7 @@ impl<'u> Elab<'u> {
             name: String::new(),
             serial: 0,
             calling: Vec::new(),
-            calls: 0,
+            allowance: allowance::Allowance::new(),
             findings: Vec::new(),
             has_claims: false,
             claims: Claims::default(),

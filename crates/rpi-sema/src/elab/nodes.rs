@@ -3,7 +3,7 @@
 use super::families::{Family, member};
 use super::pack::natural;
 use super::signal::{Given, Signal, Wire, alias, alias_of, single};
-use super::{At, Elab, MAX_NODES, Mode, NotConstant};
+use super::{At, Elab, Mode, NotConstant};
 use crate::typed::Leaf;
 use rpi_diag::{Code, Finding, Span};
 use rpi_image::{InPort, Need, PortDefault, PortType, Scalar, ShapeArgs, Type, Value};
@@ -128,11 +128,10 @@ impl Elab<'_> {
         fragment: FragmentId,
         span: Span,
     ) -> NodeId {
-        if self.net.nodes.len() >= MAX_NODES {
-            self.too_large(span);
+        let name = numbered(&self.name, self.serial);
+        if !self.may_add(&name, span) && !self.net.nodes.is_empty() {
             return NodeId(0);
         }
-        let name = numbered(&self.name, self.serial);
         self.serial += 1;
         self.net.add_node(Node {
             name,
@@ -143,19 +142,6 @@ impl Elab<'_> {
             outputs,
             origin: Origin { span, flow: None },
         })
-    }
-
-    fn too_large(&mut self, span: Span) {
-        if self.failure.is_none() {
-            self.failure = Some(NotConstant::Faulty);
-            self.findings.push(
-                Finding::new(
-                    Code::RPI1011,
-                    format!("the net has more than {MAX_NODES} primitives"),
-                )
-                .at(span, "one more here"),
-            );
-        }
     }
 
     /// The leaves of a node's out-ports.
@@ -254,10 +240,13 @@ impl Elab<'_> {
         if at.guard.is_some() {
             return;
         }
-        let what = fault_text(fault);
+        self.certain_fault(fault_text(fault).to_owned(), span);
+    }
+
+    pub(super) fn certain_fault(&mut self, what: String, span: Span) {
         match self.mode {
             Mode::Constant => {
-                self.fail(NotConstant::Fault(span, what.to_owned()));
+                self.fail(NotConstant::Fault(span, what));
             }
             Mode::Net | Mode::Steps => self
                 .findings

@@ -125,7 +125,8 @@ impl<'u, 'a> Job<'u, 'a> {
     /// flows themselves do not have, it is taken apart as far as needed.
     fn net(&self) -> Elaborated {
         let (together, has_clocks) = self.run(Mode::Net, Sampled::Together);
-        if !has_clocks || !rpi_net::passes::has_ring(&together.net) {
+        let is_whole = together.findings.is_empty();
+        if !has_clocks || !is_whole || !rpi_net::passes::has_ring(&together.net) {
             return together;
         }
         let others = [Sampled::Apart, Sampled::DelaysBeside];
@@ -139,6 +140,7 @@ impl<'u, 'a> Job<'u, 'a> {
         let mut elab = Elab::new(self.units, self.facts, mode);
         elab.claims = self.claims;
         elab.sampled = sampled;
+        elab.pay_for(self.id);
         let unit = &self.units[self.id.0 as usize];
         elab.tells_exits = unit.kind == UnitKind::Test;
         elab.net.name = unit.name.to_string();
@@ -404,6 +406,7 @@ impl<'u> Elab<'u> {
         if !unit.kind.is_root() || endless {
             return;
         }
+        self.net.is_test = unit.kind == UnitKind::Test;
         let mut results = Vec::new();
         for end in ends {
             self.begin(&end.result);

@@ -41,12 +41,16 @@ impl Facts {
     }
 }
 
-/// Finds out which flows can be absent, and what is wrong with that.
+/// Finds out which flows of the units that are `sound` can be absent, and what is wrong with that.
 #[must_use]
-pub fn find(units: &[Unit]) -> (Vec<Facts>, Vec<Finding>) {
+pub fn find(units: &[Unit], sound: &[bool]) -> (Vec<Facts>, Vec<Finding>) {
     let mut findings = Vec::new();
     let mut facts = Vec::with_capacity(units.len());
-    for unit in units {
+    for (unit, sound) in units.iter().zip(sound) {
+        if !sound {
+            facts.push(Facts::default());
+            continue;
+        }
         let (clocks, mut apart) = clocks::find(units, unit);
         findings.append(&mut apart);
         let mut inference = Inference::new(units, unit, &clocks);

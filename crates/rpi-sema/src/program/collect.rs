@@ -1,6 +1,6 @@
 //! From parsed files to the table of declarations.
 
-use super::{Decl, DeclId, DeclKind, Library, Module, ModuleId, Program, Source, Space};
+use super::{Decl, DeclId, DeclKind, Extent, Library, Module, ModuleId, Program, Source, Space};
 use crate::check::no_module;
 use crate::hash::Map;
 use rpi_diag::{Code, Finding, Span};
@@ -36,6 +36,7 @@ impl<'a> Program<'a> {
             decls: collector.decls,
             implicit: implicit.map(|(id, _)| id).collect(),
             library,
+            extents: collector.extents,
         };
         (program, collector.findings)
     }
@@ -46,6 +47,7 @@ struct Collector<'a> {
     modules: Vec<Module>,
     decls: Vec<Decl<'a>>,
     findings: Vec<Finding>,
+    extents: Vec<Extent>,
 }
 
 impl<'a> Collector<'a> {
@@ -55,6 +57,7 @@ impl<'a> Collector<'a> {
             modules: Vec::new(),
             decls: Vec::new(),
             findings: Vec::new(),
+            extents: Vec::new(),
         }
     }
 
@@ -77,6 +80,7 @@ impl<'a> Collector<'a> {
 
     fn item(&mut self, item: &'a Item) {
         let doc = item.doc.as_ref();
+        self.extents.push(Extent::of(item));
         match &item.kind {
             ItemKind::Use(_) | ItemKind::Include(_) => {}
             ItemKind::Const(defs) => {

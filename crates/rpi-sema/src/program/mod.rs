@@ -14,8 +14,8 @@ pub use lookup::Lookup;
 use crate::hash::Map;
 use rpi_diag::Span;
 use rpi_syntax::ast::{
-    CommandDecl, ConstDef, DeclaredKind, DeviceDecl, Doc, File, FragmentDecl, FrameDecl, NodeDecl,
-    NodeKind, PrimitiveDecl, TaskDecl, TestDecl, TypeDef,
+    CommandDecl, ConstDef, DeclaredKind, DeviceDecl, Doc, File, FragmentDecl, FrameDecl, Item,
+    ItemKind, NodeDecl, NodeKind, PrimitiveDecl, TaskDecl, TestDecl, TypeDef,
 };
 use rpi_syntax::{Mode, Name};
 
@@ -175,6 +175,31 @@ pub struct Program<'a> {
     implicit: Vec<ModuleId>,
     /// What could be used, for what it would have declared.
     pub library: Library,
+    /// Where its declarations stand, whole, in the order of the files.
+    pub extents: Vec<Extent>,
+}
+
+/// Where a declaration stands.
+#[derive(Clone, Copy, Debug)]
+pub struct Extent {
+    /// All of it.
+    pub span: Span,
+    /// Whether it is of something that becomes units, so that what is wrong in it is wrong in these alone.
+    pub is_of_units: bool,
+}
+
+impl Extent {
+    fn of(item: &Item) -> Extent {
+        use ItemKind::{Broken, Command, Fragment, Node, Primitive, Task, Test};
+        let is_of_units = matches!(
+            item.kind,
+            Broken(_) | Command(_) | Fragment(_) | Node(_) | Primitive(_) | Task(_) | Test(_)
+        );
+        Extent {
+            span: item.span,
+            is_of_units,
+        }
+    }
 }
 
 /// The modules that a program could use, whether it does or not.
@@ -205,6 +230,13 @@ impl<'a> Program<'a> {
     #[must_use]
     pub fn module(&self, id: ModuleId) -> &Module {
         &self.modules[id.0 as usize]
+    }
+
+    /// How many bytes its declarations are long: what it may ask for grows with that.
+    #[must_use]
+    pub fn length(&self) -> usize {
+        let lengths = self.extents.iter().map(|extent| extent.span);
+        lengths.map(|span| (span.end - span.start) as usize).sum()
     }
 
     /// The module that was asked for.

@@ -80,6 +80,61 @@ pub(super) fn no_let(found: &Found<'_, '_>) -> Option<Habit> {
     Some(Habit { finding, mend })
 }
 
+/// `var z: real; y = x; tel`
+pub(super) fn no_let_after_locals(found: &Found<'_, '_>) -> Option<Habit> {
+    use Token::{Colon, Eq, Ident, Semi, Tel, Var};
+    let name = found.fault.at.checked_sub(1)?;
+    let shape = [found.token(name), found.token(name + 1)];
+    let ends_locals = name > 0 && found.token(name - 1) == Some(Semi);
+    let has = |token| move |lexeme: &Lexeme| lexeme.token == token;
+    let (before, after) = found.lexemes.split_at(name);
+    if shape != [Some(Ident), Some(Eq)]
+        || !ends_locals
+        || !found.expects(Colon)
+        || !before.iter().any(has(Var))
+        || !after.iter().any(has(Tel))
+    {
+        return None;
+    }
+    let finding = Finding::new(Code::RPI0001, "this body has no `let`")
+        .at(
+            found.span_at(name),
+            "the first equation: an equation stands between `let` and `tel`",
+        )
+        .fix(Fix::sure("insert `let`").insert_after(found.span_at(name - 1), "\nlet"));
+    let mend = Mend::Tokens(vec![found.before_token(name, Token::Let)]);
+    Some(Habit { finding, mend })
+}
+
+/// `begin y = x; end`
+pub(super) fn begin_end(found: &Found<'_, '_>) -> Option<Habit> {
+    let fault = found.fault.at;
+    // Behind local declarations it is taken for the next name.
+    let at = match found.expects(Token::Colon) {
+        true => fault.checked_sub(1)?,
+        false => fault,
+    };
+    if found.written(at) != "begin" || !(at < fault || found.expects(Token::Let)) {
+        return None;
+    }
+    let mut last = (at + 1..found.lexemes.len()).rev();
+    let end = last.find(|at| found.written(*at) == "end");
+    let finding = habit("a body stands between `let` and `tel`")
+        .at(found.span_at(at), "`begin` is no word of the language");
+    let fix = Fix::sure("write `let` and `tel`").replace(found.span_at(at), "let");
+    let mut tokens = vec![found.instead(at, &[Token::Let])];
+    let finding = match end {
+        Some(end) => {
+            tokens.push(found.instead(end, &[Token::Tel]));
+            let fix = fix.replace(found.span_at(end), "tel");
+            finding.also(found.span_at(end), "ends here").fix(fix)
+        }
+        None => finding.fix(fix),
+    };
+    let mend = Mend::Tokens(tokens);
+    Some(Habit { finding, mend })
+}
+
 /// `(x: real, b: bool)`, `{x = 1.0, y = 2.0}`
 pub(super) fn comma(found: &Found<'_, '_>) -> Option<Habit> {
     let at = found.fault.at;

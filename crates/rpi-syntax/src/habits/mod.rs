@@ -62,6 +62,8 @@ const HABITS: &[fn(&Found<'_, '_>) -> Option<Habit>] = &[
     heads::returns,
     heads::braces,
     heads::no_let,
+    heads::no_let_after_locals,
+    heads::begin_end,
     heads::comma,
     heads::type_first,
     bodies::needless_word,

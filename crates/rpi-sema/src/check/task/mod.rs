@@ -26,6 +26,9 @@ use order::{entry_of, first_of, lasts, run_of};
 use rpi_diag::{Code, Finding};
 use rpi_syntax::ast::{Expr, Ident, Next, Run, Step, StepKind, Strand, TaskDecl};
 
+/// The most repetitions: one in each millisecond, these take twelve days.
+const MAX_TIMES: i64 = 1 << 30;
+
 /// Steps that can be reached by name, the innermost list last.
 type Labels<'a> = Vec<(&'a Ident, &'a Run)>;
 
@@ -133,9 +136,24 @@ impl<'a> Body<'_, 'a> {
     fn times(&mut self, count: Option<&'a Expr>) {
         let Some(count) = count else { return };
         let value = self.expr(count);
-        if self.expect(value, &Ty::Int, &Wanted::Here) && self.is_known(value) {
-            self.unit.counts.push((count.span, value));
+        if !self.expect(value, &Ty::Int, &Wanted::Here) || !self.is_known(value) {
+            return;
         }
+        let known = self.try_fold(value).ok();
+        match known.and_then(|leaves| leaves.first()?.as_int()) {
+            Some(times) if !(0..=MAX_TIMES).contains(&times) => self.not_so_often(times, count),
+            _ => self.unit.counts.push((count.span, value)),
+        }
+    }
+
+    fn not_so_often(&mut self, times: i64, count: &Expr) {
+        let message = format!("nothing can be repeated {times} times");
+        let finding = Finding::new(Code::RPI8006, message)
+            .at(count.span, format!("from 0 to {MAX_TIMES} is possible"));
+        self.report(match times > 0 {
+            true => finding.help("`repeat let ... tel` repeats without end"),
+            false => finding.help("correct the number"),
+        });
     }
 
     /// Whether a value is known when the task is loaded; reports that it is not.

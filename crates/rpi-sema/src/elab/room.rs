@@ -1,0 +1,56 @@
+//! How large all nets of a program together may become: each is bounded by itself, and a short text can ask for many.
+
+use crate::check::Checked;
+use crate::program::Program;
+use rpi_diag::{Code, Finding, Span};
+use std::cell::Cell;
+
+/// What every program may have.
+const FREE: usize = 300_000;
+
+/// What a byte of text pays for.
+const PER_BYTE: usize = 2;
+
+/// What a step of a task pays for: its command may have a net of its own, for its arguments.
+const PER_STEP: usize = 2_000;
+
+/// The room for nodes.
+#[derive(Debug)]
+pub struct Room {
+    left: Cell<usize>,
+    is_told: Cell<bool>,
+}
+
+impl Room {
+    /// The room that a program has.
+    #[must_use]
+    pub fn of(program: &Program<'_>, checked: &Checked) -> Room {
+        let steps: usize = checked.units.iter().map(|unit| unit.steps.len()).sum();
+        Room {
+            left: Cell::new(FREE + PER_BYTE * program.length() + PER_STEP * steps),
+            is_told: Cell::new(false),
+        }
+    }
+
+    /// Whether there is any left.
+    #[must_use]
+    pub fn is_left(&self) -> bool {
+        self.left.get() > 0
+    }
+
+    /// A net of so many nodes has been made.
+    pub fn take(&self, nodes: usize) {
+        self.left.set(self.left.get().saturating_sub(nodes));
+    }
+
+    /// What is to be said at the first thing that has no room.
+    #[must_use]
+    pub fn used_up(&self, span: Span) -> Option<Finding> {
+        let message = "written out the whole program is too much to work with";
+        (!self.is_told.replace(true)).then(|| {
+            Finding::new(Code::RPI1011, message)
+                .at(span, "what stands before this uses up the room")
+                .help("divide the program into several files")
+        })
+    }
+}
