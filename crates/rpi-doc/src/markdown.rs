@@ -43,11 +43,12 @@ pub(crate) fn summary(text: &str) -> String {
     parts.collect()
 }
 
-/// The bytes up to the end of the first sentence: a point, a space, a large letter or a name.
+/// The bytes up to the end of the first sentence: a point, a space, a large letter or a name. None ends within parentheses.
 fn sentence(text: &str) -> usize {
     let is_end = |at: &usize| {
-        let next = text[at + 2..].chars().next();
-        next.is_some_and(|c| c.is_uppercase() || c == '`')
+        let (before, next) = (&text[..*at], text[at + 2..].chars().next());
+        let inside = before.matches('(').count() > before.matches(')').count();
+        !inside && next.is_some_and(|c| c.is_uppercase() || c == '`')
     };
     let mut points = text.match_indices(". ").map(|(at, _)| at);
     points.find(is_end).map_or(text.len(), |at| at + 1)
@@ -183,6 +184,10 @@ mod tests {
             "Follows <code>x</code>, e.g. slowly."
         );
         assert_eq!(summary("Fig. 6: on to C. Then D."), "Fig. 6: on to C.");
+        assert_eq!(
+            summary("The transform (R. Jones, Book). More."),
+            "The transform (R. Jones, Book)."
+        );
         assert_eq!(summary("One\ntwo\n\nthree"), "One two");
         assert_eq!(summary("As [`f`] does."), "As <code>f</code> does.");
     }
