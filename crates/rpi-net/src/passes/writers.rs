@@ -15,7 +15,7 @@ use std::fmt;
 const PAIRS: usize = 20_000;
 
 /// Ports of the reference's arms that set the same motion.
-const SAME_MOTION: [&str; 2] = ["joint.position", "tcp.position"];
+pub(crate) const SAME_MOTION: [&str; 2] = ["joint.position", "tcp.position"];
 
 /// One port of a device, as a resource that a command takes.
 #[derive(Clone, PartialEq, Eq, PartialOrd, Ord, Hash, Debug)]

@@ -8,6 +8,7 @@
 use crate::net::{
     Driver, FragmentId, Input, Net, Node, NodeId, Origin, PortRef, ResultKind, ResultPort,
 };
+use crate::passes::writers::{SAME_MOTION, resource};
 use crate::passes::{Presences, Sureness, analyse};
 use crate::tree::Tree;
 use rpi_diag::{Code, Finding, Span};
@@ -29,6 +30,7 @@ pub fn with_ports(net: &Net) -> (Net, Vec<Finding>) {
     ending.results();
     let mut findings = ending.findings;
     findings.extend(budgets(net));
+    findings.extend(alternatives(net));
     (ending.net, findings)
 }
 
@@ -175,5 +177,29 @@ fn budgets(net: &Net) -> impl Iterator<Item = Finding> + '_ {
         };
         let message = format!("the budget of {what} is not kept in the text of the net");
         Finding::new(Code::RPI9102, message).at(fragment.origin.span, "has a budget")
+    })
+}
+
+/// A net does not tell which ports of a device set one actuator; those of arms are known to.
+fn alternatives(net: &Net) -> impl Iterator<Item = Finding> + '_ {
+    let written = |device: &str, port: &str| {
+        let mut nodes = net.nodes.iter();
+        nodes.find(|node| resource(node).is_some_and(|r| r.device == device && r.port == port))
+    };
+    net.alternatives.iter().filter_map(move |group| {
+        let ports = group.ports.iter();
+        let ports = ports.filter(|port| !SAME_MOTION.contains(&port.as_str()));
+        let both: Vec<(&String, &Node)> = ports
+            .filter_map(|port| Some((port, written(&group.device, port)?)))
+            .collect();
+        let [(a, first), (b, second), ..] = both[..] else {
+            return None;
+        };
+        let device = &group.device;
+        let message = format!(
+            "that `{device}.{a}` and `{device}.{b}` set one actuator is not kept in the text of the net"
+        );
+        let finding = Finding::new(Code::RPI9102, message).at(second.origin.span, "set here");
+        Some(finding.also(first.origin.span, "and here"))
     })
 }
