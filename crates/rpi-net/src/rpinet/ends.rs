@@ -199,7 +199,7 @@ fn alternatives(net: &Net) -> impl Iterator<Item = Finding> + '_ {
         let message = format!(
             "that `{device}.{a}` and `{device}.{b}` set one actuator is not kept in the text of the net"
         );
-        let finding = Finding::new(Code::RPI9102, message).at(second.origin.span, "set here");
-        Some(finding.also(first.origin.span, "and here"))
+        let finding = Finding::new(Code::RPI9102, message).at(first.origin.span, "set here");
+        Some(finding.also(second.origin.span, "and here"))
     })
 }
