@@ -36,7 +36,7 @@ pub use machine::{MACHINE, machine_text};
 pub use modules::{library_modules, library_text};
 pub use node::{Node, NodeCompiled, compile_node};
 pub use period::{parse_period, period_text};
-pub use project::{MANIFEST, Project};
+pub use project::{MANIFEST, Project, files_of};
 pub use rpi_sema::elab::Claims;
 pub use source::Told;
 pub use task::{Target, Task, TaskNode, TaskPlan};

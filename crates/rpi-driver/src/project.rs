@@ -89,6 +89,26 @@ impl Project {
     }
 }
 
+/// The files that are meant by some paths: of a folder, or of the `rpi.toml` in it, its programs.
+///
+/// # Errors
+/// If a folder has no program, or its `rpi.toml` is none.
+pub fn files_of(paths: &[PathBuf]) -> Result<Vec<PathBuf>, InputError> {
+    let mut files = Vec::new();
+    for path in paths {
+        match path.is_dir() || path.ends_with(MANIFEST) {
+            true => files.extend(Project::open(path)?.files.iter().map(|file| shown(file))),
+            false => files.push(path.clone()),
+        }
+    }
+    Ok(files)
+}
+
+/// A path as people write it, without `./`.
+fn shown(path: &Path) -> PathBuf {
+    path.strip_prefix(".").unwrap_or(path).to_owned()
+}
+
 fn manifest(path: &Path) -> Result<Manifest, InputError> {
     match std::fs::read_to_string(path) {
         Ok(text) => toml::from_str(&text)

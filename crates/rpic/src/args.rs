@@ -36,7 +36,7 @@ pub(crate) enum Task {
     Doc(DocArgs),
     /// Say more about a finding: what it means, a wrong and a right program.
     Explain {
-        /// Its code, RPI4001.
+        /// Its code, RPI4001 or 4001.
         code: String,
     },
     /// Measure how long an elementary operation takes here, for the budgets of programs.
@@ -62,7 +62,7 @@ pub(crate) enum Task {
 /// Options of `rpic check`.
 #[derive(Args, Debug)]
 pub(crate) struct CheckArgs {
-    /// Programs (.rpi, .lus) or nets (.rpinet), plain or .gz.
+    /// Programs (.rpi, .lus) or nets (.rpinet), plain or .gz; folders with programs.
     #[arg(required = true)]
     pub(crate) files: Vec<PathBuf>,
     /// Form of the findings: human, short, json, sarif or github.
@@ -79,7 +79,7 @@ pub(crate) struct CheckArgs {
 /// Options of `rpic test`.
 #[derive(Args, Debug)]
 pub(crate) struct TestArgs {
-    /// Programs (.rpi).
+    /// Programs (.rpi), or folders with programs.
     #[arg(required = true)]
     pub(crate) files: Vec<PathBuf>,
     /// Only tests whose title contains this.
@@ -203,7 +203,7 @@ pub(crate) struct ImportArgs {
 /// Options of `rpic fmt`.
 #[derive(Args, Debug)]
 pub(crate) struct FmtArgs {
-    /// Programs (.rpi, .lus).
+    /// Programs (.rpi, .lus), or folders with programs.
     #[arg(required_unless_present = "stdin")]
     pub(crate) files: Vec<PathBuf>,
     /// Change nothing; exit with 1 if a file is not formatted.

@@ -14,7 +14,7 @@ use crate::outcome::{Exit, Outcome, put};
 /// Checks each file; the worst of them decides.
 pub(crate) fn check(args: &CheckArgs) -> Outcome {
     let mut report = Report::default();
-    for file in &args.files {
+    for file in &rpi_driver::files_of(&args.files)? {
         let compiled = match args.fix {
             true => mend(file)?,
             false => compile(file)?,

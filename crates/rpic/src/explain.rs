@@ -6,7 +6,10 @@ use crate::outcome::{Exit, Outcome, put};
 
 /// Prints the page of a code.
 pub(crate) fn explain(name: &str) -> Outcome {
-    let upper = name.to_uppercase();
+    let upper = match name.bytes().all(|byte| byte.is_ascii_digit()) {
+        true => format!("RPI{name:0>4}"),
+        false => name.to_uppercase(),
+    };
     let Some(code) = Code::parse(&upper) else {
         let near = suggest(&upper, Code::ALL.iter().map(|code| code.as_str()));
         let near = near.map_or(String::new(), |code| format!("; did you mean {code}?"));

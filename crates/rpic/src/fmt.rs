@@ -16,7 +16,7 @@ pub(crate) fn fmt(args: &FmtArgs) -> Outcome {
         return stdin();
     }
     let mut exit = Exit::Good;
-    for file in &args.files {
+    for file in &rpi_driver::files_of(&args.files)? {
         let input = rpi_driver::read(file)?;
         let text = input.text()?;
         exit = match formatted(&file.display().to_string(), text)? {

@@ -16,7 +16,7 @@ use crate::outcome::{Exit, Outcome, put};
 /// Runs the tests of each file; one that fails decides.
 pub(crate) fn test(args: &TestArgs) -> Outcome {
     let (mut exit, mut tally) = (Exit::Good, Tally::default());
-    for file in &args.files {
+    for file in &rpi_driver::files_of(&args.files)? {
         let input = rpi_driver::read(file)?;
         let compiled = rpi_driver::compile(&input)?;
         show(args.format, &compiled.findings, &compiled.sources)?;

@@ -47,6 +47,40 @@ fn fixes_keep_line_ends_and_are_told_one_by_one() {
 }
 
 #[test]
+fn folders_stand_for_their_programs() {
+    let files = [
+        (
+            "a.rpi",
+            "node f (x: int) returns (y: int)\nlet\n  y = z;\ntel\n",
+        ),
+        (
+            "b.lus",
+            "node g (x: int) returns (y: int);\nlet\n  y=x;\ntel\n",
+        ),
+        (
+            "c.rpi",
+            "test \"one\"\nlet\n  assert first;\n  finish done when true;\ntel\n",
+        ),
+        ("notes.md", "no program"),
+    ];
+    let folder = folder(&files);
+    let checked = rpic(folder.path(), &["check", ".", "--format", "short"]);
+    assert_eq!(checked.status.code(), Some(1));
+    let told = text(&checked.stdout);
+    assert!(
+        told.contains("a.rpi:3:7") && !told.contains("notes"),
+        "{told}"
+    );
+    let formatted = rpic(folder.path(), &["fmt", "--check", "."]);
+    assert_eq!(text(&formatted.stderr), "b.lus: not formatted\n");
+    let tested = rpic(folder.path(), &["test", "."]);
+    let told = text(&tested.stdout);
+    assert!(told.contains("1 passed, 0 failed"), "{told}");
+    let none = rpic(folder.path(), &["check", "target"]);
+    assert_eq!(none.status.code(), Some(2));
+}
+
+#[test]
 fn what_one_fix_uncovers_is_fixed_too() {
     let program = "node f (x: float) returns (y: float) {\n  y := x;\n}\n";
     let folder = folder(&[("a.rpi", program)]);

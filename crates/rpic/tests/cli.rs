@@ -220,6 +220,7 @@ fn codes_are_explained_and_unknown_ones_told() {
     let output = rpic(&["explain", "RPI4001"]);
     assert_eq!(output.status.code(), Some(0));
     assert!(out(&output).contains("pre"), "{}", out(&output));
+    assert_eq!(rpic(&["explain", "4001"]).stdout, output.stdout);
     let output = rpic(&["explain", "RPI4999"]);
     assert_eq!(output.status.code(), Some(2));
     assert!(err(&output).contains("RPI4999"), "{}", err(&output));
