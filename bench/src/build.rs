@@ -4,8 +4,8 @@ use rpi_diag::Span;
 use rpi_image::desc::ShapeArgs;
 use rpi_image::{Need, ParamType, PortType, Presence, Role, Scalar, Type, Value};
 use rpi_net::{
-    Absent, Activation, Driver, Fragment, FragmentId, Input, Net, Node, NodeId, Origin, PortRef,
-    Restart, ResultKind, ResultPort,
+    Absent, Activation, Driver, Fragment, FragmentId, Input, Inputs, Net, Node, NodeId, Origin,
+    PortRef, Restart, ResultKind, ResultPort,
 };
 use rpi_prims::PrimId;
 
@@ -70,7 +70,7 @@ impl Build {
             .map(|p| given(p.name).unwrap_or_else(|| default_param(p)))
             .collect();
         let wired = |k: usize| inputs.get(k).cloned();
-        let inputs: Vec<Input> = (0..desc.inputs.len())
+        let inputs: Inputs = (0..desc.inputs.len())
             .map(|k| wired(k).unwrap_or_else(|| default_input(&desc.inputs[k])))
             .collect();
         let types: Vec<Option<Type>> = inputs.iter().map(|i| self.ty(i)).collect();

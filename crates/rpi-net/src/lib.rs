@@ -20,8 +20,8 @@ pub use claim::{Claim, ClaimKind, ClaimRead};
 pub use column::Column;
 pub use net::{
     Absent, Activation, Alternatives, Driver, Exit, Exits, ExportPort, Fragment, FragmentId,
-    FragmentPort, Input, Net, Node, NodeId, Origin, PortRef, Restart, ResultKind, ResultPort,
-    Types,
+    FragmentPort, Input, Inputs, Net, Node, NodeId, Origin, PortRef, Restart, ResultKind,
+    ResultPort, Types,
 };
 pub use rpi_prims::PrimId;
 pub use tree::{Item, Tree};

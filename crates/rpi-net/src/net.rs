@@ -66,6 +66,9 @@ pub struct Origin {
 /// The types of some ports; one, as most primitives have, lies in place.
 pub type Types = SmallVec<[Type; 1]>;
 
+/// What the in-ports of a primitive read; two, as most have, lie in place.
+pub type Inputs = SmallVec<[Input; 2]>;
+
 /// A primitive in a net.
 #[derive(Clone, PartialEq, Debug)]
 pub struct Node {
@@ -76,7 +79,7 @@ pub struct Node {
     /// The fragment it stands in.
     pub fragment: FragmentId,
     /// One entry per declared in-port.
-    pub inputs: Vec<Input>,
+    pub inputs: Inputs,
     /// One entry per declared parameter, defaults filled in.
     pub params: Vec<Value>,
     /// Type of each declared out-port, sizes resolved.

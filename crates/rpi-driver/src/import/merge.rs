@@ -12,7 +12,7 @@ use rpi_image::{PortType, Scalar, Type, Value};
 use rpi_net::passes::writers::Resource;
 use rpi_net::passes::{Analysis, analyse};
 use rpi_net::tree::Tree;
-use rpi_net::{FragmentId, Input, Net, Node, NodeId, Origin, PortRef};
+use rpi_net::{FragmentId, Input, Inputs, Net, Node, NodeId, Origin, PortRef};
 use rpi_prims::{PrimId, registry};
 
 use super::links;
@@ -150,7 +150,7 @@ impl Merger {
         let node = self.net.add_node(Node {
             name: format!("{device}_{port}_{index}"),
             fragment: at,
-            inputs: vec![Input::Port(value)],
+            inputs: Inputs::from_iter([Input::Port(value)]),
             ..writer
         });
         for (writer, value) in group.writers.iter().zip(&group.values) {
@@ -229,7 +229,7 @@ impl Merger {
             name: name.to_owned(),
             prim,
             fragment: at,
-            inputs,
+            inputs: inputs.into(),
             params: defaults.collect::<Vec<Value>>(),
             outputs: [Type::One(ty)].into_iter().collect(),
             origin: Origin {

@@ -51,7 +51,7 @@ impl Build {
                 given(p.name).unwrap_or_else(|| p.default.value(ty).expect("a default"))
             })
             .collect();
-        let inputs: Vec<Input> = desc
+        let inputs: rpi_net::Inputs = desc
             .inputs
             .iter()
             .map(|p| {

@@ -4,14 +4,14 @@ use super::links::{Links, list, type_name};
 use super::text::{Argument, Definition, Given, Place, Source, Word, number};
 use super::value::{flow_type, neutral, parse};
 use crate::literal::LiteralError;
-use crate::net::{Input, PortRef};
+use crate::net::{Input, Inputs, PortRef};
 use rpi_diag::{Code, Finding, suggest};
 use rpi_image::{InPort, Need, Param, ParamType, PortDefault, PortType, PrimDesc, Value};
 use smallvec::SmallVec;
 
 /// The inputs and parameters of a primitive.
 pub(super) struct Connected {
-    pub(super) inputs: Vec<Input>,
+    pub(super) inputs: Inputs,
     pub(super) params: Vec<Value>,
 }
 

@@ -5,8 +5,8 @@ use super::links::{Links, Nodes};
 use super::names::Names;
 use super::text::{Argument, BodyId, DefinitionId, Given, Kind, Source, Text, Word};
 use crate::net::{
-    Absent, Activation, Driver, Fragment, FragmentId, FragmentPort, Input, Net, Node, Origin,
-    PortRef, Restart, Types,
+    Absent, Activation, Driver, Fragment, FragmentId, FragmentPort, Input, Inputs, Net, Node,
+    Origin, PortRef, Restart, Types,
 };
 use rpi_diag::{Code, Finding, Fix, suggest};
 use rpi_image::{PortType, Scalar};
@@ -121,7 +121,7 @@ impl<'t> Builder<'_, 't> {
             name: self.name(id),
             prim,
             fragment: self.around(id),
-            inputs: Vec::new(),
+            inputs: Inputs::new(),
             params: Vec::new(),
             outputs: Types::new(),
             origin: self.origin(id),

@@ -156,7 +156,7 @@ impl Ending {
             name: name.rsplit("::").next().unwrap_or(name).to_owned(),
             prim,
             fragment: FragmentId::ROOT,
-            inputs,
+            inputs: inputs.into(),
             params: desc.params.iter().filter_map(param).collect(),
             outputs: desc.outputs.iter().filter_map(output).collect(),
             origin: Origin {

@@ -9,7 +9,7 @@ use crate::ty::{DevicePortTy, DeviceTy, Ty};
 use crate::typed::{ExprId, FlowId, Target};
 use rpi_diag::Span;
 use rpi_image::{Scalar, Type, Value};
-use rpi_net::{Alternatives, FragmentId, PortRef};
+use rpi_net::{Alternatives, FragmentId, Inputs, PortRef};
 use rpi_prims::PrimId;
 
 impl<'u> Elab<'u> {
@@ -65,7 +65,7 @@ impl<'u> Elab<'u> {
         let params = port_params(prim, &key.0, &key.1, key.2);
         let node = self.node(
             prim,
-            Vec::new(),
+            Inputs::new(),
             params,
             rpi_net::Types::from([Type::One(scalar)]),
             FragmentId::ROOT,

@@ -10,6 +10,7 @@ use rpi_diag::Span;
 use rpi_image::{Scalar, Type, Value};
 use rpi_net::prim;
 use rpi_net::{FragmentId, Input, PortRef, Types};
+use smallvec::smallvec;
 
 impl<'u> Elab<'u> {
     pub(super) fn each(
@@ -223,7 +224,7 @@ impl<'u> Elab<'u> {
         };
         let node = self.node(
             prim,
-            vec![input],
+            smallvec![input],
             Vec::new(),
             Types::from([Type::One(scalar)]),
             at.fragment,

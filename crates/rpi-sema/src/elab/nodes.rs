@@ -8,8 +8,9 @@ use crate::typed::Leaf;
 use rpi_diag::{Code, Finding, Span};
 use rpi_image::{InPort, Need, PortDefault, PortType, Scalar, ShapeArgs, Type, Value};
 use rpi_net::prim;
-use rpi_net::{FragmentId, Input, Node, NodeId, Origin, PortRef, Types};
+use rpi_net::{FragmentId, Input, Inputs, Node, NodeId, Origin, PortRef, Types};
 use rpi_prims::{FaultCode, PrimId, fold};
+use smallvec::smallvec;
 
 impl Elab<'_> {
     /// A primitive with its in-ports connected, `None` where they are open, and all its parameters. Gives the leaves of
@@ -38,7 +39,7 @@ impl Elab<'_> {
         at: At,
         span: Span,
     ) -> Wire {
-        let mut connected = Vec::with_capacity(inputs.len());
+        let mut connected = Inputs::with_capacity(inputs.len());
         for (port, given) in prim.desc().inputs.iter().zip(inputs) {
             let input = match given {
                 Some((ty, wire)) => self.input(&wire, ty, at, span),
@@ -53,7 +54,7 @@ impl Elab<'_> {
     fn connected(
         &mut self,
         prim: PrimId,
-        connected: Vec<Input>,
+        connected: Inputs,
         params: Vec<Value>,
         at: At,
         span: Span,
@@ -73,7 +74,7 @@ impl Elab<'_> {
 
     /// A primitive with one-leaf in-ports and one out-port.
     pub(super) fn simple(&mut self, prim: PrimId, inputs: &[Signal], at: At, span: Span) -> Signal {
-        let mut connected = Vec::with_capacity(inputs.len());
+        let mut connected = Inputs::with_capacity(inputs.len());
         for (port, signal) in prim.desc().inputs.iter().zip(inputs) {
             let ty = natural(port.ty, 1);
             connected.push(self.input(std::slice::from_ref(signal), ty, at, span));
@@ -108,11 +109,8 @@ impl Elab<'_> {
         let Some(prim) = member(Family::Conditional, scalar) else {
             return Signal::Port(port);
         };
-        let inputs = vec![
-            Input::constant(Value::bool(true)),
-            Input::Port(port),
-            Input::Port(port),
-        ];
+        let always = Input::constant(Value::bool(true));
+        let inputs = smallvec![always, Input::Port(port), Input::Port(port)];
         let outputs = Types::from([Type::One(scalar)]);
         let node = self.node(prim, inputs, Vec::new(), outputs, fragment, span);
         Signal::Port(PortRef { node, port: 0 })
@@ -122,7 +120,7 @@ impl Elab<'_> {
     pub(super) fn node(
         &mut self,
         prim: PrimId,
-        inputs: Vec<Input>,
+        inputs: Inputs,
         params: Vec<Value>,
         outputs: Types,
         fragment: FragmentId,

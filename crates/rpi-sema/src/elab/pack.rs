@@ -6,8 +6,9 @@ use super::{At, Elab};
 use rpi_diag::Span;
 use rpi_image::{PortType, Scalar, Type, Value};
 use rpi_net::prim;
-use rpi_net::{Input, PortRef, Types};
+use rpi_net::{Input, Inputs, PortRef, Types};
 use rpi_prims::PrimId;
+use smallvec::smallvec;
 
 impl Elab<'_> {
     /// What an in-port of this type reads to get a value.
@@ -41,7 +42,7 @@ impl Elab<'_> {
     pub(super) fn absent(&mut self, scalar: Scalar, at: At, span: Span) -> Option<PortRef> {
         let prim = member(Family::SetNull, scalar)?;
         let value = Input::constant(Value::neutral(Type::One(scalar)));
-        let inputs = vec![value, Input::constant(Value::bool(true))];
+        let inputs = smallvec![value, Input::constant(Value::bool(true))];
         let params = super::nodes::default_params(prim);
         let node = self.node(
             prim,
@@ -81,7 +82,7 @@ impl Elab<'_> {
             Type::Matrix(..) => (prim!("Core::MatrixGet"), Scalar::Real, Vec::new()),
         };
         given.extend(place(ty, k));
-        let (inputs, params) = (vec![Input::Port(array)], sized_params(prim, &given));
+        let (inputs, params) = (smallvec![Input::Port(array)], sized_params(prim, &given));
         let outputs = Types::from([Type::One(scalar)]);
         let node = self.node(prim, inputs, params, outputs, at.fragment, span);
         Some(PortRef { node, port: 0 })
@@ -139,7 +140,7 @@ impl Elab<'_> {
         let params = sized_params(make, &sizes);
         let node = self.node(
             make,
-            Vec::new(),
+            Inputs::new(),
             params,
             Types::from([ty]),
             at.fragment,
@@ -151,7 +152,7 @@ impl Elab<'_> {
             let mut given = sizes.clone();
             given.extend(place(ty, k));
             let params = sized_params(set, &given);
-            let inputs = vec![Input::Port(array), value];
+            let inputs = smallvec![Input::Port(array), value];
             let node = self.node(set, inputs, params, Types::from([ty]), at.fragment, span);
             array = PortRef { node, port: 0 };
         }
@@ -171,7 +172,7 @@ impl Elab<'_> {
                 let prim = member(Family::Value, scalar)?;
                 let node = self.node(
                     prim,
-                    Vec::new(),
+                    Inputs::new(),
                     vec![value.clone()],
                     Types::from([Type::One(scalar)]),
                     at.fragment,

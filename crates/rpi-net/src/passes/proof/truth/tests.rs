@@ -1,7 +1,7 @@
 //! The table of gates against the code of the primitives.
 
 use super::*;
-use crate::net::{FragmentId, Input, Origin};
+use crate::net::{FragmentId, Input, Inputs, Origin};
 use rpi_diag::Span;
 use rpi_image::{PrimDesc, State};
 use rpi_prims::{Clock, Cx, NoDevices, Prim, PrimId};
@@ -86,7 +86,7 @@ fn node(prim: PrimId, params: Vec<Value>) -> Node {
         name: String::new(),
         prim,
         fragment: FragmentId::ROOT,
-        inputs: vec![Input::Open; prim.desc().inputs.len()],
+        inputs: Inputs::from_elem(Input::Open, prim.desc().inputs.len()),
         params,
         outputs: [Type::One(Scalar::Bool)].into_iter().collect(),
         origin: Origin {
