@@ -9,7 +9,7 @@ use crate::ty::Ty;
 use crate::typed::{Block, BlockId, Flow, FlowId, FlowRole, Optional};
 use rpi_diag::Span;
 use rpi_syntax::Name;
-use rpi_syntax::ast::Ident;
+use rpi_syntax::ast::{self, Ident, Locals};
 
 /// What a name inside a body stands for.
 #[derive(Clone, Debug)]
@@ -29,6 +29,17 @@ pub(super) struct Scope {
     /// In text order, for "did you mean".
     order: Vec<Name>,
 }
+
+impl Scope {
+    fn reserve(&mut self, names: usize) {
+        self.names.reserve(names);
+        self.order.reserve(names);
+    }
+}
+
+/// How many letters of a text are one expression, where these stand close: memory that is reserved and not used costs
+/// nothing.
+const LETTERS_PER_EXPR: usize = 8;
 
 impl Body<'_, '_> {
     /// What a name means here: in this block, or else in those around it.
@@ -130,6 +141,35 @@ impl Body<'_, '_> {
         });
         self.defined_by.push(None);
         id
+    }
+
+    /// Makes room for what a body declares, all at once: a table that grows step by step is copied at every step, and each
+    /// page of each copy is one that the system has to clear.
+    pub(super) fn make_room(&mut self, body: &ast::Body) {
+        let flows = self.new_flows(body);
+        self.unit.flows.reserve(flows);
+        self.defined_by.reserve(flows);
+        self.scopes[self.block.0 as usize].reserve(flows);
+        let statements = &body.statements;
+        self.pending.reserve(statements.len());
+        self.current().equations.reserve(statements.len());
+        if let [first, .., last] = &statements[..] {
+            let letters = last.span.end.saturating_sub(first.span.start) as usize;
+            self.unit.exprs.reserve(letters / LETTERS_PER_EXPR);
+        }
+    }
+
+    /// How many flows a body declares or introduces, at most.
+    fn new_flows(&self, body: &ast::Body) -> usize {
+        let declared = body.locals.iter().map(|section| match section {
+            Locals::Var(vars) => vars.iter().map(|var| var.names.len()).sum(),
+            Locals::Const(_) => 0,
+        });
+        let introduced = match self.is_rpi() {
+            true => body.statements.len(),
+            false => 0,
+        };
+        declared.sum::<usize>() + introduced
     }
 
     /// Adds a block inside the current one.

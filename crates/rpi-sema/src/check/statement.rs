@@ -60,6 +60,7 @@ impl<'a> Body<'_, 'a> {
         body: &'a ast::Body,
         later: &mut Vec<(BlockId, Later<'a>)>,
     ) {
+        self.make_room(body);
         for section in &body.locals {
             match section {
                 Locals::Var(vars) => vars.iter().for_each(|var| self.declare_var(var)),

@@ -144,6 +144,7 @@ impl<'u, 'a> Job<'u, 'a> {
         let unit = &self.units[self.id.0 as usize];
         elab.tells_exits = unit.kind == UnitKind::Test;
         elab.net.name = unit.name.to_string();
+        elab.make_room(unit);
         let root = &mut elab.net.fragments[0];
         root.budget_ns = unit.block(BlockId::ROOT).budget_ns;
         root.origin.span = unit.span;
@@ -179,6 +180,14 @@ impl<'u, 'a> Job<'u, 'a> {
 }
 
 impl<'u> Elab<'u> {
+    /// Makes room for the nodes of a large unit at once: most expressions are one at most.
+    fn make_room(&mut self, unit: &Unit) {
+        const LARGE: usize = 10_000;
+        if unit.exprs.len() >= LARGE {
+            self.net.nodes.reserve(unit.exprs.len());
+        }
+    }
+
     /// Connects the parameters. Those that are not known become aliases that stand for neutral values.
     fn parameters(
         &mut self,
