@@ -79,6 +79,7 @@ pub(super) struct Inference<'u> {
     pub(super) units: &'u [Unit],
     pub(super) unit: &'u Unit,
     clocks: &'u Clocks,
+    /// Empty, as long as nothing is known to be absent.
     pub(super) exprs: Vec<Absence>,
     flows: Vec<Absence>,
     /// For each block whether it may be inactive while its parent is active.
@@ -106,7 +107,7 @@ impl<'u> Inference<'u> {
             units,
             unit,
             clocks,
-            exprs: vec![Absence::NEVER; unit.exprs.len()],
+            exprs: Vec::new(),
             flows: unit
                 .flows
                 .iter()
@@ -139,6 +140,7 @@ impl<'u> Inference<'u> {
     }
 
     fn solve(&mut self, reads: &Reads<'_>) {
+        self.exprs.resize(self.unit.exprs.len(), Absence::NEVER);
         for id in (0..).map(ExprId).take(self.unit.exprs.len()) {
             self.exprs[id.0 as usize] = self.expr(id, reads);
         }
@@ -246,7 +248,8 @@ impl<'u> Inference<'u> {
     }
 
     fn of(&self, id: ExprId) -> Absence {
-        self.exprs[id.0 as usize].clone()
+        let known = self.exprs.get(id.0 as usize);
+        known.cloned().unwrap_or(Absence::NEVER)
     }
 
     fn count(&self, id: ExprId) -> usize {
