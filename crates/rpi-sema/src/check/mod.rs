@@ -74,7 +74,7 @@ mod untold;
 mod words;
 
 use crate::elab::Argument;
-use crate::hash::Map;
+use crate::hash::{Map, Set};
 use crate::program::{DeclId, DeclKind, Program};
 use crate::ty::{Subst, Ty, fit};
 use crate::typed::{Flow, Leaf, Unit, UnitId};
@@ -209,6 +209,8 @@ struct Checker<'a> {
     /// How many instances lie around the unit that is being checked, each made by the one before.
     depth: u32,
     unit_ids: Map<String, UnitId>,
+    /// The declarations that have a unit.
+    called: Set<DeclId>,
     queue: VecDeque<UnitId>,
     constants: Map<DeclId, Lazy<Constant>>,
     types: Map<String, Lazy<Ty>>,
@@ -246,6 +248,7 @@ impl<'a> Checker<'a> {
             most: nesting::most(program),
             depth: 0,
             unit_ids: Map::default(),
+            called: Set::default(),
             queue: VecDeque::new(),
             constants: Map::default(),
             types: Map::default(),

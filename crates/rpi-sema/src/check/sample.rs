@@ -41,8 +41,7 @@ impl Checker<'_> {
     /// Checks the Lustre nodes that nobody calls and that need static arguments.
     pub(super) fn check_samples(&mut self) {
         for id in self.program.root().decls.clone() {
-            let is_called = self.entries.iter().any(|entry| entry.header.decl == id);
-            if is_called || !self.is_lustre(id) {
+            if self.called.contains(&id) || !self.is_lustre(id) {
                 continue;
             }
             let before = self.findings.len();

@@ -63,6 +63,7 @@ impl<'a> Checker<'a> {
             state: Progress::Queued,
         });
         self.unit_ids.insert(key, id);
+        self.called.insert(header.decl);
         self.queue.push_back(id);
         Some(id)
     }
