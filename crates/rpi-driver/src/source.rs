@@ -254,11 +254,9 @@ pub(crate) fn analysed(
     let mut found = std::mem::take(&mut made.findings);
     if !has_errors(&found) {
         let net = std::mem::replace(&mut made.net, Net::new(""));
-        match rpi_net::passes::analyse(net, |_| false) {
-            Ok(analysis) if analysis.schedule.is_none() => {
-                found.extend(rings(front, unit, args));
-            }
-            Ok(analysis) => {
+        match rpi_net::passes::analyse_unless_ring(net, |_| false) {
+            Ok(None) => found.extend(rings(front, unit, args)),
+            Ok(Some(analysis)) => {
                 front.tell(unit, &analysis, &made);
                 found.extend(analysis.findings);
                 let over = over_budget(&analysis.net, &analysis.work, front.machine);

@@ -34,6 +34,37 @@ pub struct Analysis {
 }
 
 impl Analysis {
+    /// A net of which nothing is known.
+    fn begin(net: Net) -> Self {
+        let nothing = Net::new("");
+        Analysis {
+            findings: Vec::new(),
+            told: Vec::with_capacity(PASSES.len()),
+            users: Users::new(&nothing),
+            dependencies: Dependencies::none(),
+            schedule: None,
+            presences: Presences::unknown(&nothing),
+            writers: Writers::default(),
+            work: Work::default(),
+            tree: Tree::new(&nothing),
+            net,
+        }
+    }
+
+    fn run(&mut self, passes: &[Pass], forced: &Forced<'_>) -> Result<(), Violation> {
+        for pass in passes {
+            let told = (pass.run)(self, forced)?;
+            self.told.push((pass.name, told));
+        }
+        Ok(())
+    }
+
+    /// Lets go of what only passes look at.
+    fn end(mut self) -> Self {
+        self.users = Users::new(&Net::new(""));
+        self
+    }
+
     /// What proofs look at.
     fn background(&self) -> Background<'_> {
         Background {
@@ -183,6 +214,9 @@ pub const PASSES: &[Pass] = &[
     },
 ];
 
+/// How many of the passes it takes until the order of evaluation is known, or that there is none.
+const ORDERING: usize = 2;
+
 /// Holds a pass to its promise in tests and debug builds; a release relies on what they have shown.
 fn verified(check: impl FnOnce() -> Result<(), Violation>) -> Result<(), Violation> {
     match cfg!(debug_assertions) {
@@ -197,7 +231,7 @@ pub fn has_ring(net: &Net) -> bool {
     let dependencies = Dependencies::new(net, &Tree::new(net));
     // A delay that is added to an imported net may break what looks like one.
     Schedule::new(&dependencies).is_none()
-        && analyse(net.clone(), |_| false).is_ok_and(|analysis| analysis.schedule.is_none())
+        && analyse_unless_ring(net.clone(), |_| false).is_ok_and(|analysis| analysis.is_none())
 }
 
 /// Runs all passes over a net. `forced` names ports that count as optional whatever their rule says: those on which a
@@ -206,23 +240,26 @@ pub fn has_ring(net: &Net) -> bool {
 /// # Errors
 /// If the net is not in order or a pass broke its promise: a fault of the compiler.
 pub fn analyse(net: Net, forced: impl Fn(PortRef) -> bool) -> Result<Analysis, Violation> {
-    let nothing = Net::new("");
-    let mut analysis = Analysis {
-        findings: Vec::new(),
-        told: Vec::with_capacity(PASSES.len()),
-        users: Users::new(&nothing),
-        dependencies: Dependencies::none(),
-        schedule: None,
-        presences: Presences::unknown(&nothing),
-        writers: Writers::default(),
-        work: Work::default(),
-        tree: Tree::new(&nothing),
-        net,
-    };
-    for pass in PASSES {
-        let told = (pass.run)(&mut analysis, &forced)?;
-        analysis.told.push((pass.name, told));
+    let mut analysis = Analysis::begin(net);
+    analysis.run(PASSES, &forced)?;
+    Ok(analysis.end())
+}
+
+/// The same, but none if something depends on itself within a cycle: for those who draw rings from another net, or only
+/// want to know.
+///
+/// # Errors
+/// As [`analyse`].
+pub fn analyse_unless_ring(
+    net: Net,
+    forced: impl Fn(PortRef) -> bool,
+) -> Result<Option<Analysis>, Violation> {
+    let (ordering, others) = PASSES.split_at(ORDERING);
+    let mut analysis = Analysis::begin(net);
+    analysis.run(ordering, &forced)?;
+    if analysis.schedule.is_none() {
+        return Ok(None);
     }
-    analysis.users = Users::new(&nothing);
-    Ok(analysis)
+    analysis.run(others, &forced)?;
+    Ok(Some(analysis.end()))
 }

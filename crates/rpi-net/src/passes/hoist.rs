@@ -38,6 +38,9 @@ pub fn hoist_delays(net: &mut Net, dependencies: &Dependencies) -> usize {
 fn late_readings(net: &Net, graph: &Graph) -> BTreeMap<PortRef, Vec<Reader>> {
     let is_delay = |d: &Dependence| net.node(d.source.node).desc().role == Role::Delay;
     let from_inside = |v| matches!(graph[v], Item::Fragment(_));
+    if !graph.node_indices().any(from_inside) {
+        return BTreeMap::new();
+    }
     let rings = Rings::new(graph);
     let closing: BTreeSet<PortRef> = rings
         .edges()

@@ -19,7 +19,7 @@ pub mod work;
 pub mod writers;
 
 pub use crate::tree::Item;
-pub use analysis::{Analysis, PASSES, Pass, analyse, has_ring};
+pub use analysis::{Analysis, PASSES, Pass, analyse, analyse_unless_ring, has_ring};
 pub use conjunction::Conjunction;
 pub use dependencies::{Dependence, Dependencies, Reader};
 pub use presence::{Presences, Sureness, View};
