@@ -8,23 +8,63 @@ use std::collections::BTreeSet;
 /// For each node whether something that leaves the net depends on it.
 #[must_use]
 pub fn live(net: &Net) -> Vec<bool> {
-    let mut live = vec![false; net.nodes.len()];
-    let mut seen = vec![false; net.fragments.len()];
-    let mut open: Vec<NodeId> = effects(net).collect();
-    while let Some(id) = open.pop() {
-        if std::mem::replace(&mut live[id.index()], true) {
-            continue;
-        }
-        let node = net.node(id);
-        open.extend(node.inputs.iter().filter_map(|i| Some(i.port()?.node)));
-        for fragment in net.enclosing(node.fragment) {
-            if std::mem::replace(&mut seen[fragment.index()], true) {
-                break;
-            }
-            open.extend(conditions(net, fragment));
+    let mut search = Search::new(net);
+    effects(net).for_each(|id| search.mark(id));
+    // Most nodes read what stands before them: one sweep backwards, as they lie in memory, meets nearly all.
+    for id in net.node_ids().rev() {
+        search.sweep = id.index();
+        if search.live[id.index()] {
+            search.follow(id);
         }
     }
-    live
+    while let Some(id) = search.open.pop() {
+        search.follow(id);
+    }
+    search.live
+}
+
+/// A search for what is live, on its way.
+struct Search<'n> {
+    net: &'n Net,
+    live: Vec<bool>,
+    seen: Vec<bool>,
+    /// The sweep has come to this node.
+    sweep: usize,
+    /// What it has passed and was found to be live later.
+    open: Vec<NodeId>,
+}
+
+impl<'n> Search<'n> {
+    fn new(net: &'n Net) -> Self {
+        Search {
+            net,
+            live: vec![false; net.nodes.len()],
+            seen: vec![false; net.fragments.len()],
+            sweep: net.nodes.len(),
+            open: Vec::new(),
+        }
+    }
+
+    fn mark(&mut self, id: NodeId) {
+        let known = std::mem::replace(&mut self.live[id.index()], true);
+        if !known && id.index() >= self.sweep {
+            self.open.push(id);
+        }
+    }
+
+    /// Marks what a live node depends on.
+    fn follow(&mut self, id: NodeId) {
+        let net = self.net;
+        let node = net.node(id);
+        let sources = node.inputs.iter().filter_map(Input::port);
+        sources.for_each(|port| self.mark(port.node));
+        for fragment in net.enclosing(node.fragment) {
+            if std::mem::replace(&mut self.seen[fragment.index()], true) {
+                break;
+            }
+            conditions(net, fragment).for_each(|id| self.mark(id));
+        }
+    }
 }
 
 /// Nodes that act on the outside, and those of which the command's end or exports are made.
