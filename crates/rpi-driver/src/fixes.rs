@@ -22,7 +22,8 @@ pub(crate) fn typed(findings: &mut [Finding], checked: &Checked) {
 /// The expressions of a program by their places, put in order when one is looked for.
 struct Places<'c> {
     checked: &'c Checked,
-    sorted: OnceCell<Vec<&'c Expr>>,
+    /// With the places beside them: sorting looks at nothing else.
+    sorted: OnceCell<Vec<(Span, &'c Expr)>>,
 }
 
 impl<'c> Places<'c> {
@@ -31,12 +32,13 @@ impl<'c> Places<'c> {
         Places { checked, sorted }
     }
 
-    fn sorted(&self) -> &[&'c Expr] {
+    fn sorted(&self) -> &[(Span, &'c Expr)] {
         self.sorted.get_or_init(|| {
             let units = self.checked.units.iter();
-            let mut exprs: Vec<&Expr> = units.flat_map(|unit| &unit.exprs).collect();
-            exprs.sort_by_key(|expr| expr.span);
-            exprs
+            let exprs = units.flat_map(|unit| &unit.exprs);
+            let mut places: Vec<(Span, &Expr)> = exprs.map(|expr| (expr.span, expr)).collect();
+            places.sort_by_key(|(place, _)| *place);
+            places
         })
     }
 
@@ -44,9 +46,10 @@ impl<'c> Places<'c> {
     fn starting(&self, place: Span) -> impl Iterator<Item = &'c Expr> {
         let start = |span: Span| (span.file, span.start);
         let sorted = self.sorted();
-        let first = sorted.partition_point(|expr| start(expr.span) < start(place));
-        let here = sorted[first..].iter().copied();
-        here.take_while(move |expr| start(expr.span) == start(place))
+        let first = sorted.partition_point(|(at, _)| start(*at) < start(place));
+        let here = sorted[first..].iter();
+        let here = here.take_while(move |(at, _)| start(*at) == start(place));
+        here.map(|(_, expr)| *expr)
     }
 }
 
