@@ -4,7 +4,8 @@ use std::path::PathBuf;
 use std::process::ExitCode;
 
 fn main() -> ExitCode {
-    let grammar = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../../grammar");
+    let here = std::env::var_os("CARGO_MANIFEST_DIR").unwrap_or_default();
+    let grammar = PathBuf::from(here).join("../../grammar");
     println!(
         "cargo::rerun-if-changed={}",
         grammar.join("rpi.lalrpop").display()
