@@ -33,8 +33,26 @@ pub struct Compiled {
     pub tasks: Vec<Task>,
     /// What the program claims of itself.
     pub tests: Vec<Test>,
-    /// What the analyses established about each thing that can be run.
+    /// What the analyses established about each thing that can be run, if that was asked for.
     pub told: Vec<Told>,
+}
+
+/// What is asked for besides the findings.
+#[derive(Clone, Copy, PartialEq, Eq, Default, Debug)]
+pub struct Asked {
+    /// What becomes of the program's claims in what can be run.
+    pub claims: Claims,
+    /// Whether the analyses tell what they established.
+    pub told: bool,
+}
+
+impl From<Claims> for Asked {
+    fn from(claims: Claims) -> Asked {
+        Asked {
+            claims,
+            told: false,
+        }
+    }
 }
 
 /// What there is to run.
@@ -54,24 +72,24 @@ pub fn compile(input: &Input) -> Result<Compiled, InputError> {
     compile_with(input, Claims::Off)
 }
 
-/// Takes a file through all stages up to checked nets; its commands do with claims as asked for.
+/// Takes a file through all stages up to checked nets; gives what is asked for.
 ///
 /// # Errors
 /// If the content is not of its kind at all; faults of a program are findings, not errors.
-pub fn compile_with(input: &Input, claims: Claims) -> Result<Compiled, InputError> {
+pub fn compile_with(input: &Input, asked: impl Into<Asked>) -> Result<Compiled, InputError> {
     match input.kind {
         Kind::Rpib => image(input),
         Kind::Rpinet => Ok(net(input, input.text()?)),
-        Kind::Rpi | Kind::Lustre => Ok(program(input, input.text()?, claims)),
+        Kind::Rpi | Kind::Lustre => Ok(program(input, input.text()?, asked.into())),
     }
 }
 
-fn program(input: &Input, text: &str, claims: Claims) -> Compiled {
+fn program(input: &Input, text: &str, asked: Asked) -> Compiled {
     let mut sources = SourceMap::new();
     let (name, path) = (input.stem(), display(&input.path));
     let modules = program_text(input, &name, &path, text).modules(&mut sources);
     let mode = Mode::of_path(&path);
-    let (mut built, _) = source::build_modules(&modules, &sources, claims);
+    let (mut built, _) = source::build_modules(&modules, &sources, asked);
     let links = doctext::broken_links(&sources, mode, &|| modules.index());
     built.findings.extend(links);
     let mut findings = built.findings;
@@ -98,7 +116,7 @@ pub fn compile_example(input: &Input, lines: &[Range<usize>]) -> Result<Compiled
     let around = program_text(input, &name, &path, text);
     let mut sources = SourceMap::new();
     let modules = Modules::load_example(&example, &around, &Disk, &mut sources);
-    let (built, _) = source::build_modules(&modules, &sources, Claims::Report);
+    let (built, _) = source::build_modules(&modules, &sources, Claims::Report.into());
     Ok(Compiled {
         sources,
         findings: built.findings,

@@ -40,7 +40,7 @@ pub fn inspect(path: &Path, text: &str, files: &dyn Files) -> Inspected {
     let mut sources = SourceMap::new();
     let name = path.display().to_string();
     let modules = Modules::load(&stem(path), &name, text, path.parent(), files, &mut sources);
-    let (mut built, checked) = build_modules(&modules, &sources, Claims::Report);
+    let (mut built, checked) = build_modules(&modules, &sources, Claims::Report.into());
     let links = doctext::broken_links(&sources, Mode::of_path(&name), &|| modules.index());
     built.findings.extend(links);
     Inspected {

@@ -26,7 +26,7 @@ mod unwanted;
 mod violation;
 
 pub use compile::{
-    Compiled, Program, compile, compile_example, compile_with, lower_to_look, lower_to_run,
+    Asked, Compiled, Program, compile, compile_example, compile_with, lower_to_look, lower_to_run,
 };
 pub use doctext::{doc_blocks, doc_links, examples};
 pub use files::{Disk, Files};

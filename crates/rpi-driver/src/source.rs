@@ -13,6 +13,7 @@ use rpi_sema::program::Program;
 use rpi_sema::typed::{Kind, Unit, UnitId, UnitKind};
 use rpi_sema::{Checked, check};
 
+use crate::compile::Asked;
 use crate::files::Disk;
 use crate::modules::Modules;
 use crate::task::{self, Instance, Task};
@@ -64,8 +65,8 @@ pub(crate) struct Front<'p> {
     pub(crate) machine: Machine,
     /// How many nodes all nets together may have, and have so far.
     pub(crate) room: Room,
-    /// What was found out about each unit so far.
-    told: RefCell<Vec<Told>>,
+    /// What was found out about each unit so far, if anybody wants to know.
+    told: RefCell<Option<Vec<Told>>>,
 }
 
 /// What the analyses found out about something that can be run: its name, and a line per analysis.
@@ -77,13 +78,13 @@ pub struct Told {
     pub lines: Vec<(&'static str, String)>,
 }
 
-/// Takes parsed modules through all other stages; in what can be run claims are as asked for. What the checker made of them is kept for who wants to look at it.
+/// Takes parsed modules through all other stages. What the checker made of them is kept for who wants to look at it.
 pub(crate) fn build_modules(
     modules: &Modules,
     sources: &SourceMap,
-    claims: Claims,
+    asked: Asked,
 ) -> (Built, Checked) {
-    let back = |front: &Front<'_>, findings: &mut Vec<Finding>| roots(front, claims, findings);
+    let back = |front: &Front<'_>, findings: &mut Vec<Finding>| roots(front, asked, findings);
     let (roots, findings, checked) = with_front(modules, sources, back);
     let built = Built {
         nets: roots.nets,
@@ -148,8 +149,9 @@ struct Roots {
     tasks: Vec<Task>,
 }
 
-fn roots(front: &Front<'_>, claims: Claims, findings: &mut Vec<Finding>) -> Roots {
-    let checked = front.checked;
+fn roots(front: &Front<'_>, asked: Asked, findings: &mut Vec<Finding>) -> Roots {
+    let (claims, checked) = (asked.claims, front.checked);
+    front.told.replace(asked.told.then(Vec::new));
     let called = called(checked);
     let mut roots = Roots::default();
     for (_, unit) in &checked.runnable {
@@ -183,7 +185,7 @@ fn roots(front: &Front<'_>, claims: Claims, findings: &mut Vec<Finding>) -> Root
         .filter_map(|i| instance(front, i, claims, findings));
     roots.nets.extend(nets);
     roots.tasks = tasks;
-    roots.told = front.told.take();
+    roots.told = front.told.take().unwrap_or_default();
     roots
 }
 
@@ -196,7 +198,12 @@ fn instance(
 ) -> Option<Net> {
     let Instance { name, unit, args } = instance;
     let made = one(front, unit, &args, findings)?;
-    if let Some(told) = front.told.borrow_mut().last_mut() {
+    if let Some(told) = front
+        .told
+        .borrow_mut()
+        .as_mut()
+        .and_then(|told| told.last_mut())
+    {
         told.name.clone_from(&name);
     }
     let made = with_claims(front, unit, &args, made, claims);
@@ -284,13 +291,19 @@ impl Front<'_> {
 
     /// Keeps what was found out about a task.
     fn tell_task(&self, unit: UnitId) {
-        let lines = rpi_sema::told(&self.checked.units, unit);
-        let name = self.checked.unit(unit).name.to_string();
-        self.told.borrow_mut().push(Told { name, lines });
+        if let Some(told) = self.told.borrow_mut().as_mut() {
+            let lines = rpi_sema::told(&self.checked.units, unit);
+            let name = self.checked.unit(unit).name.to_string();
+            told.push(Told { name, lines });
+        }
     }
 
     /// Keeps what was found out about a unit.
     fn tell(&self, unit: UnitId, analysis: &Analysis, made: &Elaborated) {
+        let mut told = self.told.borrow_mut();
+        let Some(told) = told.as_mut() else {
+            return;
+        };
         let mut lines = rpi_sema::told(&self.checked.units, unit);
         lines.extend(analysis.told.iter().cloned());
         lines.push(("initialisation", rpi_sema::init::told(&analysis.net)));
@@ -303,7 +316,7 @@ impl Front<'_> {
             ));
         }
         let name = self.checked.unit(unit).name.to_string();
-        self.told.borrow_mut().push(Told { name, lines });
+        told.push(Told { name, lines });
     }
 }
 

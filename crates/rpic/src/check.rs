@@ -5,7 +5,7 @@ use std::io::IsTerminal;
 use std::path::Path;
 
 use rpi_diag::{Code, Finding, Format, Severity, SourceMap, Span, Style, render_as};
-use rpi_driver::Compiled;
+use rpi_driver::{Asked, Claims, Compiled};
 
 use crate::args::CheckArgs;
 use crate::mend::mend;
@@ -16,8 +16,8 @@ pub(crate) fn check(args: &CheckArgs) -> Outcome {
     let mut report = Report::default();
     for file in &rpi_driver::files_of(&args.files)? {
         let compiled = match args.fix {
-            true => mend(file)?,
-            false => compile(file)?,
+            true => mend(file, args.explain_analysis)?,
+            false => compile(file, args.explain_analysis)?,
         };
         if args.explain_analysis {
             explain(&compiled)?;
@@ -31,9 +31,11 @@ pub(crate) fn check(args: &CheckArgs) -> Outcome {
     })
 }
 
-/// A file, compiled.
-pub(crate) fn compile(path: &Path) -> Result<Compiled, Box<dyn std::error::Error>> {
-    Ok(rpi_driver::compile(&rpi_driver::read(path)?)?)
+/// A file, compiled; the analyses tell what they established if that is asked for.
+pub(crate) fn compile(path: &Path, told: bool) -> Result<Compiled, Box<dyn std::error::Error>> {
+    let claims = Claims::Off;
+    let input = rpi_driver::read(path)?;
+    Ok(rpi_driver::compile_with(&input, Asked { claims, told })?)
 }
 
 /// The findings of several files; what they share is told once.

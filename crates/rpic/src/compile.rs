@@ -29,7 +29,7 @@ pub(crate) fn compile(args: &CompileArgs) -> Outcome {
     if args.emit == Some(Form::Lustre) && (is_lustre || args.node.is_some()) {
         return node_as_lustre(&input, args);
     }
-    let compiled = rpi_driver::compile_with(&input, args.contracts.into())?;
+    let compiled = rpi_driver::compile_with(&input, rpi_driver::Claims::from(args.contracts))?;
     show(Format::Human, &compiled.findings, &compiled.sources)?;
     if compiled.has_errors() {
         return Ok(Exit::Found);

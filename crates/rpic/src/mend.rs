@@ -17,13 +17,13 @@ const ROUNDS: usize = 10;
 type Failure = Box<dyn std::error::Error>;
 
 /// Mends a file and those of its project that it uses, tells what was done, and checks what is left.
-pub(crate) fn mend(path: &Path) -> Result<Compiled, Failure> {
-    let mut compiled = compile(path)?;
+pub(crate) fn mend(path: &Path, told: bool) -> Result<Compiled, Failure> {
+    let mut compiled = compile(path, told)?;
     for _ in 0..ROUNDS {
         if !round(&compiled)? {
             break;
         }
-        compiled = compile(path)?;
+        compiled = compile(path, told)?;
     }
     Ok(compiled)
 }
