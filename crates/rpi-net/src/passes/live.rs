@@ -58,11 +58,13 @@ impl<'n> Search<'n> {
         let node = net.node(id);
         let sources = node.inputs.iter().filter_map(Input::port);
         sources.for_each(|port| self.mark(port.node));
-        for fragment in net.enclosing(node.fragment) {
+        let mut around = Some(node.fragment);
+        while let Some(fragment) = around {
             if std::mem::replace(&mut self.seen[fragment.index()], true) {
                 break;
             }
             conditions(net, fragment).for_each(|id| self.mark(id));
+            around = net.fragment(fragment).parent;
         }
     }
 }
