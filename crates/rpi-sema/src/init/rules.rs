@@ -207,10 +207,25 @@ fn coalesce(all: &Solution<'_>, id: NodeId, phase: usize) -> Known {
     }
 }
 
+/// Constants matter only where every flow has a value that is known, which is rare.
 fn strict(all: &Solution<'_>, id: NodeId, phase: usize) -> Known {
-    let count = all.net().node(id).inputs.len();
-    let inputs = (0..count).map(|k| all.input(id, k, phase).known);
-    strict_of(all, id, inputs)
+    let inputs = &all.net().node(id).inputs;
+    let input = |k: usize| all.input(id, k, phase).known;
+    let flows = (0..inputs.len()).filter(|k| inputs[*k].port().is_some());
+    let (mut worst, mut is_known) = (Known::Defined, true);
+    for flow in flows.map(input) {
+        match flow {
+            Known::Never => return Known::Never,
+            Known::Value(_) => continue,
+            Known::OneOf(_) | Known::Defined => {}
+            undefined @ Known::Undefined { .. } => worst = worst.join(&undefined),
+        }
+        is_known = false;
+    }
+    match is_known {
+        true => strict_of(all, id, (0..inputs.len()).map(input)),
+        false => worst,
+    }
 }
 
 fn strict_of(all: &Solution<'_>, id: NodeId, inputs: impl Iterator<Item = Known>) -> Known {
