@@ -54,17 +54,16 @@ enum Prefix {
     Own(&'static str),
 }
 
-/// The primitive of an operation for a value type, if there is one.
+/// What has been looked up for one operation, by value type.
+type Row = [OnceLock<Option<PrimId>>; Scalar::ALL.len()];
+
+/// The primitive of an operation for a value type, if there is one. Each is looked up when it is first asked for: a
+/// program needs few of them.
 pub(super) fn member(family: Family, scalar: Scalar) -> Option<PrimId> {
-    static MEMBERS: OnceLock<Vec<Option<PrimId>>> = OnceLock::new();
-    let members = MEMBERS.get_or_init(|| {
-        let rows = NAMES.iter();
-        let all = rows.flat_map(|row| Scalar::ALL.map(|scalar| registered(row, scalar)));
-        all.collect()
-    });
+    static MEMBERS: [Row; NAMES.len()] = [const { [const { OnceLock::new() }; _] }; _];
     let row = NAMES.iter().position(|row| row.0 == family)?;
     let column = Scalar::ALL.iter().position(|one| *one == scalar)?;
-    members[row * Scalar::ALL.len() + column]
+    *MEMBERS[row][column].get_or_init(|| registered(&NAMES[row], scalar))
 }
 
 fn registered((_, prefix, suffix): &(Family, Prefix, &str), scalar: Scalar) -> Option<PrimId> {
