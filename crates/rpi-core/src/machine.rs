@@ -1,7 +1,7 @@
 //! One image running: memory, and the phases of a cycle.
 
 use crate::load::{LoadFault, check};
-use crate::ports::Ports;
+use crate::ports::{Ports, place};
 use crate::program::{Op, Program, copy};
 use rpi_device::{DeviceBank, Jump};
 use rpi_image::CommandFlow;
@@ -208,9 +208,11 @@ impl Machine {
         self.ports.hand_over(bank)
     }
 
-    /// Makes a missing set-point the fault of this cycle.
+    /// Makes the missing or refused set-point the fault of this cycle.
     pub(crate) fn lose_control(&mut self) {
-        self.fail(FaultCode::SetPointMissing, 0);
+        let (code, actuator) = self.ports.loss();
+        let actuator = actuator.and_then(|k| self.image.actuators.get(k));
+        self.fail(code, actuator.map_or(0, place));
     }
 
     /// Lets the first set-points be held against those of who went before.

@@ -23,6 +23,9 @@ pub(crate) struct Ports {
     pub(crate) joins: bool,
     /// The first set-point of this cycle that does not join, with its actuator.
     pub(crate) jump: Option<(usize, Jump)>,
+    /// The first of those that moved at the end of this cycle and got no set-point, as a place in `held`, with the actuator whose
+    /// set-point was refused, if one was.
+    lost: Option<(usize, Option<usize>)>,
 }
 
 /// An actuator port of the image.
@@ -47,6 +50,8 @@ struct Held {
     staged: Option<usize>,
     /// Whose set-point was handed over at the end of the cycle before.
     last: Option<usize>,
+    /// Whose set-point its device has refused in this cycle.
+    refused: Option<usize>,
 }
 
 impl Ports {
@@ -76,6 +81,7 @@ impl Ports {
             buffer: Box::default(),
             joins: false,
             jump: None,
+            lost: None,
         };
         if faults.is_empty() {
             loading.actuators(image, &ports, bank);
@@ -159,6 +165,9 @@ impl Ports {
         for h in held.iter_mut() {
             h.claimed = true;
             h.set |= accepted;
+            if !accepted {
+                h.refused = Some(index);
+            }
         }
         let completed = held.first().is_some_and(|h| h.last == Some(index));
         if let Some(first) = held.first_mut().filter(|_| accepted) {
@@ -195,19 +204,32 @@ impl Ports {
 
     /// Hands all staged set-points over. False if an actuator moves and has got none: then it is stopped.
     pub(crate) fn hand_over(&mut self, bank: &mut dyn DeviceBank) -> bool {
-        let mut controlled = true;
-        for held in &mut self.held {
+        self.lost = None;
+        for (k, held) in self.held.iter_mut().enumerate() {
             held.last = held.staged.take();
             if let Some(set) = held.last.map(|index| &self.actuators[index]) {
                 bank.write(set.port, &self.buffer[set.at..set.at + set.len]);
             }
             held.claimed = false;
+            let refused = held.refused.take();
             if !core::mem::take(&mut held.set) && bank.moving(held.resource) {
                 bank.stop(held.resource);
-                controlled = false;
+                self.lost.get_or_insert((k, refused));
             }
         }
-        controlled
+        self.lost.is_none()
+    }
+
+    /// The fault of what moved and got no set-point, and the actuator by which messages find it.
+    pub(crate) fn loss(&self) -> (FaultCode, Option<usize>) {
+        match self.lost {
+            Some((_, Some(refused))) => (FaultCode::DeviceFailed, Some(refused)),
+            Some((k, None)) => {
+                let mover = self.actuators.iter().position(|set| set.moves.contains(&k));
+                (FaultCode::SetPointMissing, mover)
+            }
+            None => (FaultCode::SetPointMissing, None),
+        }
     }
 
     /// Drops all staged set-points and lets every actuator that moves come to a stop.

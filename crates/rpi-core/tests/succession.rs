@@ -216,7 +216,16 @@ fn a_moving_axis_without_set_point_is_stopped() {
     bank.failed = true;
     ticks(&mut core, &mut bank, 2);
     let ending = *core.command(ids[0]).unwrap().ending().unwrap();
-    assert!(matches!(ending.cause, Cause::Fault(f) if f.code == FaultCode::SetPointMissing));
+    let Cause::Fault(fault) = ending.cause else {
+        panic!("{ending:?}");
+    };
+    assert_eq!(
+        fault.code,
+        FaultCode::DeviceFailed,
+        "it was refused, not missing"
+    );
+    let image = core.command(ids[0]).unwrap().machine().image();
+    assert!(image.place_of(fault.cell).is_some(), "{fault:?}");
     assert_eq!((bank.stops[0], ending.cycles), (1, 4));
 }
 

@@ -396,3 +396,27 @@ fn examples_end_at_rest() {
         }
     }
 }
+
+/// What a device refuses is told as that, with its place, and not as a set-point that is missing.
+#[test]
+fn a_refused_set_point_is_told_as_that() {
+    let folder = tempfile::tempdir().unwrap();
+    let program = folder.path().join("jump.rpi");
+    let text = "use motion;
+command Jump (arm: Arm)
+let
+  p = if time > 0.1[s] then 0.5[rad] else 0.0001[rad/s] * time;
+  arm.joints = [p, 0[rad], 0[rad], 0[rad], 0[rad], 0[rad], 0[rad]];
+  finish over when time > 1[s];
+tel
+";
+    std::fs::write(&program, text).unwrap();
+    let cell = "[devices.arm]\nkind = \"arm\"\nmodel = \"kuka-lwr4+\"\n";
+    std::fs::write(folder.path().join("cell.toml"), cell).unwrap();
+    let output = rpi(&["run", program.to_str().unwrap()]);
+    assert_eq!(output.status.code(), Some(3), "{}", said(&output));
+    let told = said(&output);
+    assert!(told.contains("FAULT at arm.joints"), "{told}");
+    assert!(told.contains("the device refuses its set-point"), "{told}");
+    assert!(told.contains("velocity at axis 0"), "{told}");
+}

@@ -124,3 +124,37 @@ fn who_is_to_be_kept_is_ready_again() {
         });
     }
 }
+
+/// Whatever moves brakes, whoever it belongs to; nobody starts anything until it is reset, and that only once all stand still.
+#[test]
+fn an_emergency_stop_brakes_what_moves() {
+    let server = open();
+    let mut owner = Owner::new(&server);
+    let swing = owner.load(SWING, "swing", "rpi");
+    owner.ask("watch.command", &json!({"command": swing}));
+    owner.ask("command.start", &json!({"command": swing}));
+    std::thread::sleep(std::time::Duration::from_millis(100));
+    let mut other = Owner::new(&server);
+    let net = other.load(ECHO, "net", "rpinet");
+    other.ask("emergency.stop", &json!({"by": "the guard"}));
+    let ending = owner.client.wait("the end", |text| {
+        let update: Value = serde_json::from_str(text).ok()?;
+        let ending = update["params"]["ending"].clone();
+        ending.is_object().then_some(ending)
+    });
+    assert_eq!(ending["why"], "emergency stop", "{ending}");
+    assert_eq!(ending["braked"], json!(["arm"]), "{ending}");
+    let state = owner.ask("emergency.state", &json!({}));
+    assert_eq!(state["result"], json!({"stopped": true, "by": "the guard"}));
+    let refused = other.ask("command.start", &json!({"command": net}));
+    assert_eq!(refused["error"]["code"], -32006, "{refused}");
+    let mut dio = Client::dio(server.address());
+    let session = dio.ask("nse(\"test\")").unwrap();
+    let net = dio.load(&session, ECHO);
+    assert!(dio.ask(&format!("nest(\"{net}\")")).is_err());
+    let begin = std::time::Instant::now();
+    while other.ask("emergency.reset", &json!({}))["error"]["code"] == -32003 {
+        assert!(begin.elapsed() < crate::client::PATIENCE);
+    }
+    assert!(dio.ask(&format!("nest(\"{net}\")")).is_ok());
+}
