@@ -238,7 +238,7 @@ fn a_leap_at_a_switch_is_refused_with_its_figures() {
     assert_eq!(refused.status.code(), Some(3));
     assert!(out(&refused).contains(leap), "{}", out(&refused));
     let allowed = rpi(&["run", &program, "--cell", &cell, "--on-jump", "allow"]);
-    let lost = "a moving actuator got no set-point and was stopped";
+    let lost = "the device refuses its set-point";
     assert!(out(&allowed).contains(leap), "{}", out(&allowed));
     assert!(out(&allowed).contains(lost), "{}", out(&allowed));
 }

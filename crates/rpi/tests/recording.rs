@@ -411,7 +411,7 @@ let
 tel
 ";
     std::fs::write(&program, text).unwrap();
-    let cell = "[devices.arm]\nkind = \"arm\"\nmodel = \"kuka-lwr4+\"\n";
+    let cell = "[devices.arm]\nkind = \"arm\"\nmodel = \"kuka-lwr4+\"\nenforce = [\"velocity\"]\n";
     std::fs::write(folder.path().join("cell.toml"), cell).unwrap();
     let output = rpi(&["run", program.to_str().unwrap()]);
     assert_eq!(output.status.code(), Some(3), "{}", said(&output));
