@@ -229,7 +229,12 @@ impl<'a> Body<'_, 'a> {
         let specials = SPECIALS.iter();
         let is_kind2 =
             |s: &&Special| matches!(s, Special::Any | Special::Choose | Special::Machine(_));
-        let mut specials = specials.filter(|s| !is_kind2(s) || !self.is_rpi());
+        let is_ours = |s: &&Special| matches!(s, Special::Spatial(_));
+        let is_rpi = self.is_rpi();
+        let mut specials = specials.filter(|s| match is_rpi {
+            true => !is_kind2(s),
+            false => !is_ours(s),
+        });
         if let Some(special) = specials.find(|special| special.name() == plain) {
             return Callee::Special(*special);
         }

@@ -5,10 +5,11 @@ use super::report::Wanted;
 use super::{Checker, Constant, Lazy};
 use crate::elab::{self, NotConstant};
 use crate::program::{DeclId, DeclKind};
-use crate::ty::Ty;
+use crate::ty::{Geometry, Ty};
 use crate::typed::{ExprId, Kind, Leaf, Unit, UnitId};
 use crate::units::Dim;
 use rpi_diag::{Code, Finding};
+use rpi_image::Scalar;
 use rpi_syntax::ast;
 use std::rc::Rc;
 
@@ -28,9 +29,9 @@ impl<'a> Checker<'a> {
             None => {}
         }
         let decl = self.program.decl(id);
-        let DeclKind::Const(def) = decl.kind else {
+        if !matches!(decl.kind, DeclKind::Const(_) | DeclKind::Frame(_)) {
             return None;
-        };
+        }
         if !self.may_keep(&[], decl.span) || !self.may_nest("constant", decl.span) {
             return None;
         }
@@ -39,7 +40,11 @@ impl<'a> Checker<'a> {
         self.open.push(id);
         let constant = self.nested(|checker| {
             let mut body = Body::of_module(checker, decl.module);
-            let constant = body.constant_def(def);
+            let constant = match decl.kind {
+                DeclKind::Const(def) => body.constant_def(def),
+                DeclKind::Frame(frame) => body.pose_of_frame(&decl.name, frame),
+                _ => None,
+            };
             body.leave();
             constant
         });
@@ -92,6 +97,26 @@ impl<'a> Body<'_, 'a> {
         let ty = declared.map_or(found.clone(), |ty| {
             crate::ty::join(&ty, &found).unwrap_or(ty)
         });
+        Some(Constant { ty, leaves })
+    }
+
+    /// Where a frame lies in the one that it is placed in, if that is fixed.
+    fn pose_of_frame(
+        &mut self,
+        name: &rpi_syntax::Name,
+        frame: &'a ast::FrameDecl,
+    ) -> Option<Constant> {
+        let in_frame = frame
+            .parent
+            .as_ref()
+            .map(|parent| self.parent_frame(parent));
+        let geometry = Geometry {
+            dim: None,
+            of: Some(name.clone()),
+            in_frame: in_frame.flatten(),
+        };
+        let ty = Ty::Spatial(Scalar::Pose, Rc::new(geometry));
+        let leaves = self.constant_of(frame.pose.as_ref()?, &ty)?;
         Some(Constant { ty, leaves })
     }
 

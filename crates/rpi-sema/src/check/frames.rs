@@ -3,7 +3,9 @@
 use super::body::Body;
 use crate::ty::{Geometry, Ty};
 use crate::typed::{ExprId, Kind};
+use crate::units::Dim;
 use rpi_diag::{Code, Finding, Fix, Span};
+use rpi_image::Scalar;
 use rpi_syntax::Name;
 use std::rc::Rc;
 
@@ -11,9 +13,14 @@ impl Body<'_, '_> {
     /// `(b in a) * (c in b)` is `(c in a)`; the frames in the middle must be the same.
     pub(super) fn composed(&mut self, left: ExprId, right: ExprId) -> Ty {
         let (a, b) = (self.ty_of(left).clone(), self.ty_of(right).clone());
-        let (Ty::Spatial(_, outer), Ty::Spatial(scalar, inner)) = (&a, &b) else {
+        let (Ty::Spatial(by, outer), Ty::Spatial(scalar, inner)) = (&a, &b) else {
             return Ty::Unknown;
         };
+        if let (Scalar::Pose, Scalar::Vector, Some(dim)) = (by, scalar, inner.dim)
+            && !dim.meets(Dim::LENGTH)
+        {
+            self.moves_no_place(left, right, &b);
+        }
         let meet = match (&outer.of, &inner.in_frame) {
             (Some(x), Some(y)) => x == y,
             _ => true,
@@ -28,6 +35,15 @@ impl Body<'_, '_> {
             in_frame: outer.in_frame.clone().filter(|_| meet),
         };
         Ty::Spatial(*scalar, Rc::new(geometry))
+    }
+
+    /// A pose moves places; other vectors are only turned.
+    fn moves_no_place(&mut self, left: ExprId, right: ExprId, ty: &Ty) {
+        let finding = Finding::new(Code::RPI2002, format!("a pose can not move `{ty}`"))
+            .at(self.span_of(right), "this is no place, which is in `m`")
+            .also(self.span_of(left), "this is a pose")
+            .help("directions, velocities and forces are turned: `p.rotation * v`");
+        self.report(finding);
     }
 
     fn do_not_meet(
@@ -83,6 +99,10 @@ pub(super) fn misplaced(
     let (Ty::Spatial(_, expected), Ty::Spatial(_, is)) = (expected, is) else {
         return finding;
     };
+    let is_turned = expected.of == is.in_frame && expected.in_frame == is.of;
+    if is_turned && expected.of.is_some() && expected.in_frame.is_some() {
+        return finding.help("`inverse` turns it round");
+    }
     match expected.in_frame.is_none() || is.in_frame.is_none() || expected.in_frame == is.in_frame {
         true => finding.help(format!(
             "composed with the pose of `{wanted}` in `{found}` from the right it fits: `x * y`"

@@ -15,7 +15,7 @@
 //! | `sample.rs` | what needs arguments that nobody gives, checked all the same |
 //! | `bound.rs`, `quantifier.rs`, `data.rs` | names that expressions bring in: quantifiers, conditions of types, alternatives |
 //! | `expr.rs`, `names.rs`, `ops.rs`, `access.rs`, `compose.rs`, `clocked.rs`, `case.rs` | expressions |
-//! | `call.rs`, `callable.rs`, `args.rs`, `applied.rs`, `prim.rs`, `predef.rs`, `special.rs`, `iterate.rs`, `condact.rs` | calls |
+//! | `call.rs`, `callable.rs`, `args.rs`, `applied.rs`, `prim.rs`, `predef.rs`, `special.rs`, `spatial.rs`, `iterate.rs`, `condact.rs` | calls |
 //! | `task.rs` | tasks: steps, branches, results |
 //! | `nesting.rs`, `recursion.rs` | how deep declarations may need one another, and calls without end |
 //! | `dialect.rs` | where other compilers for Lustre read something else |
@@ -62,6 +62,7 @@ mod recursion;
 mod report;
 mod sample;
 mod sizes;
+mod spatial;
 mod special;
 mod statement;
 mod statics;
@@ -281,7 +282,7 @@ impl<'a> Checker<'a> {
     fn declaration(&mut self, id: DeclId) -> Option<UnitId> {
         match self.program.decl(id).kind {
             DeclKind::Const(_) if self.is_lustre(id) => self.constant_alone(id),
-            DeclKind::Const(_) => {
+            DeclKind::Const(_) | DeclKind::Frame(_) => {
                 self.constant(id);
             }
             DeclKind::Type(_) | DeclKind::Device(_) => {
@@ -293,10 +294,7 @@ impl<'a> Checker<'a> {
             | DeclKind::Command(_)
             | DeclKind::Task(_)
             | DeclKind::Test(_) => return self.unit_alone(id),
-            DeclKind::EnumValue { .. }
-            | DeclKind::Constructor { .. }
-            | DeclKind::Frame(_)
-            | DeclKind::Broken(_) => {}
+            DeclKind::EnumValue { .. } | DeclKind::Constructor { .. } | DeclKind::Broken(_) => {}
         }
         None
     }

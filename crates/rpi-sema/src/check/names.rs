@@ -142,6 +142,14 @@ impl<'a> Body<'_, 'a> {
             }
             DeclKind::Constructor { ty, index } => self.construct((ty, index), &[], span),
             DeclKind::Broken(_) => self.fault(span),
+            DeclKind::Frame(frame) => match self.c.constant(id) {
+                Some(constant) => self.constant_expr(&constant, span),
+                None if frame.pose.is_some() => self.fault(span),
+                None => {
+                    let finding = not_a("a flow", &decl.name, "a frame", span, decl.span);
+                    self.fault_with(finding.help(format!("it is the pose of `{0}` where that is declared: `frame {0} in world = pose(...);`", decl.name)), span)
+                }
+            },
             kind => self.not_a_flow(&decl.name, kind.what(), span, decl.span),
         }
     }

@@ -105,6 +105,7 @@ const BINARY: &[Row] = &[
     row(Mul,     (Rotation, Vector),   prim!("World::VectorRotate"),     true,  Rule::Compose),
     row(Mul,     (Pose, Pose),         prim!("World::FrameTransform"),   false, Rule::Compose),
     row(Mul,     (Pose, Vector),       prim!("Rpi::FrameApply"),         false, Rule::Compose),
+    row(Mul,     (Rotation, Twist),    prim!("World::TwistRotate"),      true,  Rule::Compose),
     row(Add,     (Time, Real),         prim!("Core::TimeAdd"),           false, Rule::Moment),
     row(Sub,     (Time, Time),         prim!("Core::TimeDiff"),          false, Rule::Seconds),
 ];

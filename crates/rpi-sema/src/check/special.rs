@@ -4,6 +4,7 @@ use super::args::Given;
 use super::body::Body;
 use super::quantifier::foreign_ty;
 use super::report::Wanted;
+use super::spatial::SpatialOp;
 use super::statement::counted;
 use super::types::{FOREIGN, is_foreign};
 use crate::ty::Ty;
@@ -30,6 +31,8 @@ pub(super) enum Special {
     Choose,
     /// `(int8 x)` of Kind 2: as a machine integer.
     Machine(&'static str),
+    /// `norm(v)` and what else there is for vectors, rotations and poses.
+    Spatial(SpatialOp),
 }
 
 /// All of them.
@@ -48,6 +51,11 @@ pub(super) const SPECIALS: &[Special] = &[
     Special::Machine("uint16"),
     Special::Machine("uint32"),
     Special::Machine("uint64"),
+    Special::Spatial(SpatialOp::Vector),
+    Special::Spatial(SpatialOp::Dot),
+    Special::Spatial(SpatialOp::Cross),
+    Special::Spatial(SpatialOp::Norm),
+    Special::Spatial(SpatialOp::Inverse),
 ];
 
 impl Special {
@@ -60,6 +68,7 @@ impl Special {
             Special::Any => "any",
             Special::Choose => "choose",
             Special::Machine(name) => name,
+            Special::Spatial(op) => op.name(),
         }
     }
 }
@@ -77,6 +86,7 @@ impl Special {
             Special::Any => "`any<<t>>()`",
             Special::Choose => "`choose { x: t | c }`",
             Special::Machine(_) => "`(int8 x)`",
+            Special::Spatial(op) => op.form(),
         }
     }
 }
@@ -128,6 +138,9 @@ impl<'a> Body<'_, 'a> {
                 self.add(Kind::Each(Each::Hold, [*x, *init].into()), ty, span)
             }
             (Special::Sqrt, [x]) => self.sqrt(*x, span),
+            (Special::Spatial(op), values) if values.len() == op.operands() => {
+                self.spatial_op(op, values, span)
+            }
             (Special::Machine(to), [x]) => self.converted_for_machine(to, *x, span),
             _ => {
                 let message = format!(

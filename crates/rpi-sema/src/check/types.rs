@@ -209,7 +209,11 @@ impl<'a> Body<'_, 'a> {
         let scalar = Scalar::ALL.iter().copied().find(|s| s.name() == name);
         match scalar {
             Some(Scalar::Time) => Ty::Time,
-            Some(scalar) => Ty::Spatial(scalar, Rc::new(self.geometry(named.frames.as_ref()))),
+            Some(scalar) => {
+                let dim = self.components(scalar, &named.statics);
+                let geometry = self.geometry(named.frames.as_ref());
+                Ty::Spatial(scalar, Rc::new(Geometry { dim, ..geometry }))
+            }
             None if name == "result" => Ty::Result,
             None if name == "text" => Ty::Text,
             None if !self.is_rpi() && is_foreign_name(name) => self.foreign_type(named),
@@ -322,6 +326,11 @@ impl<'a> Body<'_, 'a> {
             }
             _ => self.known_frame(false, "".into(), frame.span),
         }
+    }
+
+    /// The frame that a frame is placed in, which is declared, too.
+    pub(super) fn parent_frame(&mut self, frame: &Dotted) -> Option<Name> {
+        self.frame(frame)
     }
 
     fn is_frame(&self, name: &Name) -> bool {

@@ -40,6 +40,27 @@ const CALLS: &[(&str, &str, &str)] = &[
         "Square root; the unit takes the root, too.",
     ),
     (
+        "vector",
+        "vector(x, y, z)",
+        "The vector of three reals of one unit.",
+    ),
+    (
+        "dot",
+        "dot(a, b)",
+        "The scalar product of two vectors; units multiply.",
+    ),
+    (
+        "cross",
+        "cross(a, b)",
+        "The vector product of two vectors; units multiply.",
+    ),
+    ("norm", "norm(v)", "How long a vector is, in its unit."),
+    (
+        "inverse",
+        "inverse(p)",
+        "Of a pose or rotation `(b in a)` that of `(a in b)`.",
+    ),
+    (
         "any",
         "any<<T>>()",
         "A value that a Lustre program leaves open.",

@@ -30,7 +30,7 @@ impl fmt::Display for Ty {
 fn spatial(scalar: Scalar, geometry: &Geometry, f: &mut fmt::Formatter<'_>) -> fmt::Result {
     write!(f, "{scalar}")?;
     if let Some(dim) = geometry.dim {
-        write!(f, "[{dim}]")?;
+        write!(f, "<<{}>>", Ty::Real(dim))?;
     }
     match (&geometry.of, &geometry.in_frame) {
         (Some(of), Some(frame)) => write!(f, "({of} in {frame})"),

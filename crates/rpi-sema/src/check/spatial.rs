@@ -1,0 +1,206 @@
+//! Operators on vectors, rotations and poses that are written as calls: their units, and the frames of what they give.
+//!
+//! A vector has one unit for its three components, and one frame in which these are given.
+
+use super::body::Body;
+use super::report::Wanted;
+use crate::ty::{Geometry, Ty, join};
+use crate::typed::ExprId;
+use crate::units::Dim;
+use rpi_diag::{Code, Finding, Span};
+use rpi_image::Scalar;
+use rpi_net::prim;
+use rpi_prims::PrimId;
+use rpi_syntax::ast::StaticArg;
+use std::rc::Rc;
+
+/// An operator.
+#[derive(Clone, Copy, PartialEq, Debug)]
+pub(super) enum SpatialOp {
+    /// `vector(x, y, z)`: of three reals of one unit.
+    Vector,
+    /// `dot(a, b)`: the scalar product; units multiply.
+    Dot,
+    /// `cross(a, b)`: the vector product; units multiply.
+    Cross,
+    /// `norm(v)`: how long a vector is, in its own unit.
+    Norm,
+    /// `inverse(p)`: of the pose of `a` in `b` that of `b` in `a`; so for rotations.
+    Inverse,
+}
+
+/// Name, number of operands, how it is called.
+const ROWS: &[(SpatialOp, &str, usize, &str)] = &[
+    (
+        SpatialOp::Vector,
+        "vector",
+        3,
+        "`vector(x, y, z)`: three reals of one unit",
+    ),
+    (SpatialOp::Dot, "dot", 2, "`dot(a, b)`: two vectors"),
+    (SpatialOp::Cross, "cross", 2, "`cross(a, b)`: two vectors"),
+    (SpatialOp::Norm, "norm", 1, "`norm(v)`: a vector"),
+    (
+        SpatialOp::Inverse,
+        "inverse",
+        1,
+        "`inverse(p)`: a pose or a rotation",
+    ),
+];
+
+impl SpatialOp {
+    fn row(self) -> &'static (SpatialOp, &'static str, usize, &'static str) {
+        let row = ROWS.iter().find(|row| row.0 == self);
+        row.unwrap_or(&ROWS[0])
+    }
+
+    pub(super) fn name(self) -> &'static str {
+        self.row().1
+    }
+
+    pub(super) fn operands(self) -> usize {
+        self.row().2
+    }
+
+    pub(super) fn form(self) -> &'static str {
+        self.row().3
+    }
+}
+
+impl<'a> Body<'_, 'a> {
+    /// What the components of a vector are: `Vector<<real[m/s]>>`. Those of other spatial types are known.
+    pub(super) fn components(&mut self, scalar: Scalar, statics: &'a [StaticArg]) -> Option<Dim> {
+        let [of, more @ ..] = statics else {
+            return None;
+        };
+        let ty = self.static_type(of)?;
+        match (scalar, ty, more) {
+            (Scalar::Vector, Ty::Real(dim), []) => return Some(dim),
+            (_, Ty::Unknown, _) => return None,
+            _ => {}
+        }
+        let message = match scalar {
+            Scalar::Vector => "the components of a vector are reals".to_owned(),
+            _ => format!("`{scalar}` has no static arguments"),
+        };
+        let finding = Finding::new(Code::RPI1010, message)
+            .at(of.span, "this is none of its parameters")
+            .help("a vector of velocities is `Vector<<real[m/s]>>`");
+        self.report(finding);
+        None
+    }
+
+    /// An operator with as many operands as it takes.
+    pub(super) fn spatial_op(&mut self, op: SpatialOp, operands: &[ExprId], span: Span) -> ExprId {
+        match op {
+            SpatialOp::Vector => self.vector(operands, span),
+            SpatialOp::Inverse => self.inverse(operands[0], span),
+            SpatialOp::Norm => match self.vectors(operands) {
+                Some(of) => {
+                    let ty = Ty::Real(of.dim.unwrap_or(Dim::ONE));
+                    self.prim_typed(prim!("Rpi::VectorNorm"), operands, ty, span)
+                }
+                None => self.fault(span),
+            },
+            SpatialOp::Dot => self.product(prim!("World::VectorDot"), operands, span),
+            SpatialOp::Cross => self.product(prim!("World::VectorCross"), operands, span),
+        }
+    }
+
+    fn vector(&mut self, parts: &[ExprId], span: Span) -> ExprId {
+        let Ty::Real(dim) = *self.ty_of(parts[0]) else {
+            self.expect(parts[0], &Ty::REAL, &Wanted::Here);
+            return self.fault(span);
+        };
+        let fits: Vec<bool> = parts[1..]
+            .iter()
+            .map(|part| self.expect(*part, &Ty::Real(dim), &Wanted::Here))
+            .collect();
+        if fits.contains(&false) {
+            return self.fault(span);
+        }
+        let geometry = Geometry {
+            dim: Some(dim),
+            ..Geometry::default()
+        };
+        let ty = Ty::Spatial(Scalar::Vector, Rc::new(geometry));
+        self.prim_typed(prim!("World::VectorFromXYZ"), parts, ty, span)
+    }
+
+    /// Of `(a in b)` it is `(b in a)`.
+    fn inverse(&mut self, operand: ExprId, span: Span) -> ExprId {
+        let (prim, scalar, geometry) = match self.ty_of(operand).clone() {
+            Ty::Spatial(Scalar::Pose, of) => (prim!("World::FrameInvert"), Scalar::Pose, of),
+            Ty::Spatial(Scalar::Rotation, of) => {
+                (prim!("World::RotationInvert"), Scalar::Rotation, of)
+            }
+            Ty::Unknown => return self.fault(span),
+            ty => {
+                let finding = Finding::new(Code::RPI2006, format!("`inverse` can not take `{ty}`"))
+                    .at(self.span_of(operand), format!("this is `{ty}`"))
+                    .help("poses and rotations have an inverse");
+                return self.fault_with(finding, span);
+            }
+        };
+        let turned = Geometry {
+            dim: None,
+            of: geometry.in_frame.clone(),
+            in_frame: geometry.of.clone(),
+        };
+        self.prim_typed(prim, &[operand], Ty::Spatial(scalar, Rc::new(turned)), span)
+    }
+
+    /// A product of two vectors, whose units multiply; both are given in one frame.
+    fn product(&mut self, prim: PrimId, operands: &[ExprId], span: Span) -> ExprId {
+        let dims = operands.iter().map(|id| match self.ty_of(*id) {
+            Ty::Spatial(_, geometry) => geometry.dim,
+            _ => None,
+        });
+        let dims: Vec<Option<Dim>> = dims.collect();
+        let Some(common) = self.vectors(operands) else {
+            return self.fault(span);
+        };
+        let dim = match dims[..] {
+            [Some(a), Some(b)] => a.times(b),
+            _ => None,
+        };
+        let ty = match prim == prim!("World::VectorDot") {
+            true => Ty::Real(dim.unwrap_or(Dim::ONE)),
+            false => Ty::Spatial(Scalar::Vector, Rc::new(Geometry { dim, ..common })),
+        };
+        self.prim_typed(prim, operands, ty, span)
+    }
+
+    /// What is known of vectors that are given in one frame; reports what does not fit.
+    fn vectors(&mut self, operands: &[ExprId]) -> Option<Geometry> {
+        let mut common = Ty::spatial(Scalar::Vector);
+        for operand in operands {
+            let found = self.ty_of(*operand).clone();
+            if found.is_unknown() {
+                return None;
+            }
+            // Only their frames must be the same.
+            let frames_only = match (&found, operands.len()) {
+                (Ty::Spatial(Scalar::Vector, of), 2..) => {
+                    let geometry = Geometry {
+                        dim: None,
+                        ..(**of).clone()
+                    };
+                    Ty::Spatial(Scalar::Vector, Rc::new(geometry))
+                }
+                _ => found,
+            };
+            match join(&common, &frames_only) {
+                Ok(joined) => common = joined,
+                Err(misfit) => {
+                    self.misfit(*operand, &common, &misfit, &Wanted::Here);
+                    return None;
+                }
+            }
+        }
+        match common {
+            Ty::Spatial(_, geometry) => Some((*geometry).clone()),
+            _ => None,
+        }
+    }
+}
