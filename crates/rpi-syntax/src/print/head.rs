@@ -75,6 +75,16 @@ mod tests {
     }
 
     #[test]
+    fn documentation_of_parameters_is_shown_once() {
+        let text = "fragment F <<\n  --| Speed.\n  v: real\n>> (\n  --| Start.\n  x: int\n) returns (y: int) let y = x; tel\n";
+        let [shown] = &heads(text, Mode::Rpi)[..] else {
+            panic!("one declaration");
+        };
+        assert_eq!(shown.matches("--| Speed.").count(), 1, "{shown}");
+        assert_eq!(shown.matches("--| Start.").count(), 1, "{shown}");
+    }
+
+    #[test]
     fn what_has_no_body_is_shown_whole() {
         let text = "const n: int = 3;\nprimitive Core::Clock () returns (outValue: real);\n";
         let expected = [

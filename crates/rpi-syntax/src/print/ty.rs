@@ -149,7 +149,13 @@ impl Printer<'_> {
 
     /// `a, b: T = e`
     pub(super) fn const_def(&mut self, def: &ConstDef) -> Doc {
-        let mut parts = vec![self.doc_lines(def.doc.as_ref()), text(names(&def.names))];
+        let doc = self.doc_lines(def.doc.as_ref());
+        concat([doc, self.constant(def)])
+    }
+
+    /// The same without its documentation.
+    fn constant(&mut self, def: &ConstDef) -> Doc {
+        let mut parts = vec![text(names(&def.names))];
         if let Some(ty) = &def.ty {
             parts.extend([word(": "), self.ty(ty)]);
         }
@@ -185,7 +191,7 @@ impl Printer<'_> {
                 } else {
                     ""
                 };
-                concat([word(head), self.const_def(def)])
+                concat([word(head), self.constant(def)])
             }
             StaticParamKind::Node(kind, signature) => {
                 concat([word(kind.word()), word(" "), self.signature(signature)])
