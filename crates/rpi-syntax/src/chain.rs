@@ -3,7 +3,7 @@
 //! The grammar hands over `a + b * c` piece by piece. Operators whose right operand may still grow
 //! wait on a stack; one is applied as soon as an operator arrives that binds less strongly.
 
-use crate::ast::{Binary, Clock, Expr, ExprKind, If, Quantified, VarDecl, When};
+use crate::ast::{Binary, Clock, Expr, ExprKind, Ident, If, Quantified, VarDecl, When};
 use crate::context::Context;
 use crate::ops::{BinaryOp, Grouping, LEVEL_IF, LEVEL_WHEN, Level, UnaryOp};
 use rpi_diag::Span;
@@ -11,6 +11,8 @@ use rpi_diag::Span;
 /// What stands before an operand.
 pub(crate) enum Prefix {
     Unary(UnaryOp),
+    /// `int8 x`: the conversion.
+    Convert(Ident),
     /// `if c then x else`: whether it is static, the condition, the first branch.
     If(Box<(bool, Expr, Expr)>),
     /// `forall (x: int)`: whether for all, and over what.
@@ -55,6 +57,7 @@ impl Waiting {
         match self {
             Waiting::Binary { op, .. } => op.level(),
             Waiting::Prefix(Prefix::Unary(op), _) => op.level(),
+            Waiting::Prefix(Prefix::Convert(_), _) => UnaryOp::ToInt.level(),
             Waiting::Prefix(Prefix::If(_) | Prefix::Quantifier(..), _) => LEVEL_IF,
         }
     }
@@ -150,16 +153,14 @@ fn applied(cx: &Context<'_>, waiting: Waiting, rhs: Expr) -> Expr {
                 span: whole,
             }
         }
-        Waiting::Prefix(prefix, start) => {
-            let span = cx.span(start, rhs.span.end);
-            let kind = prefixed(prefix, rhs);
-            Expr { kind, span }
-        }
+        Waiting::Prefix(prefix, start) => prefixed(cx, prefix, start, rhs),
     }
 }
 
-fn prefixed(prefix: Prefix, operand: Expr) -> ExprKind {
-    match prefix {
+fn prefixed(cx: &Context<'_>, prefix: Prefix, start: u32, operand: Expr) -> Expr {
+    let span = cx.span(start, operand.span.end);
+    let kind = match prefix {
+        Prefix::Convert(to) => return cx.converted(start, to, operand),
         Prefix::Unary(op) => ExprKind::Unary(op, Box::new(operand)),
         Prefix::Quantifier(for_all, vars) => ExprKind::Quantified(Box::new(Quantified {
             for_all,
@@ -175,5 +176,6 @@ fn prefixed(prefix: Prefix, operand: Expr) -> ExprKind {
                 no: operand,
             }))
         }
-    }
+    };
+    Expr { kind, span }
 }

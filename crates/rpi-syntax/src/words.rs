@@ -78,8 +78,12 @@ pub(crate) fn part_closing(lexemes: &mut Vec<Lexeme>) {
                 open.pop_if(|token| *token == Token::Lt);
             }
             Token::RStatic if open.pop() == Some(Token::Lt) => {
-                open.pop_if(|token| *token == Token::Lt);
-                parted.push(at);
+                if open.last() == Some(&Token::LStatic) && closes_both(lexemes, at) {
+                    shift(lexemes, at);
+                } else {
+                    open.pop_if(|token| *token == Token::Lt);
+                    parted.push(at);
+                }
             }
             Token::Let | Token::Tel | Token::Eq => open.clear(),
             _ => {}
@@ -104,13 +108,27 @@ pub(crate) fn part_closing(lexemes: &mut Vec<Lexeme>) {
     }
 }
 
+/// Whether a `>` stands right behind: `>>>` of `any<<type set<int>>>`.
+fn closes_both(lexemes: &[Lexeme], at: usize) -> bool {
+    let next = lexemes.get(at + 1);
+    next.is_some_and(|next| next.token == Token::Gt && next.start == lexemes[at].end)
+}
+
+/// `>> >` becomes `> >>`.
+fn shift(lexemes: &mut [Lexeme], at: usize) {
+    let middle = lexemes[at].start + 1;
+    (lexemes[at].token, lexemes[at].end) = (Token::Gt, middle);
+    (lexemes[at + 1].token, lexemes[at + 1].start) = (Token::RStatic, middle);
+}
+
 /// Whether the `<` opens a list of types: after `@`, after a name where a type stands, or inside such a list.
 fn opens_types(lexemes: &[Lexeme], at: usize, open: Option<&Token>) -> bool {
-    use Token::{At, Colon, Comma, Gt, Ident, Lt, Semi};
+    use Token::{At, Colon, Comma, Gt, Ident, LStatic, Lt, Semi, Type};
     let token = |back: usize| at.checked_sub(back).map(|at| lexemes[at].token);
     match (token(1), token(2)) {
         (Some(At), _) | (Some(Ident), Some(Colon)) => true,
         (Some(Ident), Some(Lt | Comma | Semi | Gt)) => open == Some(&Lt),
+        (Some(Ident), Some(Type)) => open == Some(&LStatic),
         _ => false,
     }
 }
@@ -275,8 +293,9 @@ impl Around {
 
     /// `(int8 x)`
     fn converts(&self) -> bool {
-        use Token::{Ident, Int, LParen, Minus};
-        self.before == Some(LParen) && matches!(self.after, Some(Ident | Int | LParen | Minus))
+        use Token::{Colon, Ident, Int, LParen, Minus};
+        let is_type = matches!(self.before, Some(Colon | Token::Of));
+        !is_type && matches!(self.after, Some(Ident | Int | LParen | Minus))
     }
 
     fn is_alternative(&self) -> bool {
