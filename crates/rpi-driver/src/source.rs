@@ -10,7 +10,7 @@ use rpi_net::{FragmentId, Net};
 use rpi_sema::elab::{Argument, Claims, Elaborated, Room, elaborate, elaborate_steps};
 use rpi_sema::facts::{self, Facts};
 use rpi_sema::program::Program;
-use rpi_sema::typed::{Kind, Unit, UnitId, UnitKind};
+use rpi_sema::typed::{BlockId, Kind, Unit, UnitId, UnitKind};
 use rpi_sema::{Checked, check};
 
 use crate::compile::Asked;
@@ -163,7 +163,7 @@ fn roots(front: &Front<'_>, asked: Asked, findings: &mut Vec<Finding>) -> Roots 
             front.tell_task(*unit);
             continue;
         }
-        if !kind.is_root() && called.contains(unit) {
+        if !kind.is_root() && called.contains(unit) && !is_bounded_alone(checked.unit(*unit)) {
             continue;
         }
         let args = arguments(front, *unit);
@@ -208,6 +208,12 @@ fn instance(
     }
     let made = with_claims(front, unit, &args, made, claims);
     Some(Net { name, ..made.net })
+}
+
+/// Whether it states a budget that its callers do not look at: a primitive's, which is written out where it is called.
+fn is_bounded_alone(unit: &Unit) -> bool {
+    let budget = unit.block(BlockId::ROOT).budget_ns;
+    unit.kind != UnitKind::Fragment && budget.is_some()
 }
 
 fn test(unit: &Unit, made: Elaborated) -> Test {

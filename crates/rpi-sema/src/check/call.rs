@@ -138,10 +138,11 @@ impl<'a> Body<'_, 'a> {
         if bound.faulty {
             return None;
         }
-        let decl = self.c.program.decl(id);
         if self.c.is_ring_of_names(id) {
             return None;
         }
+        self.compare_ports(id, &bound.statics);
+        let decl = self.c.program.decl(id);
         self.c.aliases.push(id);
         let mut body = Body::of_module(self.c, decl.module);
         body.statics = Rc::new(bound.statics);
@@ -150,6 +151,21 @@ impl<'a> Body<'_, 'a> {
         body.leave();
         self.c.aliases.pop();
         callable
+    }
+
+    /// Has another name with static parameters and declared ports checked by itself: what it stands for must have these.
+    fn compare_ports(&mut self, id: DeclId, statics: &Statics) {
+        let DeclKind::Node(node) = self.c.program.decl(id).kind else {
+            return;
+        };
+        let params = self.c.params_of(id);
+        let is_given = |param: &super::statics::Param<'_>| statics.contains_key(&param.name().name);
+        if node.signature.outputs.is_none() || params.is_empty() || !params.iter().all(is_given) {
+            return;
+        }
+        if let Some(header) = self.c.header(id, Rc::new(statics.clone())) {
+            self.c.unit(&header, header.span);
+        }
     }
 
     fn activation(&mut self, activation: &'a ast::Activation) -> Activation {

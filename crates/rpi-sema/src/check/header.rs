@@ -8,7 +8,7 @@ use crate::hash::Set;
 use crate::program::{DeclId, DeclKind, Lookup, Space};
 use crate::ty::Ty;
 use crate::typed::{FlowId, FlowRole, Optional, Unit, UnitKind};
-use rpi_diag::Span;
+use rpi_diag::{Code, Finding, Span};
 use rpi_image::{Role, State};
 use rpi_prims::PrimId;
 use rpi_syntax::Name;
@@ -212,6 +212,24 @@ impl<'a> Body<'_, 'a> {
         self.outputs(outputs);
         self.state_clocks_of(inputs);
         self.state_clocks_of(outputs);
+        self.clocks_come_in();
+    }
+
+    /// The clock of an in-port is an in-port: the caller must know when to give a value.
+    fn clocks_come_in(&mut self) {
+        for id in self.unit.inputs.clone() {
+            let port = self.unit.flow(id).clone();
+            let Some(on) = port.clock.filter(|on| self.unit.outputs.contains(&on.flow)) else {
+                continue;
+            };
+            let clock = self.unit.flow(on.flow);
+            let message = format!("the clock of the in-port `{}` is an out-port", port.name);
+            let finding = Finding::new(Code::RPI3007, message)
+                .at(port.span, format!("given when `{}` says so", clock.name))
+                .also(clock.span, "which is known only afterwards")
+                .help("the clock of an in-port is an in-port");
+            self.report(finding);
+        }
     }
 
     /// A contract looks at all its ports, whoever defines them.

@@ -345,6 +345,9 @@ impl<'a> Body<'_, 'a> {
 
     /// The body of a declared primitive: the registered one, between typed ports.
     pub(super) fn check_primitive(&mut self, decl: &'a PrimitiveDecl) {
+        if let Some(budget) = &decl.budget {
+            self.current().budget_ns = self.nanoseconds(budget);
+        }
         let name = &decl.signature.name;
         let Some(prim) = PrimId::of(&name.name) else {
             let finding = Finding::new(
