@@ -138,7 +138,7 @@ fn static_op(op: StaticOp, is_last: bool) -> Doc {
 /// Whether the type is written as an argument without the word `type`.
 fn is_plain(ty: &Type) -> bool {
     match &ty.kind {
-        TypeKind::Bool | TypeKind::Int | TypeKind::Real(_) => true,
+        TypeKind::Bool | TypeKind::Int | TypeKind::Real(None) => true,
         TypeKind::Array(array) => is_plain(&array.element),
         TypeKind::Optional(inner) => is_plain(inner),
         _ => false,
