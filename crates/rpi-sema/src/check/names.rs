@@ -3,7 +3,7 @@
 use super::Constant;
 use super::body::Body;
 use super::locals::Local;
-use super::report::{listed, not_a};
+use super::report::{listed, not_a, unknown};
 use super::statics::Static;
 use crate::program::{Decl, DeclId, DeclKind, Lookup, Space};
 use crate::ty::Ty;
@@ -197,6 +197,14 @@ impl<'a> Body<'_, 'a> {
             self.c
                 .suggest(name, self.c.program.visible(self.module, is_value))
         });
+        if self.unit.kind == UnitKind::Task {
+            let finding = unknown("device or parameter", name, span, near);
+            self.report(finding.help(format!(
+                "a task says which devices it is given: `task {} (arm: Arm)`",
+                self.unit.name
+            )));
+            return self.fault(span);
+        }
         let predeclared = PREDECLARED.iter().map(|flow| flow.name);
         let near = near.or_else(|| rpi_diag::suggest(name, predeclared));
         match super::foreign::value_here(name) {

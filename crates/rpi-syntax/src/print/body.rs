@@ -249,7 +249,7 @@ impl Printer<'_> {
         let behind_let = |before| self.trivia.next_token(before) + "let".len() as u32;
         let last = body.statements.last().map(|statement| statement.span.end);
         let last = last.unwrap_or_else(|| {
-            let locals = body.locals.iter().filter_map(Locals::end).last();
+            let locals = body.locals.iter().rev().find_map(Locals::end);
             behind_let(locals.unwrap_or(self.trivia.reached()))
         });
         self.trivia.next_token(last)
