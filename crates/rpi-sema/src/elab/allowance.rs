@@ -10,7 +10,7 @@ use crate::typed::{Unit, UnitId};
 use rpi_diag::{Code, Finding, Span};
 
 /// What everybody may ask for.
-const FREE: usize = 600_000;
+const FREE: usize = 200_000;
 
 /// What a byte of an equation pays for.
 const PER_BYTE: usize = 2;
