@@ -160,6 +160,34 @@ fn a_task_is_carried_out_by_the_server() {
     endless.unload().unwrap();
 }
 
+/// A task does not outlive an emergency stop: neither one whose commands end in every tick, nor one that has only just been
+/// started.
+#[test]
+fn an_emergency_stop_ends_tasks() {
+    let server = server(None);
+    let address = server.address().to_string();
+    let [one, other] = [(), ()].map(|()| Core::connect(&address, None).unwrap());
+    let session = one.open_session("test", OnLoss::Cancel).unwrap();
+    let text = "command Tick () let finish done when true; tel
+task Endless let repeat let Tick(); Tick(); tel tel";
+    for pause in [0, 0, 0, 50, 100] {
+        let program = Program {
+            command: Some("Endless".to_owned()),
+            ..Program::rpi(text)
+        };
+        let task = session.load_task(&program).unwrap();
+        task.start().unwrap();
+        std::thread::sleep(std::time::Duration::from_millis(pause));
+        other.emergency_stop("the guard").unwrap();
+        assert_eq!(task.result().unwrap().state, "failed");
+        let begin = std::time::Instant::now();
+        while one.reset_emergency().is_err() {
+            assert!(begin.elapsed() < std::time::Duration::from_secs(10));
+        }
+        task.unload().unwrap();
+    }
+}
+
 /// Everything is stopped, whoever it belongs to, and stays so until it is reset.
 #[test]
 fn an_emergency_stop_holds_until_it_is_reset() {

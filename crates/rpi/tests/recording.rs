@@ -378,6 +378,45 @@ fn sigquit_is_an_emergency_stop() {
     assert_eq!(code, Some(0), "{told}");
 }
 
+/// An emergency stop is told whether a command ran in that tick or not.
+#[cfg(unix)]
+#[test]
+fn sigquit_between_commands_is_told() {
+    let folder = tempfile::tempdir().unwrap();
+    let (program, file) = (
+        folder.path().join("short.rpi"),
+        folder.path().join("out.mcap"),
+    );
+    let text = "command Rest () let finish done when true; tel
+task Short let repeat let Rest(); Rest(); tel tel
+";
+    std::fs::write(&program, text).unwrap();
+    let mut run = Command::new(env!("CARGO_BIN_EXE_rpi"));
+    let run = run.args([
+        "run",
+        program.to_str().unwrap(),
+        "--real-time",
+        "--json",
+        "--record",
+    ]);
+    let run = run.arg(&file).stdout(Stdio::piped()).stderr(Stdio::piped());
+    let run = run.spawn().unwrap();
+    let begin = Instant::now();
+    while !file.exists() {
+        assert!(begin.elapsed() < Duration::from_secs(30));
+        sleep(Duration::from_millis(10));
+    }
+    sleep(Duration::from_millis(500));
+    let mut kill = Command::new("kill");
+    kill.args(["-QUIT", &run.id().to_string()])
+        .status()
+        .unwrap();
+    let output = run.wait_with_output().unwrap();
+    assert_eq!(output.status.code(), Some(3), "{}", said(&output));
+    let told: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
+    assert_eq!(told["stopped"], "emergency stop");
+}
+
 /// Whoever ends at rest leaves nothing to brake.
 #[test]
 fn examples_end_at_rest() {

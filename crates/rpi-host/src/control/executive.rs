@@ -53,6 +53,11 @@ impl<P: Plant> Executive<P> {
     /// `watch` looks at every command at the end of its cycle.
     pub fn tick(&mut self, wall_ns: i64, watch: &mut dyn Watch) {
         self.take_requests();
+        self.tick_alone(wall_ns, watch);
+    }
+
+    /// One tick in which no request is taken: after everything was stopped nothing starts that was on its way.
+    pub fn tick_alone(&mut self, wall_ns: i64, watch: &mut dyn Watch) {
         let mut watch = Watching {
             tick: self.core.now(),
             subscriptions: &mut self.subscriptions,

@@ -56,8 +56,8 @@ pub(super) struct Cycle {
     settling: Option<u64>,
     /// True once the run was cut off.
     pub(super) cut_off: bool,
-    /// True once everything was stopped: by an emergency stop, or as cycles took too long.
-    stopped: bool,
+    /// Why everything was stopped, once it was: by an emergency stop, or as cycles took too long.
+    pub(super) stopped: Option<Why>,
     /// Where all goes that is recorded.
     tape: Option<TapeIn>,
 }
@@ -89,7 +89,7 @@ impl Cycle {
             bounds,
             settling: None,
             cut_off: false,
-            stopped: false,
+            stopped: None,
             tape,
         }
     }
@@ -99,15 +99,17 @@ impl Cycle {
         let now = self.executive.now();
         let wall_ns = self.beat.wait(now);
         self.watcher.begin(now);
-        self.executive.tick(wall_ns, &mut self.watcher);
+        match self.cut_off || self.stopped.is_some() {
+            true => self.executive.tick_alone(wall_ns, &mut self.watcher),
+            false => self.executive.tick(wall_ns, &mut self.watcher),
+        }
         if self.settling.is_none() {
             let too_often = self.beat.over(now);
             if let (Some(sights), Some(late)) = (&mut self.watcher.sights, self.beat.overrun()) {
                 sights.overrun(late);
             }
             if too_often {
-                self.stopped = true;
-                self.halt(Why::Overrun);
+                self.stop(Why::Overrun);
             }
         }
         self.sample(now);
@@ -120,19 +122,24 @@ impl Cycle {
     pub(super) fn goes_on(&mut self, over: bool) -> bool {
         let now = self.executive.now();
         if self.settling.is_none() && self.bounds.is_emergency() {
-            self.stopped = true;
-            self.halt(Why::EmergencyStop);
+            self.stop(Why::EmergencyStop);
         }
-        if self.settling.is_none() && !self.stopped && self.bounds.are_reached(now) {
+        if self.settling.is_none() && self.stopped.is_none() && self.bounds.are_reached(now) {
             self.cut_off = true;
             self.halt(Why::Request);
         }
-        if self.settling.is_none() && (over || self.cut_off || self.stopped) {
+        if self.settling.is_none() && (over || self.cut_off || self.stopped.is_some()) {
             let ticks = (SETTLE * 1e9 / self.bounds.tick_ns as f64) as u64;
             self.settling = Some(now + ticks);
         }
         self.settling
             .is_none_or(|until| now < until && self.moves())
+    }
+
+    /// Ends all commands, which is no regular end of the run.
+    fn stop(&mut self, why: Why) {
+        self.stopped = Some(why);
+        self.halt(why);
     }
 
     /// Ends all commands between two ticks.

@@ -8,6 +8,7 @@ use rtrb::{Producer, RingBuffer};
 
 use super::cycle::Cycle;
 use super::devices;
+use super::end::stop_text;
 use super::host::Host;
 use super::job::{Failure, Progress};
 use super::outcome::Outcome;
@@ -156,6 +157,7 @@ fn outcome(
         figures: cycle.beat.figures(),
         tick_ns: listener.tick_ns,
         cut_off: cycle.cut_off,
+        stopped: cycle.stopped.map(|why| stop_text(why).to_owned()),
         digest: None,
         recorded,
         grants: grants.iter().map(ToString::to_string).collect(),

@@ -24,6 +24,9 @@ pub struct Outcome {
     pub tick_ns: u64,
     /// True if it was cut off because it had run as long as asked for.
     pub cut_off: bool,
+    /// Why everything was stopped, if it was: an emergency stop, say.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub stopped: Option<String>,
     /// What the system has said to what was asked of it on real time.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub grants: Vec<String>,
@@ -155,9 +158,13 @@ impl RunEnd {
 }
 
 impl Outcome {
-    /// How the run went: as its worst command, but for errors that its task has a branch for.
+    /// How the run went: as its worst command, but for errors that its task has a branch for. One that was stopped has not gone
+    /// well, whether a command ran then or not.
     #[must_use]
     pub fn status(&self) -> Status {
+        if self.stopped.is_some() {
+            return Status::Fault;
+        }
         let all = self.commands.iter().filter(|c| !c.handled);
         let all = all.map(|c| c.end.status());
         all.max_by_key(|status| *status as u8)

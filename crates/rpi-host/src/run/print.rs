@@ -21,6 +21,9 @@ impl fmt::Display for Outcome {
                 self.figures.ticks
             )?;
         }
+        if let Some(why) = &self.stopped {
+            writeln!(f, "STOPPED after {} ticks: {why}", self.figures.ticks)?;
+        }
         if self.late > 0 {
             writeln!(
                 f,

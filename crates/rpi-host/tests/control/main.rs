@@ -230,3 +230,19 @@ fn an_emergency_stop_ends_everything() {
     assert_eq!(ending.cause, Cause::Aborted(Why::EmergencyStop));
     assert_eq!(rig.control.get(b).unwrap().state, State::Ready);
 }
+
+/// After everything was stopped nothing starts that was on its way.
+#[test]
+fn a_tick_alone_takes_no_request() {
+    let mut rig = Rig::new(4);
+    let id = rig.load(counter("late", 5));
+    rig.ticks(1);
+    rig.log();
+    rig.control.start(id).unwrap();
+    rig.executive.halt(Why::EmergencyStop);
+    rpi_testkit::no_alloc(|| (0..3).for_each(|_| rig.executive.tick_alone(0, &mut ())));
+    let started = |event: &Event| matches!(event, Event::Notice(Notice::Started { command, .. }) if *command == id);
+    assert!(!rig.log().iter().any(started));
+    rig.ticks(1);
+    assert!(rig.log().iter().any(started));
+}

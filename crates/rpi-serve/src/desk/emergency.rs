@@ -43,7 +43,9 @@ impl Desk {
             .collect();
         self.journal.note(format_args!("EMERGENCY STOP by {by}"));
         self.emergency.alarm.store(true, Ordering::Relaxed);
-        self.emergency.by = Some(by);
+        // Who was first stays known.
+        self.emergency.by.get_or_insert(by);
+        self.stop_tasks();
         self.ask_behind(Some(reply));
         self.tell_emergency();
     }

@@ -201,6 +201,18 @@ impl Desk {
         }
     }
 
+    /// Everything is stopped: no task goes on.
+    pub(super) fn stop_tasks(&mut self) {
+        for number in self.tasks_under_way() {
+            self.with_task(number, |task, shop| task.stop(shop));
+        }
+    }
+
+    fn tasks_under_way(&self) -> Vec<u64> {
+        let under_way = self.tasks.iter().filter(|(_, r)| r.task.is_some());
+        under_way.map(|(number, _)| *number).collect()
+    }
+
     /// Lets go of a task; one that runs is forgotten when it has ended.
     pub(crate) fn unload_task(&mut self, name: &str) -> Result<(), Failure> {
         let (number, record) = self.task(name)?;
@@ -244,9 +256,7 @@ impl Desk {
 
     /// Lets tasks go on, and tells how far they are.
     pub(super) fn advance_tasks(&mut self) {
-        let under_way = self.tasks.iter().filter(|(_, r)| r.task.is_some());
-        let numbers: Vec<u64> = under_way.map(|(number, _)| *number).collect();
-        for number in numbers {
+        for number in self.tasks_under_way() {
             self.with_task(number, |task, shop| task.advance(shop));
             self.note_progress(number);
         }

@@ -92,6 +92,15 @@ impl<P: Borrow<Plan>> Task<P> {
         }
     }
 
+    /// Everything was stopped by force: nothing follows any more, and it has failed.
+    pub fn stop(&mut self, shop: &mut dyn Workshop) {
+        self.failed = true;
+        match &mut self.root {
+            Some(root) => root.wind_up(shop),
+            None => self.end = self.end.or(Some(TaskEnd::Failed)),
+        }
+    }
+
     /// Does what can be done now.
     pub fn advance(&mut self, shop: &mut dyn Workshop) {
         if self.end.is_some() {
