@@ -117,6 +117,30 @@ tel
     assert_eq!(told["devices"][0]["moving"], false);
 }
 
+/// However often nothing is repeated, what comes behind it runs.
+#[test]
+fn rounds_in_which_nothing_runs_are_passed() {
+    let task = "task All (left: AnalogueIo)
+let
+  repeat 20000 times
+  let
+    repeat 30000 times let tel
+    repeat 0 times let Count(left, 9); tel
+  tel
+  repeat 2 times let repeat 40000 times let tel Count(left, 2); tel
+  Count(left, 3);
+tel
+";
+    let (code, told, said) = run(task, &[]);
+    assert_eq!(code, Some(0), "{said}");
+    let expected = [
+        ("Count(left, 2)", 0, 2),
+        ("Count(left, 2)", 2, 2),
+        ("Count(left, 3)", 4, 3),
+    ];
+    expect(&told, &expected);
+}
+
 #[test]
 fn strands_begin_a_task_and_nest() {
     let task = "task All (left, right: AnalogueIo)

@@ -52,9 +52,6 @@ pub(super) struct By {
     pub(super) fails: Vec<u32>,
 }
 
-/// Nodes that are passed in search of the next command; a plan that passes more runs nothing.
-const LONGEST: usize = 10_000;
-
 impl Plan {
     /// Where it begins.
     pub(super) fn first(&self) -> Place {
@@ -136,7 +133,9 @@ impl Plan {
     /// The next command, or the next strands, from here on.
     fn from(&self, from: Target, mut counts: Vec<u64>) -> Place {
         let mut at = from;
-        for _ in 0..LONGEST {
+        // Repeats of which a round has been looked through: one in which nothing runs is like all others.
+        let mut looked_through = vec![false; self.nodes.len()];
+        for _ in 0..=2 * self.nodes.len() {
             let Some(node) = at else { return Place::Done };
             at = match self.nodes.get(node) {
                 None => return Place::Done,
@@ -160,7 +159,11 @@ impl Plan {
                     Some(*repeat)
                 }
                 Some(Node::Repeat { times, body, then }) => {
-                    let again = times.is_none_or(|times| counts[node] < times);
+                    let is_known = std::mem::replace(&mut looked_through[node], true);
+                    if is_known && times.is_none() {
+                        return Place::Done;
+                    }
+                    let again = !is_known && times.is_none_or(|times| counts[node] < times);
                     // Without a number nothing is counted: the same place comes again.
                     counts[node] += u64::from(again && times.is_some());
                     if again { *body } else { *then }
