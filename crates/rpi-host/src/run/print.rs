@@ -31,6 +31,20 @@ impl fmt::Display for Outcome {
                 self.late, self.missed
             )?;
         }
+        self.timing(f)?;
+        for grant in &self.grants {
+            writeln!(f, "  {grant}")?;
+        }
+        for device in &self.devices {
+            write!(f, "{device}")?;
+        }
+        self.written(f)
+    }
+}
+
+impl Outcome {
+    /// How long cycles took.
+    fn timing(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         writeln!(f, "cycle time  {}", self.figures.tick)?;
         if let Some(lateness) = &self.figures.lateness {
             writeln!(f, "late by     {lateness}")?;
@@ -44,12 +58,11 @@ impl fmt::Display for Outcome {
                 skipped => writeln!(f, ", {skipped} periods skipped")?,
             }
         }
-        for grant in &self.grants {
-            writeln!(f, "  {grant}")?;
-        }
-        for device in &self.devices {
-            write!(f, "{device}")?;
-        }
+        Ok(())
+    }
+
+    /// What was written down.
+    fn written(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         if let Some(digest) = &self.digest {
             writeln!(f, "digest      {digest}")?;
         }
@@ -68,9 +81,7 @@ impl fmt::Display for Outcome {
             ),
         }
     }
-}
 
-impl Outcome {
     fn command(
         &self,
         f: &mut fmt::Formatter<'_>,

@@ -155,9 +155,8 @@ fn script(job: &Job) -> Result<Script, Vec<String>> {
         Some(name) => tasks.iter().find(|task| task.name == name),
         None => tasks.first().filter(|_| tasks.len() == 1),
     };
-    let known = || -> Vec<&str> { tasks.iter().map(|task| task.name.as_str()).collect() };
-    let task =
-        task.ok_or_else(|| vec![format!("which task? There are: {}", known().join(", "))])?;
+    let known = || tasks.iter().map(|task| task.name.as_str());
+    let task = task.ok_or_else(|| which("task", known().collect()))?;
     let lower = |net: &Net| rpi_driver::lower_to_run(net, job.period_ns);
     Script::of_task(task, compiled.nets(), lower).map_err(|why| vec![why])
 }
@@ -203,9 +202,21 @@ fn choose<'a>(compiled: &'a Compiled, name: Option<&str>) -> Result<&'a Net, Vec
         (_, None) => None,
     };
     found.ok_or_else(|| {
-        let known: Vec<&str> = nets.iter().map(|net| net.name.as_str()).collect();
-        vec![format!("which command? There are: {}", known.join(", "))]
+        which(
+            "command",
+            nets.iter().map(|net| net.name.as_str()).collect(),
+        )
     })
+}
+
+/// Asks which one is meant.
+fn which(what: &str, known: Vec<&str>) -> Vec<String> {
+    vec![match known.is_empty() {
+        true => format!(
+            "there is no {what} in the text that can run as it stands; a command whose parameters have no value is run by a task: `Name(3)`"
+        ),
+        false => format!("which {what}? There are: {}", known.join(", ")),
+    }]
 }
 
 /// Every finding that is an error: where, what.

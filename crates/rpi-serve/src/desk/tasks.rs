@@ -5,7 +5,7 @@ use rpi_host::run::{Plan, Task, TaskEnd};
 
 use super::loader::{Job, Origin, What};
 use super::shop::Shop;
-use super::{Desk, Failure, Load, Phase, Reply, Sink, Update, answer, cause, number_of};
+use super::{Desk, Failure, Load, Phase, Reply, Sink, Update, answer, cause, number_of, why};
 use crate::limits::OnLoss;
 use crate::script::Script;
 
@@ -46,6 +46,8 @@ pub(crate) struct Step {
     pub(crate) title: String,
     pub(crate) result: Option<String>,
     pub(crate) cause: &'static str,
+    /// Why it was ended by force, if it was.
+    pub(crate) why: Option<&'static str>,
     pub(crate) error: i64,
     pub(crate) cycles: u64,
     /// A branch of the task is for its error.
@@ -331,6 +333,7 @@ impl Desk {
             title: record.title.clone(),
             result: record.status.result.clone(),
             cause: cause(&ending),
+            why: why(&ending),
             error: ending.error,
             cycles: ending.cycles,
             handled: false,

@@ -74,7 +74,7 @@ pub(super) fn task(status: &TaskStatus) -> Value {
     let step = |step: &Step| {
         json!({
             "command": step.title, "result": step.result, "error": step.error, "cycles": step.cycles,
-            "cause": step.cause, "handled": step.handled,
+            "cause": step.cause, "why": step.why, "handled": step.handled,
         })
     };
     let running = status.running.iter();

@@ -81,12 +81,15 @@ impl Printer<'_> {
 
     /// One block below the other.
     fn parallel(&mut self, strands: &[Strand]) -> Doc {
-        let blocks = strands.iter().flat_map(|strand| {
+        let mut parts = vec![word("parallel")];
+        for strand in strands {
+            let gap = self.gap(strand.span.start);
+            self.trivia.reach(strand.span.start + "let".len() as u32);
             let steps = self.steps(&strand.steps, strand.span.end);
-            [Doc::Hard, block("let", steps, "tel")]
-        });
-        let blocks: Vec<Doc> = blocks.collect();
-        concat([word("parallel"), concat(blocks)])
+            self.trivia.reach(strand.span.end);
+            parts.extend([gap, Doc::Hard, block("let", steps, "tel")]);
+        }
+        concat(parts)
     }
 
     fn run(&mut self, run: &Run, columns: Columns) -> Doc {
