@@ -39,6 +39,6 @@ pub use period::{parse_period, period_text};
 pub use project::{MANIFEST, Project, files_of};
 pub use rpi_sema::elab::Claims;
 pub use source::Told;
-pub use task::{Target, Task, TaskNode, TaskPlan};
+pub use task::{Task, TaskNode, TaskPlan};
 pub use tests::Test;
 pub use typed::{Typed, typed};

@@ -10,6 +10,7 @@ pub mod literal;
 pub mod lustre;
 pub mod net;
 pub mod passes;
+pub mod plan;
 mod prim;
 pub mod rpinet;
 pub mod shape;

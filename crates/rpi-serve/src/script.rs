@@ -2,8 +2,8 @@
 
 use std::sync::Arc;
 
-use rpi_driver::{Task, TaskNode, TaskPlan};
-use rpi_host::run::{Node, Plan};
+use rpi_driver::{Task, TaskPlan};
+use rpi_host::run::Plan;
 use rpi_image::Image;
 use rpi_net::Net;
 
@@ -53,37 +53,11 @@ impl Script {
 
 /// The plan with commands as indices into `used`.
 fn resolved(plan: &TaskPlan, used: &mut Vec<String>) -> Plan {
-    let mut node = |node: &TaskNode| match node {
-        TaskNode::Pass(then) => Node::Pass(*then),
-        TaskNode::Enter(repeat) => Node::Enter(*repeat),
-        TaskNode::Parallel { strands, then } => Node::Parallel {
-            strands: strands.clone(),
-            then: *then,
-        },
-        TaskNode::Join => Node::Join,
-        TaskNode::Leave { parallel, then } => Node::Leave {
-            parallel: *parallel,
-            then: *then,
-        },
-        TaskNode::Repeat { times, body, then } => Node::Repeat {
-            times: *times,
-            body: *body,
-            then: *then,
-        },
-        TaskNode::Run {
-            command,
-            on,
-            on_fail,
-            otherwise,
-        } => Node::Run {
-            command: index(command, used),
-            on: on.clone(),
-            on_fail: *on_fail,
-            otherwise: *otherwise,
-        },
-    };
+    let nodes = plan.nodes.iter();
     Plan {
-        nodes: plan.nodes.iter().map(&mut node).collect(),
+        nodes: nodes
+            .map(|node| node.map(|name| index(name, used)))
+            .collect(),
         start: plan.start,
     }
 }

@@ -14,6 +14,7 @@ mod plan;
 pub(crate) use instance::Instance;
 use instance::Instances;
 
+use rpi_net::plan::Target;
 use rpi_sema::typed::{UnitId, UnitKind};
 
 use crate::source::Front;
@@ -27,8 +28,9 @@ pub struct Task {
     pub plan: Result<TaskPlan, String>,
 }
 
-/// Where a plan goes on; none: the task is done.
-pub type Target = Option<usize>;
+/// A node of a plan: its command is called by its name, with the arguments where these are not called as its parameters:
+/// `MoveTo(arm, home)`.
+pub type TaskNode = rpi_net::plan::Node<String>;
 
 /// What a task does.
 #[derive(Clone, PartialEq, Eq, Debug, Default)]
@@ -37,51 +39,6 @@ pub struct TaskPlan {
     pub nodes: Vec<TaskNode>,
     /// The first one.
     pub start: Target,
-}
-
-/// A node of a plan.
-#[derive(Clone, PartialEq, Eq, Debug)]
-pub enum TaskNode {
-    /// Goes on there.
-    Pass(Target),
-    /// A repetition begins: this node counts from 0 again, and it goes on there.
-    Enter(usize),
-    /// So many times the body, without a number for ever; then it goes on.
-    Repeat {
-        /// How many times.
-        times: Option<u64>,
-        /// What is repeated.
-        body: Target,
-        /// What comes then.
-        then: Target,
-    },
-    /// All of these at once; once each has come to its [`TaskNode::Join`], it goes on.
-    Parallel {
-        /// Where each strand begins.
-        strands: Vec<Target>,
-        /// What comes then.
-        then: Target,
-    },
-    /// A strand is over, and waits for those beside it.
-    Join,
-    /// The strands of a parallel are left by an error: the others are asked to end, and then it goes on.
-    Leave {
-        /// The node with the strands.
-        parallel: usize,
-        /// What comes then.
-        then: Target,
-    },
-    /// A command.
-    Run {
-        /// Its name, with the arguments where these are not called as its parameters: `MoveTo(arm, home)`.
-        command: String,
-        /// What follows these results.
-        on: Vec<(String, Target)>,
-        /// What follows any other `fail`; none: the task ends with its error.
-        on_fail: Option<Target>,
-        /// What follows any other result; none if the branches must name them all.
-        otherwise: Option<Target>,
-    },
 }
 
 /// The tasks of a program, in the order of the text, and the instances of commands that they need.

@@ -1,13 +1,14 @@
 //! Steps become the nodes of a plan.
 
 use rpi_diag::Span;
+use rpi_net::plan::Target;
 use rpi_sema::elab::{self, Argument};
 use rpi_sema::program::{DeclId, DeclKind};
 use rpi_sema::typed::{TaskStep, Unit, UnitId, UnitKind};
 use rpi_syntax::ast::{Branch, Next, OnResult, Run, Step, StepKind, Strand};
 
 use super::instance::{self, Given, Instances};
-use super::{Target, TaskNode, TaskPlan};
+use super::{TaskNode, TaskPlan};
 use crate::source::Front;
 
 /// The plan of a task that is run by itself.

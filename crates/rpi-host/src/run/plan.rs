@@ -2,9 +2,10 @@
 
 use rpi_image::Image;
 use rpi_image::image::{End, EndKind};
+use rpi_net::plan::Target;
 
-/// Where a plan goes on; none: it is done.
-pub type Target = Option<usize>;
+/// A node of a plan: its command is the place of an image in a list.
+pub type Node = rpi_net::plan::Node<usize>;
 
 /// What a task does.
 #[derive(Clone, PartialEq, Eq, Debug, Default)]
@@ -13,51 +14,6 @@ pub struct Plan {
     pub nodes: Vec<Node>,
     /// The first one.
     pub start: Target,
-}
-
-/// A node of a plan.
-#[derive(Clone, PartialEq, Eq, Debug)]
-pub enum Node {
-    /// Goes on there.
-    Pass(Target),
-    /// A repetition begins: this node counts from 0 again, and it goes on there.
-    Enter(usize),
-    /// So many times the body, without a number for ever; then it goes on.
-    Repeat {
-        /// How many times.
-        times: Option<u64>,
-        /// What is repeated.
-        body: Target,
-        /// What comes then.
-        then: Target,
-    },
-    /// All of these at once; once each has come to its [`Node::Join`], it goes on.
-    Parallel {
-        /// Where each strand begins.
-        strands: Vec<Target>,
-        /// What comes then.
-        then: Target,
-    },
-    /// A strand is over, and waits for those beside it.
-    Join,
-    /// The strands of a parallel are left by an error: the others are asked to end, and then it goes on.
-    Leave {
-        /// The node with the strands.
-        parallel: usize,
-        /// What comes then.
-        then: Target,
-    },
-    /// A command.
-    Run {
-        /// Its index.
-        command: usize,
-        /// What follows these results.
-        on: Vec<(String, Target)>,
-        /// What follows any other `fail`; none: the task ends with its error.
-        on_fail: Option<Target>,
-        /// What follows any other result; none if the branches must name them all.
-        otherwise: Option<Target>,
-    },
 }
 
 impl Plan {

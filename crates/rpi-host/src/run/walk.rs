@@ -3,7 +3,8 @@
 use rpi_image::Image;
 use rpi_image::image::{End, EndKind};
 
-use super::plan::{Node, Plan, Target};
+use super::plan::{Node, Plan};
+use rpi_net::plan::Target;
 
 /// A place in a plan: a node, and how often each repetition was gone through.
 #[derive(Clone, PartialEq, Eq, Debug)]
