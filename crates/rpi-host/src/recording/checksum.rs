@@ -3,6 +3,8 @@
 //! <https://mcap.dev/spec>: the record at the end of the data has one over all before it; the footer has one over the summary
 //! that follows, and over itself. Together they hold every byte.
 
+use crc32fast::hash as crc32;
+
 const MAGIC: &[u8] = b"\x89MCAP0\r\n";
 /// A record begins with its kind and its length.
 const HEAD: usize = 1 + 8;
@@ -53,34 +55,6 @@ fn record(bytes: &[u8], at: usize, kind: u8, len: usize) -> Option<&[u8]> {
 fn number(bytes: &[u8]) -> u64 {
     let bytes = bytes.iter().rev();
     bytes.fold(0, |number, byte| number << 8 | u64::from(*byte))
-}
-
-/// The cyclic redundancy check of IEEE 802.3.
-fn crc32(bytes: &[u8]) -> u32 {
-    let step = |crc: u32, byte: &u8| TABLE[((crc ^ u32::from(*byte)) & 0xff) as usize] ^ crc >> 8;
-    !bytes.iter().fold(!0, step)
-}
-
-const TABLE: [u32; 256] = table();
-
-const fn table() -> [u32; 256] {
-    let mut table = [0; 256];
-    let mut k = 0;
-    while k < 256 {
-        let mut crc = k as u32;
-        let mut bit = 0;
-        while bit < 8 {
-            crc = if crc & 1 == 1 {
-                0xedb8_8320 ^ crc >> 1
-            } else {
-                crc >> 1
-            };
-            bit += 1;
-        }
-        table[k] = crc;
-        k += 1;
-    }
-    table
 }
 
 #[cfg(test)]

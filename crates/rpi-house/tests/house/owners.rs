@@ -11,6 +11,7 @@ const OWNERS: &[(&str, &[&str])] = &[
     ("clap", &["rpi", "rpic"]),
     ("clap_complete", &["rpi", "rpic"]),
     ("clap_mangen", &["rpi", "rpic"]),
+    ("crc32fast", &["rpi-host"]),
     ("flate2", &["rpi-driver", "rpi-host", "rpi-testkit"]),
     ("hashbrown", &["rpi-lower", "rpi-net"]),
     ("hdrhistogram", &["rpi-host"]),
