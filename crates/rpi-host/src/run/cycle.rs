@@ -34,12 +34,13 @@ pub(super) struct Bounds {
 }
 
 impl Bounds {
-    fn are_reached(&self, now: u64) -> bool {
-        now >= self.last || self.interrupted.load(Ordering::Relaxed)
-    }
-
-    fn is_emergency(&self) -> bool {
-        self.emergency.load(Ordering::Relaxed)
+    /// Why all commands are to be ended now, if they are.
+    fn reached(&self, now: u64) -> Option<Why> {
+        let asked = || now >= self.last || self.interrupted.load(Ordering::Relaxed);
+        match self.emergency.load(Ordering::Relaxed) {
+            true => Some(Why::EmergencyStop),
+            false => asked().then_some(Why::Request),
+        }
     }
 }
 
@@ -54,10 +55,8 @@ pub(super) struct Cycle {
     bounds: Bounds,
     /// The devices come to rest, until this tick at most.
     settling: Option<u64>,
-    /// True once the run was cut off.
-    pub(super) cut_off: bool,
-    /// Why everything was stopped, once it was: by an emergency stop, or as cycles took too long.
-    pub(super) stopped: Option<Why>,
+    /// Why all commands were ended before their time, once they were: on request where the run is cut off.
+    pub(super) halted: Option<Why>,
     /// Where all goes that is recorded.
     tape: Option<TapeIn>,
 }
@@ -88,8 +87,7 @@ impl Cycle {
             now,
             bounds,
             settling: None,
-            cut_off: false,
-            stopped: None,
+            halted: None,
             tape,
         }
     }
@@ -99,9 +97,9 @@ impl Cycle {
         let now = self.executive.now();
         let wall_ns = self.beat.wait(now);
         self.watcher.begin(now);
-        match self.cut_off || self.stopped.is_some() {
-            true => self.executive.tick_alone(wall_ns, &mut self.watcher),
-            false => self.executive.tick(wall_ns, &mut self.watcher),
+        match self.halted {
+            Some(_) => self.executive.tick_alone(wall_ns, &mut self.watcher),
+            None => self.executive.tick(wall_ns, &mut self.watcher),
         }
         if self.settling.is_none() {
             let too_often = self.beat.over(now);
@@ -109,7 +107,7 @@ impl Cycle {
                 sights.overrun(late);
             }
             if too_often {
-                self.stop(Why::Overrun);
+                self.halt(Why::Overrun);
             }
         }
         self.sample(now);
@@ -121,14 +119,13 @@ impl Cycle {
     /// follow.
     pub(super) fn goes_on(&mut self, over: bool) -> bool {
         let now = self.executive.now();
-        if self.settling.is_none() && self.bounds.is_emergency() {
-            self.stop(Why::EmergencyStop);
+        if self.settling.is_none()
+            && self.halted.is_none()
+            && let Some(why) = self.bounds.reached(now)
+        {
+            self.halt(why);
         }
-        if self.settling.is_none() && self.stopped.is_none() && self.bounds.are_reached(now) {
-            self.cut_off = true;
-            self.halt(Why::Request);
-        }
-        if self.settling.is_none() && (over || self.cut_off || self.stopped.is_some()) {
+        if self.settling.is_none() && (over || self.halted.is_some()) {
             let ticks = (SETTLE * 1e9 / self.bounds.tick_ns as f64) as u64;
             self.settling = Some(now + ticks);
         }
@@ -136,14 +133,9 @@ impl Cycle {
             .is_none_or(|until| now < until && self.moves())
     }
 
-    /// Ends all commands, which is no regular end of the run.
-    fn stop(&mut self, why: Why) {
-        self.stopped = Some(why);
-        self.halt(why);
-    }
-
     /// Ends all commands between two ticks.
     fn halt(&mut self, why: Why) {
+        self.halted = Some(why);
         self.executive.plant().halt(number_of(why));
         self.executive.halt(why);
     }

@@ -4,6 +4,7 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 
+use rpi_core::Why;
 use rtrb::{Producer, RingBuffer};
 
 use super::cycle::Cycle;
@@ -143,6 +144,7 @@ fn outcome(
             devices: Vec::new(),
         });
     }
+    let stopped = cycle.halted.filter(|why| *why != Why::Request);
     Ok(Outcome {
         commands: host
             .books
@@ -156,8 +158,8 @@ fn outcome(
         devices: devices::ends(cycle.bank()),
         figures: cycle.beat.figures(),
         tick_ns: listener.tick_ns,
-        cut_off: cycle.cut_off,
-        stopped: cycle.stopped.map(|why| stop_text(why).to_owned()),
+        cut_off: cycle.halted == Some(Why::Request),
+        stopped: stopped.map(|why| stop_text(why).to_owned()),
         digest: None,
         recorded,
         grants: grants.iter().map(ToString::to_string).collect(),

@@ -170,8 +170,15 @@ impl<'a> Books<'a> {
         self.commands.push((Some(id), end));
     }
 
+    /// What is listed of a command.
+    fn listed(&mut self, id: CommandId) -> Option<&mut CommandEnd> {
+        let mut latest_first = self.commands.iter_mut().rev();
+        let found = latest_first.find(|(known, _)| *known == Some(id));
+        found.map(|(_, command)| command)
+    }
+
     fn ended(&mut self, id: CommandId, image: &Image, ending: Ending) {
-        if let Some((_, command)) = self.commands.iter_mut().rev().find(|c| c.0 == Some(id)) {
+        if let Some(command) = self.listed(id) {
             command.cycles = ending.cycles;
             command.end = end::of(image, ending);
         }
@@ -179,7 +186,7 @@ impl<'a> Books<'a> {
 
     /// A command has left something moving, and its device brakes.
     fn braked(&mut self, id: CommandId, device: &str) {
-        if let Some((_, command)) = self.commands.iter_mut().rev().find(|c| c.0 == Some(id))
+        if let Some(command) = self.listed(id)
             && !command.braked.iter().any(|known| known == device)
         {
             command.braked.push(device.to_owned());
@@ -188,13 +195,13 @@ impl<'a> Books<'a> {
 
     /// A branch of its task is for the error by which a command has ended.
     fn handled(&mut self, id: CommandId) {
-        if let Some((_, command)) = self.commands.iter_mut().rev().find(|c| c.0 == Some(id)) {
+        if let Some(command) = self.listed(id) {
             command.handled = true;
         }
     }
 
     fn jumped(&mut self, id: CommandId, jump: &Jump, cell: &Cell) {
-        if let Some((_, command)) = self.commands.iter_mut().rev().find(|c| c.0 == Some(id)) {
+        if let Some(command) = self.listed(id) {
             command.jump.get_or_insert_with(|| end::jump(jump, cell));
         }
     }

@@ -86,19 +86,13 @@ impl<P: Borrow<Plan>> Task<P> {
     /// Asks it to end: nothing follows any more, and what runs is asked to end.
     pub fn cancel(&mut self, shop: &mut dyn Workshop) {
         self.cancelled = true;
-        match &mut self.root {
-            Some(root) => root.wind_up(shop),
-            None => self.end = self.end.or(Some(TaskEnd::Cancelled)),
-        }
+        self.wind_up(shop);
     }
 
     /// Everything was stopped by force: nothing follows any more, and it has failed.
     pub fn stop(&mut self, shop: &mut dyn Workshop) {
         self.failed = true;
-        match &mut self.root {
-            Some(root) => root.wind_up(shop),
-            None => self.end = self.end.or(Some(TaskEnd::Failed)),
-        }
+        self.wind_up(shop);
     }
 
     /// Does what can be done now.
@@ -138,9 +132,14 @@ impl<P: Borrow<Plan>> Task<P> {
     fn fail(&mut self, index: usize, why: NotStarted, shop: &mut dyn Workshop) {
         shop.not_started(index, why);
         self.failed = true;
+        self.wind_up(shop);
+    }
+
+    fn wind_up(&mut self, shop: &mut dyn Workshop) {
         match &mut self.root {
             Some(root) => root.wind_up(shop),
-            None => self.finish(shop),
+            None if self.end.is_none() => self.finish(shop),
+            None => {}
         }
     }
 
