@@ -260,43 +260,16 @@ impl<'t> Lexer<'t> {
 
     /// `(*@contract ... *)` of Kind 2 is read as `con ... noc`.
     fn contract(&mut self, lexeme: Lexeme) {
-        let head = self.slice(lexeme).find(CONTRACT).unwrap_or_default() + CONTRACT.len();
-        let (inner, close) = (lexeme.start + head as u32, lexeme.end - 2);
-        self.out.claims.push(self.span(lexeme));
-        self.push(
-            Token::Con,
-            Lexeme {
-                end: inner,
-                ..lexeme
-            },
-        );
-        self.stretch(inner as usize, close as usize);
-        self.report_unknown();
-        let start = close;
+        let start = self.claim(lexeme, CONTRACT, Token::Con);
         self.push(Token::Noc, Lexeme { start, ..lexeme });
     }
 
     /// `--%PROPERTY x;` and `(*%PROPERTY x; *)` of Kind 2 are read as statements.
     fn property(&mut self, lexeme: Lexeme) {
-        let head = self.slice(lexeme).find(PROPERTY).unwrap_or_default() + PROPERTY.len();
-        let inner = lexeme.start + head as u32;
-        let close = match lexeme.token {
-            Token::BlockComment => lexeme.end - 2,
-            _ => lexeme.end,
-        };
-        self.out.claims.push(self.span(lexeme));
-        self.push(
-            Token::Property,
-            Lexeme {
-                end: inner,
-                ..lexeme
-            },
-        );
-        self.stretch(inner as usize, close as usize);
-        self.report_unknown();
+        let end = self.claim(lexeme, PROPERTY, Token::Property);
         // Others do without.
         if self.out.lexemes.last().map(|last| last.token) != Some(Token::Semi) {
-            let (start, end) = (close, close);
+            let start = end;
             self.push(
                 Token::Semi,
                 Lexeme {
@@ -306,6 +279,22 @@ impl<'t> Lexer<'t> {
                 },
             );
         }
+    }
+
+    /// A comment that is read: `token` stands for what it begins with, up to its mark. Where what is read ends.
+    fn claim(&mut self, lexeme: Lexeme, mark: &str, token: Token) -> u32 {
+        let head = self.slice(lexeme).find(mark).unwrap_or_default() + mark.len();
+        let inner = lexeme.start + head as u32;
+        let close = match lexeme.token {
+            Token::BlockComment => lexeme.end - 2,
+            _ => lexeme.end,
+        };
+        self.out.claims.push(self.span(lexeme));
+        let end = inner;
+        self.push(token, Lexeme { end, ..lexeme });
+        self.stretch(inner as usize, close as usize);
+        self.report_unknown();
+        close
     }
 
     /// How a comment is read that is more than a comment, if it is.

@@ -57,26 +57,41 @@ fn a_recording_gives_the_same_bits_across_takeovers() {
     assert!(report["values"].as_u64() > Some(5_000), "{report}");
 }
 
+/// Records a program on real time, and sends the run a signal after a while.
 #[cfg(unix)]
-#[test]
-fn a_run_that_is_interrupted_ends_in_order() {
-    let folder = tempfile::tempdir().unwrap();
-    let (program, file) = (blending(), folder.path().join("out.mcap"));
-    let arguments = ["run", program.to_str().unwrap(), "--real-time", "--record"];
-    let mut rpi = Command::new(env!("CARGO_BIN_EXE_rpi"));
-    let rpi = rpi.args(arguments).arg(&file).env("NO_COLOR", "1");
-    let rpi = rpi.stdout(Stdio::piped()).stderr(Stdio::piped());
-    let rpi = rpi.spawn().unwrap();
-    // It hears signals before it makes the file; a second later the arm moves.
+fn signalled(arguments: &[&str], file: &Path, signal: &str, after: Duration) -> Output {
+    let mut run = Command::new(env!("CARGO_BIN_EXE_rpi"));
+    let run = run
+        .arg("run")
+        .args(arguments)
+        .args(["--real-time", "--record"]);
+    let run = run.arg(file).env("NO_COLOR", "1");
+    let run = run.stdout(Stdio::piped()).stderr(Stdio::piped());
+    let run = run.spawn().unwrap();
+    // It hears signals before it makes the file.
     let begin = Instant::now();
     while !file.exists() {
         assert!(begin.elapsed() < Duration::from_secs(30));
         sleep(Duration::from_millis(10));
     }
-    sleep(Duration::from_secs(1));
-    let mut kill = Command::new("kill");
-    kill.args(["-INT", &rpi.id().to_string()]).status().unwrap();
-    let output = rpi.wait_with_output().unwrap();
+    sleep(after);
+    let asked = Command::new("kill")
+        .args([signal, &run.id().to_string()])
+        .status();
+    assert!(asked.unwrap().success());
+    run.wait_with_output().unwrap()
+}
+
+/// By then the arm moves.
+#[cfg(unix)]
+const UNDER_WAY: Duration = Duration::from_secs(1);
+
+#[cfg(unix)]
+#[test]
+fn a_run_that_is_interrupted_ends_in_order() {
+    let folder = tempfile::tempdir().unwrap();
+    let (program, file) = (blending(), folder.path().join("out.mcap"));
+    let output = signalled(&[program.to_str().unwrap()], &file, "-INT", UNDER_WAY);
     assert_eq!(output.status.code(), Some(130), "{}", said(&output));
     assert!(said(&output).contains("cut off"), "{}", said(&output));
     let (code, told) = replay(&file);
@@ -351,22 +366,7 @@ fn what_cannot_be_written_is_told_by_name() {
 fn sigquit_is_an_emergency_stop() {
     let folder = tempfile::tempdir().unwrap();
     let (program, file) = (blending(), folder.path().join("out.mcap"));
-    let mut run = Command::new(env!("CARGO_BIN_EXE_rpi"));
-    let run = run.args(["run", program.to_str().unwrap(), "--real-time", "--record"]);
-    let run = run.arg(&file).env("NO_COLOR", "1");
-    let run = run.stdout(Stdio::piped()).stderr(Stdio::piped());
-    let run = run.spawn().unwrap();
-    let begin = Instant::now();
-    while !file.exists() {
-        assert!(begin.elapsed() < Duration::from_secs(30));
-        sleep(Duration::from_millis(10));
-    }
-    sleep(Duration::from_secs(1));
-    let mut kill = Command::new("kill");
-    kill.args(["-QUIT", &run.id().to_string()])
-        .status()
-        .unwrap();
-    let output = run.wait_with_output().unwrap();
+    let output = signalled(&[program.to_str().unwrap()], &file, "-QUIT", UNDER_WAY);
     assert_eq!(output.status.code(), Some(3), "{}", said(&output));
     let told = said(&output);
     assert!(
@@ -391,27 +391,8 @@ fn sigquit_between_commands_is_told() {
 task Short let repeat let Rest(); Rest(); tel tel
 ";
     std::fs::write(&program, text).unwrap();
-    let mut run = Command::new(env!("CARGO_BIN_EXE_rpi"));
-    let run = run.args([
-        "run",
-        program.to_str().unwrap(),
-        "--real-time",
-        "--json",
-        "--record",
-    ]);
-    let run = run.arg(&file).stdout(Stdio::piped()).stderr(Stdio::piped());
-    let run = run.spawn().unwrap();
-    let begin = Instant::now();
-    while !file.exists() {
-        assert!(begin.elapsed() < Duration::from_secs(30));
-        sleep(Duration::from_millis(10));
-    }
-    sleep(Duration::from_millis(500));
-    let mut kill = Command::new("kill");
-    kill.args(["-QUIT", &run.id().to_string()])
-        .status()
-        .unwrap();
-    let output = run.wait_with_output().unwrap();
+    let arguments = [program.to_str().unwrap(), "--json"];
+    let output = signalled(&arguments, &file, "-QUIT", UNDER_WAY / 2);
     assert_eq!(output.status.code(), Some(3), "{}", said(&output));
     let told: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
     assert_eq!(told["stopped"], "emergency stop");

@@ -111,7 +111,7 @@ fn one_file(
             false => tally.failed += 1,
         }
         show(args.format, &findings(test, &report), &compiled.sources)?;
-        seen.add(&report.coverage);
+        report.coverage.iter().for_each(|own| seen.add(own));
     }
     match args.coverage {
         true => put(None, seen.text(&compiled.sources).as_bytes()),
@@ -125,6 +125,7 @@ fn report(test: &Test, args: &TestArgs) -> Result<Report, String> {
     let others: Vec<Claim> = others.cloned().collect();
     run(Case {
         net: &test.net,
+        coverage: args.coverage,
         image: rpi_driver::lower_to_look(&test.net, args.period)?,
         conditions: &own,
         claims: &others,

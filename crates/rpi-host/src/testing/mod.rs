@@ -27,6 +27,8 @@ pub struct Case<'a> {
     pub conditions: &'a [Condition],
     /// What else is claimed, by what the test calls.
     pub claims: &'a [Claim],
+    /// Whether it is noted what was active and chosen.
+    pub coverage: bool,
     /// It ends after so many cycles if it does not end itself; unless said, after [`CYCLES`], or [`MOST`] if it can finish.
     pub cycles: Option<u64>,
 }
@@ -57,8 +59,8 @@ pub struct Report {
     pub broken: Vec<Finding>,
     /// How it ended, if it can finish.
     pub end: Option<Ended>,
-    /// What was active and chosen.
-    pub coverage: Coverage,
+    /// What was active and chosen, if it was noted.
+    pub coverage: Option<Coverage>,
 }
 
 /// What became of a condition.
@@ -114,7 +116,8 @@ pub fn run(case: Case<'_>) -> Result<Report, String> {
         faults.join("; ")
     })?;
     let finishes = can_finish(&machine.image().end);
-    let coverage = Coverage::new(case.net, machine.image());
+    let noted = case.coverage.then_some(case.net);
+    let coverage = noted.map(|net| Coverage::new(net, machine.image()));
     let mut watch = Watch::new(machine, case.conditions, case.claims, coverage);
     let cycles = case.cycles.unwrap_or(if finishes { MOST } else { CYCLES });
     let end = (0..cycles).find_map(|cycle| watch.cycle(cycle));
@@ -134,7 +137,7 @@ struct Watch {
     conditions: Vec<Watched>,
     claims: claims::Watch,
     broken: Vec<Finding>,
-    coverage: Coverage,
+    coverage: Option<Coverage>,
     cycles: u64,
 }
 
@@ -149,7 +152,7 @@ impl Watch {
         machine: Machine,
         conditions: &[Condition],
         claims: &[Claim],
-        coverage: Coverage,
+        coverage: Option<Coverage>,
     ) -> Watch {
         let image = machine.image().clone();
         let numbered = |key: &str| {
@@ -198,7 +201,9 @@ impl Watch {
         let broken = self.claims.look(&Exports(&self.machine));
         let told = broken.iter().map(|broken| self.claims.told(broken, cycle));
         self.broken.extend(told);
-        self.coverage.look(&self.machine);
+        if let Some(coverage) = &mut self.coverage {
+            coverage.look(&self.machine);
+        }
         verdict.map(|verdict| self.ended(verdict))
     }
 
