@@ -18,8 +18,11 @@ pub(crate) fn is_needed(finding: &Finding, sources: &SourceMap) -> bool {
         let bytes = sources.text(label.span.file).as_bytes();
         let (start, end) = sources.clamp(label.span);
         let before = two_lines(bytes[..start].iter().rev());
-        let line = line(bytes[..start].iter().rev()) + line(bytes[start..].iter());
-        line > LINE || end - start + before + two_lines(bytes[end..].iter()) > WHOLE
+        let own = line(bytes[..start].iter().rev()) + line(bytes[start..].iter());
+        let is_long = own > LINE
+            || neighbour(bytes[..start].iter().rev()) > LINE
+            || neighbour(bytes[end..].iter()) > LINE;
+        is_long || end - start + before + two_lines(bytes[end..].iter()) > WHOLE
     };
     finding.labels.iter().any(too_long)
 }
@@ -30,6 +33,11 @@ fn line<'b>(bytes: impl Iterator<Item = &'b u8>) -> usize {
         .take(LINE + 1)
         .take_while(|byte| **byte != b'\n')
         .count()
+}
+
+/// The bytes of the line that comes then.
+fn neighbour<'b>(bytes: impl Iterator<Item = &'b u8>) -> usize {
+    line(bytes.take(WHOLE).skip_while(|byte| **byte != b'\n').skip(1))
 }
 
 /// The bytes of two lines, counted no further than it matters.

@@ -134,6 +134,15 @@ fn a_long_stretch_between_two_places_is_left_out() {
 }
 
 #[test]
+fn a_long_line_beside_a_place_is_left_out() {
+    let text = format!("y = {0};\nodd\nz = {0};\n", "x + ".repeat(500));
+    let (sources, file) = source("beside.rpi", &text);
+    let finding = Finding::new(Code::RPI0001, "odd").at(find(&sources, file, "odd", 0), "here");
+    let shown = human((sources, vec![finding]));
+    assert!(shown.lines().all(|line| line.len() < 120), "{shown}");
+}
+
+#[test]
 fn every_form_counts_columns_in_characters() {
     let (sources, file) = source("greek.rpi", "  αβγ = δ;\n");
     let finding = Finding::new(Code::RPI0002, "odd").at(find(&sources, file, "δ", 0), "here");

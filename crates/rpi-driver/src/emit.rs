@@ -6,7 +6,7 @@ use rpi_net::Net;
 use rpi_net::lustre::Boundary;
 use rpi_net::passes::{Item, Schedule, analyse};
 use rpi_sema::program::Program;
-use rpi_syntax::{Mode, Parens};
+use rpi_syntax::{Mode, Parens, with_stack};
 use std::fmt::Write as _;
 
 use crate::compile::lower;
@@ -46,8 +46,10 @@ pub fn typed(input: &Input) -> Result<String, InputError> {
     let modules = Modules::load(&input.stem(), &path, text, folder, &Disk, &mut sources);
     let texts = modules.sources();
     let (program, _) = Program::collect(&texts);
-    let checked = rpi_sema::check(&program);
-    Ok(checked.units.iter().map(rpi_sema::typed::print).collect())
+    Ok(with_stack(|| {
+        let units = rpi_sema::check(&program).units;
+        units.iter().map(rpi_sema::typed::print).collect()
+    }))
 }
 
 fn mode(input: &Input) -> Mode {

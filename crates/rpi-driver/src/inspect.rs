@@ -11,8 +11,8 @@ use rpi_sema::Checked;
 use rpi_sema::elab::Claims;
 use rpi_sema::facts::{self, Facts};
 use rpi_sema::query::{Def, Index, Typed, type_around, types_of_flows, types_of_read};
-use rpi_syntax::Mode;
 use rpi_syntax::ast::Item;
+use rpi_syntax::{Mode, with_stack};
 
 use crate::doctext;
 use crate::files::Files;
@@ -73,14 +73,15 @@ impl Inspected {
 
     /// Every definition and reference.
     pub fn index(&self) -> &Index {
-        self.index.get_or_init(|| self.modules.index())
+        let index = || with_stack(|| self.modules.index());
+        self.index.get_or_init(index)
     }
 
     /// The types of a definition that is a flow, each once: there are several if it is checked for several choices of
     /// static arguments, and none if the checker did not come that far.
     #[must_use]
     pub fn types_of(&self, def: &Def) -> &[Typed] {
-        let flows = || types_of_flows(&self.checked.units, self.facts());
+        let flows = || with_stack(|| types_of_flows(&self.checked.units, self.facts()));
         let found = self.flows.get_or_init(flows).get(&def.span);
         found.map_or(&[], Vec::as_slice)
     }
@@ -88,13 +89,13 @@ impl Inspected {
     /// The types of what a name stands for where it is read, each once.
     #[must_use]
     pub fn types_of_read(&self, name: Span) -> Vec<Typed> {
-        types_of_read(&self.checked.units, self.facts(), name)
+        with_stack(|| types_of_read(&self.checked.units, self.facts(), name))
     }
 
     /// The smallest expression around a place, and its types.
     #[must_use]
     pub fn type_around(&self, file: FileId, offset: u32) -> Option<(Span, Vec<Typed>)> {
-        type_around(&self.checked.units, self.facts(), file, offset)
+        with_stack(|| type_around(&self.checked.units, self.facts(), file, offset))
     }
 
     /// The top-level declaration around a place.
@@ -108,9 +109,9 @@ impl Inspected {
     }
 
     fn facts(&self) -> &[Facts] {
-        self.facts.get_or_init(|| {
-            facts::find(&self.checked.units, &vec![true; self.checked.units.len()]).0
-        })
+        let units = &self.checked.units;
+        let facts = || with_stack(|| facts::find(units, &vec![true; units.len()]).0);
+        self.facts.get_or_init(facts)
     }
 }
 

@@ -12,6 +12,7 @@ use rpi_sema::facts::{self, Facts};
 use rpi_sema::program::Program;
 use rpi_sema::typed::{BlockId, Kind, Unit, UnitId, UnitKind};
 use rpi_sema::{Checked, check};
+use rpi_syntax::with_stack;
 
 use crate::compile::Asked;
 use crate::files::Disk;
@@ -98,6 +99,14 @@ pub(crate) fn build_modules(
 
 /// Checks parsed modules and hands them to what makes nets of those units that nothing is wrong with.
 pub(crate) fn with_front<T>(
+    modules: &Modules,
+    sources: &SourceMap,
+    back: impl FnOnce(&Front<'_>, &mut Vec<Finding>) -> T,
+) -> (T, Vec<Finding>, Checked) {
+    with_stack(|| checked(modules, sources, back))
+}
+
+fn checked<T>(
     modules: &Modules,
     sources: &SourceMap,
     back: impl FnOnce(&Front<'_>, &mut Vec<Finding>) -> T,

@@ -4,6 +4,7 @@ use std::fmt::Write;
 
 use rpi_diag::Code;
 use rpi_driver::{Input, Kind, compile};
+use rpi_syntax::Mode;
 
 /// The codes of what is found in a program, each once, with the messages.
 fn found(text: &str) -> Vec<(Code, String)> {
@@ -46,6 +47,35 @@ fn constants_in_reverse_order_cost_no_stack() {
 fn constants_in_order_may_be_many() {
     let many = row(5_000, |k| format!("const c{}: int = c{k} + 1;", k + 1));
     assert_eq!(found(&format!("const c0 = 1;\n{many}")), []);
+}
+
+/// Threads of tests have small stacks, like those of a server.
+#[test]
+fn expressions_may_nest_as_deeply_as_they_may() {
+    let node = |of: &str, y: &str| format!("node N(x: {of}) returns (y: {of})\nlet y = {y}; tel\n");
+    let sum = node("real", &format!("x{}", " + x".repeat(1_990)));
+    let brackets = node(
+        "real",
+        &format!("{}x{}", "(".repeat(990), " + 1.0)".repeat(990)),
+    );
+    let choice = (0..660).fold(String::new(), |text, k| {
+        format!("{text}if x = {k} then {k} else ")
+    });
+    let delays = format!("{}x{}", "0 -> pre (".repeat(660), ")".repeat(660));
+    for text in [
+        sum,
+        brackets,
+        node("int", &format!("{choice} x")),
+        node("int", &delays),
+    ] {
+        assert_eq!(found(&text), []);
+        let formatted = rpi_syntax::format(&text, Mode::Rpi).expect("it has no faults");
+        assert_eq!(found(&formatted), []);
+    }
+    is_said(
+        &node("real", &format!("x{}", " + x".repeat(2_010))),
+        Code::RPI0011,
+    );
 }
 
 #[test]

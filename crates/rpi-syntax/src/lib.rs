@@ -35,6 +35,7 @@ mod pieces;
 mod print;
 mod sizes;
 mod split;
+mod stack;
 mod structure;
 mod text;
 mod token;
@@ -47,6 +48,7 @@ pub use name::Name;
 pub use parse::parse;
 pub use pieces::{Piece, PieceKind, pieces};
 pub use print::{format, head, print};
+pub use stack::with_stack;
 pub use token::{KEYWORDS, Keyword, Place, is_name, signs};
 
 use rpi_diag::Finding;

@@ -8,8 +8,8 @@ use crate::lexer::Lexeme;
 use crate::token::Token;
 use rpi_diag::{Code, Finding};
 
-/// The deepest nesting that is accepted; every walk over the tree may recurse so far.
-pub(crate) const MAX_DEPTH: u32 = 500;
+/// The deepest nesting that is accepted; every walk over the tree may recurse so far, see [`with_stack`](crate::with_stack).
+pub(crate) const MAX_DEPTH: u32 = 2_000;
 
 /// One open bracket or body.
 #[derive(Clone, Copy, Default)]
@@ -49,7 +49,7 @@ pub(crate) fn too_deep(cx: &Context<'_>, lexemes: &[Lexeme]) -> Option<Finding> 
             .map_or(0, |level| level.operators + level.inner);
         if here + levels.len() as u32 > MAX_DEPTH {
             let span = cx.span(lexeme.start, lexeme.end);
-            return Some(finding().at(span, "more than 500 levels deep here"));
+            return Some(finding().at(span, format!("more than {MAX_DEPTH} levels deep here")));
         }
     }
     None

@@ -4,7 +4,7 @@ use crate::ast::{File, Item};
 use crate::context::Context;
 use crate::lexer::{Lexed, lex_skipping};
 use crate::split::{Chunk, Head, split};
-use crate::{Mode, Parse, mend, nesting, outside};
+use crate::{Mode, Parse, mend, nesting, outside, with_stack};
 use rpi_diag::{Code, FileId, Finding, Severity, Span};
 use std::collections::BTreeSet;
 
@@ -13,7 +13,7 @@ use std::collections::BTreeSet;
 /// What has a fault becomes a `Broken` node with the names that it seems to define; the findings say
 /// why, one for each independent fault.
 pub fn parse(file: FileId, text: &str, mode: Mode) -> Parse {
-    let (lexed, items, found) = understood(file, text, mode);
+    let (lexed, items, found) = with_stack(|| understood(file, text, mode));
     let mut findings = lexed.findings;
     let gaps = Gaps::new(text, &findings);
     let found = found.into_iter();

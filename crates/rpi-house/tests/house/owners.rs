@@ -52,6 +52,7 @@ const OWNERS: &[(&str, &[&str])] = &[
         "smallvec",
         &["rpi-image", "rpi-lower", "rpi-net", "rpi-sema"],
     ),
+    ("stacker", &["rpi-syntax"]),
     ("tempfile", &["xtask"]),
     ("terminal_size", &["rpi-diag"]),
     ("thread-priority", &["rpi-host"]),

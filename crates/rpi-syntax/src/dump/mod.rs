@@ -4,9 +4,9 @@ mod decl;
 mod expr;
 mod sexp;
 
-use crate::Mode;
 use crate::ast::File;
 use crate::lexer::lex;
+use crate::{Mode, with_stack};
 use rpi_diag::FileId;
 use sexp::Sexp;
 use std::fmt::Write as _;
@@ -24,10 +24,12 @@ pub enum Parens {
 pub fn dump_ast(file: &File, parens: Parens) -> String {
     let dumper = Dumper { parens };
     let mut out = String::new();
-    for item in &file.items {
-        dumper.item(item).write(&mut out);
-        out.push('\n');
-    }
+    with_stack(|| {
+        for item in &file.items {
+            dumper.item(item).write(&mut out);
+            out.push('\n');
+        }
+    });
     out
 }
 

@@ -24,7 +24,7 @@ mod trivia;
 mod ty;
 
 use crate::ast::File;
-use crate::{Mode, parse};
+use crate::{Mode, parse, with_stack};
 use layout::lay_out;
 use rpi_diag::{FileId, Finding, Severity};
 use trivia::Trivia;
@@ -36,7 +36,7 @@ pub use head::head;
 /// Reading the result gives the same tree, parentheses and places aside, as long as every name in it
 /// is one: see [`is_name`](crate::is_name).
 pub fn print(file: &File, mode: Mode) -> String {
-    Printer::new(mode, None).file(file)
+    with_stack(|| Printer::new(mode, None).file(file))
 }
 
 /// Formats a text. The errors in it if there are any, for then nothing is changed.
@@ -50,7 +50,9 @@ pub fn format(text: &str, mode: Mode) -> Result<String, Vec<Finding>> {
         return Err(errors);
     }
     let trivia = Trivia::new(text, &parsed.comments.all);
-    Ok(Printer::new(mode, Some(trivia)).file(&parsed.file))
+    Ok(with_stack(|| {
+        Printer::new(mode, Some(trivia)).file(&parsed.file)
+    }))
 }
 
 /// Turns nodes into documents, and places the comments on the way.
