@@ -3,7 +3,7 @@
 use super::Checker;
 use super::bound::{Bound, Unwatched};
 use super::locals::{Local, Scope};
-use super::order::Pending;
+use super::order::{Guess, Missing, Pending};
 use super::statics::Statics;
 use crate::hash::{Map, Set};
 use crate::program::ModuleId;
@@ -28,14 +28,16 @@ pub(super) struct Body<'c, 'a> {
     pub(super) defined_by: Vec<Option<usize>>,
     /// For the flow of a state the one outside that it is a version of.
     pub(super) shares: Map<FlowId, FlowId>,
-    /// Equations whose flows were read before their types were known.
-    pub(super) missing: Vec<usize>,
+    /// Flows that were read before their types were known.
+    pub(super) missing: Vec<Missing>,
     /// Flows that a statement with a reported fault seems to define.
     pub(super) broken: Vec<FlowId>,
     /// Names of flows that nothing declares, as far as that has been reported: one message is enough.
     pub(super) unknown: BTreeSet<Name>,
     /// Whether types are being looked for: faults are reported later, when all are known.
     pub(super) inferring: bool,
+    /// Which numbers tell types, where nothing else does.
+    pub(super) guesses: Guess,
     /// Whether a signature is being read, where frames need no declaration.
     pub(super) in_signature: bool,
     /// Where numbers without a unit stand.
@@ -62,6 +64,8 @@ pub(super) struct Body<'c, 'a> {
     /// Whether a claim is being checked, and whether it needs more than a run can show.
     pub(super) claim: Option<Unwatched>,
     pub(super) findings: Vec<Finding>,
+    /// Which of them has a fix that writes a number as a real; others beside it may join.
+    pub(super) made_real: Option<usize>,
 }
 
 impl<'c, 'a> Body<'c, 'a> {
@@ -85,6 +89,7 @@ impl<'c, 'a> Body<'c, 'a> {
             broken: Vec::new(),
             unknown: BTreeSet::new(),
             inferring: false,
+            guesses: Guess::Nothing,
             in_signature: false,
             numbers: Set::default(),
             state_at: None,
@@ -99,6 +104,7 @@ impl<'c, 'a> Body<'c, 'a> {
             ringed_modes: false,
             claim: None,
             findings: Vec::new(),
+            made_real: None,
         }
     }
 

@@ -454,7 +454,9 @@ impl<'a> Body<'_, 'a> {
         };
         let mut sound = self.fit_args(&header, &args, &mut subst);
         let of_units = header.inputs.iter().any(|port| port.ty.has_unknown());
-        let header = self.instance(&header, statics, &open, &subst, span);
+        let told = args.iter().flatten();
+        let all_told = told.copied().all(|arg| !self.ty_of(arg).has_unknown());
+        let header = self.instance(&header, statics, &open, &subst, all_told.then_some(span));
         let header = header.ok_or(Ty::Unknown)?;
         // Types in whose units parameters stand are known only now.
         sound = sound && (!of_units || self.fit_args(&header, &args, &mut subst));
@@ -468,14 +470,15 @@ impl<'a> Body<'_, 'a> {
         }
     }
 
-    /// The instance of a generic callable for the types of its arguments.
+    /// The instance of a generic callable for the types of its arguments. What these do not tell is reported at `span`;
+    /// without it that is no fault of this call.
     fn instance(
         &mut self,
         header: &Rc<Header>,
         mut statics: Statics,
         open: &[Name],
         subst: &Subst,
-        span: Span,
+        span: Option<Span>,
     ) -> Option<Rc<Header>> {
         let mut left = Vec::new();
         for name in open {
@@ -489,7 +492,8 @@ impl<'a> Body<'_, 'a> {
             }
         }
         if !left.is_empty() {
-            self.report_missing(header.decl, &left, span);
+            span.into_iter()
+                .for_each(|span| self.report_missing(header.decl, &left, span));
             return None;
         }
         match open.is_empty() {

@@ -47,7 +47,7 @@ impl<'a> Body<'_, 'a> {
         match self.find_local(&name.name) {
             Some(Local::Flow(flow)) => {
                 if self.inferring {
-                    self.is_missing(flow);
+                    self.is_missing(flow, name.span);
                 }
                 Some(flow)
             }
@@ -182,7 +182,9 @@ impl<'a> Body<'_, 'a> {
     /// `last x`: of a flow that states share, its value in the previous cycle, whatever the state.
     pub(super) fn last(&mut self, operand: &'a ast::Expr, span: Span) -> ExprId {
         self.has_state(span);
+        self.past += 1;
         let operand = self.last_operand(operand);
+        self.past -= 1;
         let ty = self.ty_of(operand).clone();
         self.add(Kind::Each(Each::Last, [operand].into()), ty, span)
     }

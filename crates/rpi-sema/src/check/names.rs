@@ -114,7 +114,7 @@ impl<'a> Body<'_, 'a> {
     /// A flow, read.
     pub(super) fn flow_expr(&mut self, flow: FlowId, span: Span) -> ExprId {
         if self.inferring {
-            self.is_missing(flow);
+            self.is_missing(flow, span);
         }
         let ty = self.unit.flow(flow).ty.clone();
         self.add(Kind::Flow(flow), ty, span)

@@ -1,8 +1,9 @@
 //! Operators: which primitive they are for which operands, and what their result is.
 
 use super::body::Body;
+use super::order::Guess;
 use super::quantity;
-use super::report::{WRITE_A_REAL, Wanted, listed};
+use super::report::{Wanted, listed};
 use super::types::{FOREIGN, is_foreign};
 use crate::ty::{Geometry, Ty, join};
 use crate::typed::{Each, ExprId, Kind, Leaf, Unit, UnitKind};
@@ -247,13 +248,12 @@ impl<'a> Body<'_, 'a> {
             (true, false) => (self.span_of(right), self.span_of(left)),
             _ => return,
         };
-        let Some(last) = self.findings.last_mut() else {
+        let Some(finding) = self.made_real.and_then(|at| self.findings.get_mut(at)) else {
             return;
         };
-        let place = last.span();
+        let place = finding.span();
         let is_inside = place.start >= faulty.start && place.end <= faulty.end;
-        let fix = last.fixes.iter_mut().find(|fix| fix.title == WRITE_A_REAL);
-        if let Some(fix) = fix.filter(|_| is_inside) {
+        if let Some(fix) = finding.fixes.first_mut().filter(|_| is_inside) {
             *fix = fix.clone().insert_after(int, ".0");
         }
     }
@@ -272,7 +272,9 @@ impl<'a> Body<'_, 'a> {
         let (a, b) = (self.ty_of(left).clone(), self.ty_of(right).clone());
         if a.is_unknown() || b.is_unknown() {
             self.is_real_too(left, right);
-            return self.add(Kind::Fault, binary_guess(op, &a, &b), span);
+            let guess = guess_by_number(self.guesses, op, &a, &b);
+            let guess = guess.unwrap_or_else(|| binary_guess(op, &a, &b));
+            return self.add(Kind::Fault, guess, span);
         }
         let shifts = matches!(op, BinaryOp::ShiftLeft | BinaryOp::ShiftRight) && b == Ty::Int;
         if is_foreign(&a, FOREIGN) && (a == b || shifts) {
@@ -427,7 +429,10 @@ impl<'a> Body<'_, 'a> {
     /// `a fby b` is `a -> pre b`.
     fn fby(&mut self, binary: &'a Binary, span: Span) -> ExprId {
         self.has_state(span);
-        let (left, right) = (self.expr(&binary.lhs), self.expr(&binary.rhs));
+        let left = self.expr(&binary.lhs);
+        self.past += 1;
+        let right = self.expr(&binary.rhs);
+        self.past -= 1;
         let ty = self.common_type(left, right, "both sides have one type");
         let delayed = self.add(Kind::Each(Each::Pre, [right].into()), ty.clone(), span);
         self.add(Kind::Each(Each::Arrow, [left, delayed].into()), ty, span)
@@ -443,6 +448,9 @@ impl<'a> Body<'_, 'a> {
         .at(self.span_of(right), format!("this is `{b}`"))
         .also(self.span_of(left), format!("this is `{a}`"));
         let finding = self.operands_apart(finding, op, (left, &a), (right, &b));
+        let is_int_number = |id| self.is_number(id) && *self.ty_of(id) == Ty::Int;
+        let with_number = [left, right].into_iter().any(is_int_number);
+        self.made_real = (with_number && finding.fixes.len() == 1).then_some(self.findings.len());
         self.fault_with(finding, span)
     }
 }
@@ -545,4 +553,15 @@ fn binary_guess(op: BinaryOp, a: &Ty, b: &Ty) -> Ty {
         IntDiv => Ty::Int,
         _ => Ty::Unknown,
     }
+}
+
+/// What the result is if the one known operand is a number that says so.
+fn guess_by_number(by: Guess, op: BinaryOp, a: &Ty, b: &Ty) -> Option<Ty> {
+    let known = if a.is_unknown() { b } else { a };
+    let says = match known {
+        Ty::Int => by != Guess::Nothing && matches!(op, Add | Sub | Mul | Div | Mod),
+        Ty::Real(dim) => by == Guess::Factors && matches!(op, Mul | Div) && *dim == Dim::ONE,
+        _ => false,
+    };
+    says.then(|| known.clone())
 }

@@ -3,8 +3,9 @@
 //!
 //! An equation that reads a flow of which nothing is known yet is put back until that flow's equation has been looked
 //! at. Where they need each other, what the rest of the equation says is taken as a guess (`t = 0[s] -> pre t + dt` is
-//! a time, whatever `pre t` is); guesses are checked when all types are known. The search keeps its own stack, so that
-//! a chain of any length does no harm.
+//! a time, whatever `pre t` is); guesses are checked when all types are known. What nothing tells even then is taken
+//! as what its numbers are (`n = pre n + 1` is an integer), so that its real fault is told, and nothing else.
+//! The search keeps its own stack, so that a chain of any length does no harm.
 
 use super::body::Body;
 use crate::ty::Ty;
@@ -26,6 +27,27 @@ pub(super) struct Pending<'a> {
     pub(super) indices: Vec<(ast::Ident, i64)>,
 }
 
+/// A flow that was read before its type was known.
+#[derive(Clone, Copy)]
+pub(super) struct Missing {
+    /// The equation that defines it.
+    pub(super) equation: usize,
+    pub(super) span: Span,
+    /// Whether it is read in this very cycle, not through `pre`.
+    pub(super) now: bool,
+}
+
+/// Which number tells the type of an operation on it and on something unknown.
+#[derive(Clone, Copy, PartialEq, Debug)]
+pub(super) enum Guess {
+    /// None: an integer may be meant as a real, a factor changes the unit.
+    Nothing,
+    /// An integer.
+    Integers,
+    /// An integer, and a factor without a unit.
+    Factors,
+}
+
 /// What an equation defines.
 #[derive(Clone, Copy)]
 pub(super) enum Goal<'a> {
@@ -44,6 +66,8 @@ pub(super) enum State {
     Busy,
     /// Looked at, but it reads flows of which nothing was known.
     Guessed,
+    /// It has been reported that nothing tells the type of its flows.
+    Told,
     /// Its value is checked.
     Done(ExprId),
 }
@@ -72,6 +96,16 @@ impl<'a> Body<'_, 'a> {
         }
         while self.guess_again() {}
         self.inferring = false;
+        self.guess_by(Guess::Integers);
+    }
+
+    /// Takes what only operations on numbers tell something of as what these numbers are.
+    pub(super) fn guess_by(&mut self, numbers: Guess) {
+        self.inferring = true;
+        self.guesses = numbers;
+        while self.guess_again() {}
+        self.guesses = Guess::Nothing;
+        self.inferring = false;
     }
 
     /// The value of an equation, checked now if it has not been.
@@ -95,13 +129,18 @@ impl<'a> Body<'_, 'a> {
     }
 
     /// Called when an undeclared flow is read whose type is not known yet.
-    pub(super) fn is_missing(&mut self, flow: FlowId) {
-        let known = !self.unit.flow(flow).ty.is_unknown();
-        let Some(index) = self.defined_by[flow.0 as usize].filter(|_| !known) else {
+    pub(super) fn is_missing(&mut self, flow: FlowId, span: Span) {
+        let known = !self.unit.flow(flow).ty.has_unknown();
+        let Some(equation) = self.defined_by[flow.0 as usize].filter(|_| !known) else {
             return;
         };
-        if !matches!(self.pending[index].state, State::Done(_)) {
-            self.missing.push(index);
+        if !matches!(self.pending[equation].state, State::Done(_)) {
+            let now = self.past == 0;
+            self.missing.push(Missing {
+                equation,
+                span,
+                now,
+            });
         }
     }
 
@@ -113,7 +152,8 @@ impl<'a> Body<'_, 'a> {
                 continue;
             }
             let open = |k: &usize| self.pending[*k].state == State::Open;
-            let needs: Vec<usize> = self.missing.iter().copied().filter(open).collect();
+            let needs = self.missing.iter().map(|missing| missing.equation);
+            let needs: Vec<usize> = needs.filter(open).collect();
             if needs.is_empty() {
                 self.pending[top].state = State::Guessed;
                 stack.pop();
@@ -188,6 +228,7 @@ impl<'a> Body<'_, 'a> {
     pub(super) fn put_back(&mut self, mark: Mark) {
         self.unit.exprs.truncate(mark.exprs);
         self.findings.truncate(mark.findings);
+        self.made_real = self.made_real.filter(|at| *at < mark.findings);
         self.state_at = mark.state_at;
     }
 }

@@ -8,9 +8,6 @@ use crate::typed::{ExprId, Kind};
 use crate::units::Dim;
 use rpi_diag::{Code, Finding, Fix, Span};
 
-/// What mends an integer where a real is wanted.
-pub(super) const WRITE_A_REAL: &str = "write a real";
-
 impl Body<'_, '_> {
     /// Takes up a finding about this body.
     pub(super) fn report(&mut self, finding: Finding) {
@@ -107,7 +104,7 @@ impl Body<'_, '_> {
     /// A real in place of an integer: another literal, or a conversion.
     pub(super) fn as_real(&self, id: ExprId) -> Fix {
         match self.is_number(id) {
-            true => Fix::sure(WRITE_A_REAL).insert_after(self.span_of(id), ".0"),
+            true => Fix::sure("write a real").insert_after(self.span_of(id), ".0"),
             false => self.converted(id, "real"),
         }
     }

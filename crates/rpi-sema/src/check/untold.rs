@@ -4,9 +4,8 @@
 //! What only follows from such flows is not mentioned.
 
 use super::body::Body;
-use super::order::State;
-use crate::ty::Ty;
-use crate::typed::{Each, ExprId, FlowId, Kind, Optional};
+use super::order::{Guess, State};
+use crate::typed::{FlowId, Optional};
 use rpi_diag::{Code, Finding, Span};
 use rpi_net::passes::causality::{self, Read};
 use std::collections::VecDeque;
@@ -24,31 +23,31 @@ struct Link {
 }
 
 impl Body<'_, '_> {
-    /// Reports flows whose types nothing tells.
+    /// Reports flows whose types nothing tells: first what waits for itself, which no guess mends.
     pub(super) fn report_unknown_types(&mut self) {
-        let open: Vec<usize> = (0..self.pending.len())
-            .filter(|index| self.is_untold(*index))
-            .collect();
-        if open.is_empty() {
-            return;
-        }
+        self.report_rings(true);
+        self.guess_by(Guess::Factors);
+        self.report_rings(false);
+    }
+
+    /// Reports rings of flows of unknown type, either those within a cycle or all.
+    fn report_rings(&mut self, only_now: bool) {
+        let equations = 0..self.pending.len();
+        let open: Vec<usize> = equations.filter(|index| self.is_untold(*index)).collect();
         let links: Vec<Link> = open.iter().flat_map(|index| self.links(*index)).collect();
-        let mut told = vec![false; self.pending.len()];
-        for only_now in [true, false] {
-            for index in &open {
-                if told[*index] {
-                    continue;
-                }
-                let usable =
-                    |link: &&Link| (link.now || !only_now) && !told[link.from] && !told[link.to];
-                let usable: Vec<Link> = links.iter().filter(usable).copied().collect();
-                let ring = ring_through(&usable, *index);
-                ring.iter().for_each(|link| told[link.to] = true);
-                match (ring.is_empty(), only_now) {
-                    (true, _) => {}
-                    (false, true) => self.waits_for_itself(&ring),
-                    (false, false) => self.untold(*index),
-                }
+        for index in open {
+            let is_open = |at: usize| self.pending[at].state == State::Guessed;
+            let usable =
+                |link: &&Link| (link.now || !only_now) && is_open(link.from) && is_open(link.to);
+            let usable: Vec<Link> = links.iter().filter(usable).copied().collect();
+            let ring = ring_through(&usable, index);
+            for link in &ring {
+                self.pending[link.to].state = State::Told;
+            }
+            match (ring.is_empty(), only_now) {
+                (true, _) => {}
+                (false, true) => self.waits_for_itself(&ring),
+                (false, false) => self.untold(index),
             }
         }
     }
@@ -57,7 +56,7 @@ impl Body<'_, '_> {
         let pending = &self.pending[index];
         let is_open = |flow: &FlowId| {
             let flow = self.unit.flow(*flow);
-            flow.ty.is_unknown() && flow.optional == Optional::Inferred
+            flow.ty.has_unknown() && flow.optional == Optional::Inferred
         };
         pending.state == State::Guessed && pending.introduces.iter().flatten().any(is_open)
     }
@@ -65,27 +64,22 @@ impl Body<'_, '_> {
     /// The flows of unknown type that an equation reads.
     fn links(&mut self, index: usize) -> Vec<Link> {
         let mark = self.mark();
-        let value = self.value_at(index);
-        let mut links = Vec::new();
-        let mut open: Vec<(ExprId, bool)> = vec![(value, true)];
-        while let Some((id, now)) = open.pop() {
-            let expr = self.unit.expr(id);
-            let now = now && !matches!(expr.kind, Kind::Each(Each::Pre | Each::Last, _));
-            if let Kind::Flow(flow) = expr.kind
-                && let Some(from) =
-                    self.defined_by[flow.0 as usize].filter(|from| self.is_untold(*from))
-            {
-                links.push(Link {
-                    from,
-                    to: index,
-                    span: expr.span,
-                    now,
-                });
-            }
-            expr.kind.operands(&mut |operand| open.push((operand, now)));
-        }
+        self.missing.clear();
+        self.inferring = true;
+        self.value_at(index);
+        self.inferring = false;
         self.put_back(mark);
-        links
+        let missing = std::mem::take(&mut self.missing);
+        let reads = missing
+            .iter()
+            .filter(|read| self.is_untold(read.equation))
+            .map(|read| Link {
+                from: read.equation,
+                to: index,
+                span: read.span,
+                now: read.now,
+            });
+        reads.collect()
     }
 
     fn waits_for_itself(&mut self, ring: &[Link]) {
@@ -110,7 +104,7 @@ impl Body<'_, '_> {
         let flows = self.pending[index].introduces.iter().flatten();
         let Some(flow) = flows
             .map(|id| self.unit.flow(*id))
-            .find(|flow| flow.ty == Ty::Unknown)
+            .find(|flow| flow.ty.has_unknown())
         else {
             return;
         };
