@@ -140,6 +140,7 @@ codes! {
     RPI6101 Error "two writers of one actuator";
     RPI6102 Error "command that can never finish";
     RPI6103 Warning "result that can never happen";
+    RPI6104 Note "set-point that may be absent";
     RPI6201 Warning "successor that does not take over";
     RPI7001 Error "budget exceeded";
     RPI7002 Warning "cycle longer than its period";

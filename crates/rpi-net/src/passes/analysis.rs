@@ -2,11 +2,11 @@
 
 use super::proof::Background;
 use super::{Dependencies, Presences, Resource, Schedule, Sureness, Users, Work, Writers};
-use super::{causality, ends, hoist, live, schedule, verify, writers};
+use super::{causality, ends, hoist, live, schedule, setpoints, verify, writers};
 use crate::net::{FragmentId, Net, PortRef};
 use crate::tree::Tree;
 use crate::violation::Violation;
-use rpi_diag::Finding;
+use rpi_diag::{Finding, Severity};
 
 /// A net and what the passes found out about it.
 #[derive(Clone, Debug)]
@@ -182,6 +182,19 @@ pub const PASSES: &[Pass] = &[
             );
             a.writers = writers;
             Ok(told)
+        },
+    },
+    Pass {
+        name: "set-points",
+        about: "in which cycles an actuator may get none",
+        run: |a, _| {
+            let gaps = setpoints::gaps(a.background(), &a.writers);
+            // Who drives an actuator twice is told that first.
+            if a.findings.iter().all(|f| f.severity() != Severity::Error) {
+                let found = gaps.iter().map(|gap| setpoints::finding(&a.net, gap));
+                a.findings.extend(found);
+            }
+            Ok(setpoints::told(&a.net, &a.writers, &gaps))
         },
     },
     Pass {

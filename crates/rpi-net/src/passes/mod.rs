@@ -13,6 +13,7 @@ pub mod presence;
 mod proof;
 mod rings;
 pub mod schedule;
+mod setpoints;
 pub mod users;
 pub mod verify;
 pub mod work;

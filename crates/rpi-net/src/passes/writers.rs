@@ -114,7 +114,7 @@ fn meetings(net: &Net, of: &BTreeMap<Resource, Vec<NodeId>>) -> Vec<[NodeId; 2]>
 }
 
 /// Whether two ports set the same actuator in different ways.
-fn alternative(net: &Net, a: &Resource, b: &Resource) -> bool {
+pub(crate) fn alternative(net: &Net, a: &Resource, b: &Resource) -> bool {
     let same_motion = |r: &Resource| SAME_MOTION.contains(&r.port.as_str());
     let declared = net.alternatives.iter().any(|group| {
         let holds = |r: &Resource| group.device == r.device && group.ports.contains(&r.port);
@@ -144,7 +144,7 @@ fn judge(background: Background<'_>, pairs: &[[NodeId; 2]]) -> Vec<Pair> {
 }
 
 /// When a writer writes: its fragment is active and its inputs are present.
-fn happening(net: &Net, writer: NodeId) -> Happening {
+pub(crate) fn happening(net: &Net, writer: NodeId) -> Happening {
     let node = net.node(writer);
     Happening {
         fragment: node.fragment,

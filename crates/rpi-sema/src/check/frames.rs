@@ -93,7 +93,11 @@ pub(super) fn misplaced(
 ) -> Finding {
     let message = format!("expected `{expected}`, found `{is}`: `{found}` is not `{wanted}`");
     let finding = Finding::new(Code::RPI2005, message).at(span, format!("this is `{is}`"));
-    if let Some(near) = rpi_diag::suggest(found, std::iter::once(wanted.as_str())) {
+    // The tools of two devices differ by the device, which is no slip of the pen.
+    let frame = |name: &Name| name.rsplit('.').next().map(str::to_owned);
+    let are_alike = frame(found) == frame(wanted);
+    let near = rpi_diag::suggest(found, std::iter::once(wanted.as_str()));
+    if let Some(near) = near.filter(|_| !are_alike) {
         return finding.help(format!("is `{found}` misspelt for `{near}`?"));
     }
     let (Ty::Spatial(_, expected), Ty::Spatial(_, is)) = (expected, is) else {

@@ -4,13 +4,14 @@
 //! a set is empty: then the facts contradict each other. Only nodes of fragments that are known to be active take part,
 //! for the others are not evaluated. Sound, not complete, and bounded.
 
+use super::Happening;
 use super::numbers;
 use super::truth::{self, Set, by_rule, constant};
-use crate::net::{Absent, Activation, FragmentId, Input, Net, NodeId, PortRef};
+use crate::net::{Absent, Activation, Driver, FragmentId, Input, Net, NodeId, PortRef};
 use crate::passes::presence::{Presences, Sureness};
 use crate::passes::users::Users;
 use crate::tree::Tree;
-use rpi_image::Role;
+use rpi_image::{Presence, Role};
 use std::cell::Cell;
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -89,11 +90,68 @@ impl<'a> Facts<'a> {
             for gate in gates {
                 self.activate(gate)?;
             }
+        } else if let [gate] = gates[..]
+            && allowed == Set::ABSENT
+            && self.is_present_inside(gate, port)
+        {
+            return self.deactivate(gate);
         } else if !gates.is_empty() {
             // It may be absent because its fragment is inactive: then nothing follows for the flow itself.
             return Ok(());
         }
         self.narrow(port, allowed)
+    }
+
+    /// Whether a flow is there whenever its fragment is active.
+    fn is_present_inside(&self, fragment: FragmentId, port: PortRef) -> bool {
+        let mut facts = Facts::new(self.background, self.effort);
+        let absent = facts
+            .activate(fragment)
+            .and_then(|()| facts.suppose(port, Set::ABSENT));
+        absent.is_err()
+    }
+
+    /// Adds that a fragment is inactive in a parent that is active.
+    fn deactivate(&mut self, id: FragmentId) -> Held {
+        let fragment = self.background.net.fragment(id);
+        let (Activation::When { condition, absent }, Some(parent)) =
+            (&fragment.activation, fragment.parent)
+        else {
+            return Err(Contradiction);
+        };
+        // The conditions of a program are total: the type checker has seen to that (M4).
+        let is_program = matches!(self.background.net.driver, Driver::Results(_));
+        let allowed = match absent {
+            Absent::Inactive if !is_program => Set::FALSE.or(Set::ABSENT),
+            _ => Set::FALSE,
+        };
+        self.require(parent, *condition, allowed)
+    }
+
+    /// Adds that something does not happen. Where it could fail to in several ways nothing is added.
+    pub(crate) fn deny(&mut self, happening: &Happening) -> Held {
+        let Background {
+            net,
+            tree,
+            presences,
+            ..
+        } = self.background;
+        let around = net.enclosing(happening.fragment);
+        let gates: Vec<FragmentId> = around
+            .filter(|f| presences.activity(*f) != Sureness::Total)
+            .collect();
+        let seen = |p: &PortRef| presences.seen(net, tree, happening.fragment, &Input::Port(*p));
+        let open = happening
+            .present
+            .iter()
+            .filter(|p| seen(p) != Sureness::Total);
+        let open: Vec<PortRef> = open.copied().collect();
+        match (&gates[..], &open[..]) {
+            ([], []) => Err(Contradiction),
+            ([gate], []) => self.deactivate(*gate),
+            ([], [port]) => self.require(happening.fragment, *port, Set::ABSENT),
+            _ => Ok(()),
+        }
     }
 
     /// Adds that a flow of an active fragment is one of `allowed`, and all that follows.
@@ -254,11 +312,34 @@ impl<'a> Facts<'a> {
             let port = PortRef { node: id, port: k };
             let given = by_rule(output.presence, &sets, node.outputs[usize::from(k)]);
             self.narrow_if(port, given)?;
+            if self.own(port) == Set::ABSENT {
+                self.revise_absent(id, output.presence, seen)?;
+            }
             let is_sure = !self.own(port).has(Set::ABSENT);
-            if is_sure && output.presence == rpi_image::Presence::Strict {
+            if is_sure && output.presence == Presence::Strict {
                 for source in node.inputs.iter().filter_map(Input::port) {
                     self.require(node.fragment, source, Set::PRESENT)?;
                 }
+            }
+        }
+        Ok(())
+    }
+
+    /// What follows for the inputs if an output is absent.
+    fn revise_absent(&mut self, id: NodeId, rule: Presence, seen: &[Set]) -> Held {
+        let node = self.background.net.node(id);
+        let connected = node
+            .inputs
+            .iter()
+            .zip(seen)
+            .filter(|(i, _)| !matches!(i, Input::Open));
+        let open = connected.filter(|(_, set)| rule == Presence::IfAny || set.has(Set::ABSENT));
+        let open: Vec<&Input> = open.map(|(input, _)| input).collect();
+        let follows = rule == Presence::IfAny || (rule == Presence::Strict && open.len() == 1);
+        for input in open.into_iter().filter(|_| follows) {
+            match input.port() {
+                Some(source) => self.require(node.fragment, source, Set::ABSENT)?,
+                None => return Err(Contradiction),
             }
         }
         Ok(())

@@ -8,6 +8,7 @@ pub(crate) mod facts;
 mod latches;
 mod numbers;
 pub(crate) mod truth;
+mod values;
 
 use crate::net::{FragmentId, Input, PortRef};
 use crate::passes::presence::Sureness;
@@ -68,6 +69,14 @@ impl<'a> Prover<'a> {
         let hard = pairs.iter().zip(easy);
         hard.map(|([a, b], done)| done || self.is_refuted(a, b, DEPTH))
             .collect()
+    }
+
+    /// Whether it is proved that in every cycle one of some things happens.
+    pub(crate) fn always_one(&mut self, of: &[Happening]) -> bool {
+        self.effort.set(EFFORT_FOR_CASES);
+        let mut facts = Facts::new(self.background, self.effort);
+        let denied = of.iter().try_for_each(|one| facts.deny(one));
+        denied.and_then(|()| facts.propagate()).is_err() || self.refuted(&facts, DEPTH)
     }
 
     /// Whether one pair is proved so, with cases told apart to this depth.

@@ -1,10 +1,12 @@
-//! Contradictions between comparisons of one number with constants: `x = 1` and `x = 2`, `x > 3` and `x <= 2`.
+//! Contradictions between comparisons of one number with constants: `x = 1` and `x = 2`, `x > 3` and `x <= 2`; and
+//! integers that are none of the few that they can be.
 
 use super::facts::Contradiction;
 use super::truth::Set;
+use super::values;
 use crate::net::{Input, Net, Node, PortRef};
 use rpi_image::Value;
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
 /// What comparisons say of one number.
 #[derive(Clone, Copy)]
@@ -84,7 +86,45 @@ pub(super) fn check(net: &Net, known: &BTreeMap<PortRef, Set>) -> Result<(), Con
             return Err(Contradiction);
         }
     }
-    Ok(())
+    check_excluded(net, known)
+}
+
+/// Looks for an integer that is none of all that it can be.
+fn check_excluded(net: &Net, known: &BTreeMap<PortRef, Set>) -> Result<(), Contradiction> {
+    let mut excluded: BTreeMap<PortRef, BTreeSet<i64>> = BTreeMap::new();
+    for port in known.iter().filter(|(_, set)| **set == Set::FALSE) {
+        if let Some((number, value)) = equals(net.node(port.0.node)) {
+            excluded.entry(number).or_default().insert(value);
+        }
+    }
+    let is_nothing = |(number, excluded): (&PortRef, &BTreeSet<i64>)| {
+        values::of(net, *number).is_some_and(|all| all.is_subset(excluded))
+    };
+    match excluded
+        .iter()
+        .filter(|(_, values)| values.len() > 1)
+        .any(is_nothing)
+    {
+        true => Err(Contradiction),
+        false => Ok(()),
+    }
+}
+
+/// The integer and the constant that are compared for being equal.
+fn equals(node: &Node) -> Option<(PortRef, i64)> {
+    let exact = node
+        .params
+        .first()
+        .is_none_or(|slack| as_number(slack) == Some(0.0));
+    match (node.desc().name, node.inputs.first()?, node.inputs.get(1)?) {
+        ("Core::IntEquals", Input::Port(port), Input::Const(value))
+        | ("Core::IntEquals", Input::Const(value), Input::Port(port))
+            if exact =>
+        {
+            Some((*port, value.as_int()?))
+        }
+        _ => None,
+    }
 }
 
 /// What a comparison with a constant says of the number: which flow it is, and where it lies.

@@ -1,0 +1,50 @@
+//! The integers that a flow can be, where it only passes constants on: the states of an automaton, as they are lowered.
+
+use crate::net::{Input, Net, PortRef};
+use rpi_image::{Role, Value};
+use std::collections::BTreeSet;
+
+/// Flows that are looked at for one question, at most.
+const EFFORT: usize = 2_000;
+
+/// Primitives that give one of their in-ports unchanged, and the first in-port that they may give.
+const PASSING: &[(&str, usize)] = &[
+    ("Core::IntConditional", 1),
+    ("Rpi::IntCoalesce", 0),
+    ("Rpi::IntPre", 0),
+];
+
+/// All that a flow can be; none if that is not known.
+pub(super) fn of(net: &Net, flow: PortRef) -> Option<BTreeSet<i64>> {
+    let mut found = BTreeSet::new();
+    let mut seen = BTreeSet::from([flow]);
+    let mut open = vec![flow];
+    while let Some(port) = open.pop() {
+        let node = net.node(port.node);
+        let desc = node.desc();
+        if desc.role == Role::Constant {
+            found.insert(node.params.first()?.as_int()?);
+            continue;
+        }
+        let (_, first) = PASSING.iter().find(|(name, _)| *name == desc.name)?;
+        if desc.role == Role::Delay {
+            // What it holds at first.
+            found.insert(0);
+            found.extend(node.params.iter().filter_map(Value::as_int));
+        }
+        for input in node.inputs.iter().skip(*first) {
+            match input {
+                Input::Open => {}
+                Input::Const(value) => {
+                    found.insert(value.as_int()?);
+                }
+                Input::Port(port) if seen.insert(*port) => open.push(*port),
+                Input::Port(_) => {}
+            }
+        }
+        if seen.len() > EFFORT {
+            return None;
+        }
+    }
+    Some(found)
+}

@@ -1,0 +1,224 @@
+//! Whether an actuator gets a set-point in every cycle, and if not, when it gets none (M9.3).
+//!
+//! Without one a device holds its place if it rests, and stops with a fault if it moves: so who reads a program should know
+//! in which cycles that may be.
+
+use super::presence::Sureness;
+use super::proof::{Background, Effort, Happening, Prover};
+use super::writers::{Resource, Writers, alternative, happening};
+use crate::net::{Activation, Driver, FragmentId, Input, Net, NodeId, PortRef};
+use rpi_diag::{Code, Finding};
+use rpi_image::{Presence, Role};
+use std::collections::BTreeSet;
+
+/// So many reasons are told of one actuator.
+const REASONS: usize = 4;
+
+/// Why a set-point may be absent.
+#[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Debug)]
+enum Reason {
+    /// The fragment that it comes from is not always active.
+    Inactive(FragmentId),
+    /// A flow that it depends on is absent in some cycles.
+    Absent(PortRef),
+}
+
+/// An actuator that may be without a set-point, and why.
+#[derive(Debug)]
+pub(crate) struct Gap {
+    resource: Resource,
+    writer: NodeId,
+    reasons: BTreeSet<Reason>,
+}
+
+/// The actuators of a program that may be without a set-point in some cycle, each once. Imported nets are as they are: there
+/// is no source in which it could be mended.
+pub(crate) fn gaps(background: Background<'_>, writers: &Writers) -> Vec<Gap> {
+    let net = background.net;
+    if !is_looked_at(net) {
+        return Vec::new();
+    }
+    let effort = Effort::default();
+    let mut prover = None;
+    let mut told: Vec<&Resource> = Vec::new();
+    let mut gaps = Vec::new();
+    for (resource, own) in &writers.of {
+        let is_told = |r: &&Resource| is_same(r, resource) || alternative(net, r, resource);
+        if told.iter().any(is_told) {
+            continue;
+        }
+        let others = writers
+            .of
+            .iter()
+            .filter(|(r, _)| alternative(net, r, resource));
+        let all = own.iter().chain(others.flat_map(|(_, writers)| writers));
+        let all: Vec<Happening> = all.map(|writer| happening(net, *writer)).collect();
+        if all.iter().any(|one| is_sure(background, one)) {
+            continue;
+        }
+        let prover = prover.get_or_insert_with(|| Prover::new(background, &effort));
+        if !prover.always_one(&all) {
+            told.push(resource);
+            gaps.extend(own.first().map(|writer| Gap {
+                resource: resource.clone(),
+                writer: *writer,
+                reasons: reasons(background, &all),
+            }));
+        }
+    }
+    gaps
+}
+
+/// Tests drive nothing.
+fn is_looked_at(net: &Net) -> bool {
+    !net.is_test && matches!(net.driver, Driver::Results(_))
+}
+
+/// The same port of a device, whatever the index.
+fn is_same(a: &Resource, b: &Resource) -> bool {
+    a.device == b.device && a.port == b.port
+}
+
+/// Whether something happens in every cycle, as far as presence alone tells.
+fn is_sure(background: Background<'_>, happening: &Happening) -> bool {
+    let Background { net, presences, .. } = background;
+    let mut around = net.enclosing(happening.fragment);
+    let seen = |port: &PortRef| seen(background, happening.fragment, &Input::Port(*port));
+    around.all(|f| presences.activity(f) == Sureness::Total)
+        && happening
+            .present
+            .iter()
+            .all(|port| seen(port) == Sureness::Total)
+}
+
+fn seen(background: Background<'_>, reader: FragmentId, input: &Input) -> Sureness {
+    let Background {
+        net,
+        tree,
+        presences,
+        ..
+    } = background;
+    presences.seen(net, tree, reader, input)
+}
+
+fn reasons(background: Background<'_>, writers: &[Happening]) -> BTreeSet<Reason> {
+    let mut search = Search {
+        background,
+        seen: BTreeSet::new(),
+        found: BTreeSet::new(),
+    };
+    for writer in writers {
+        search.inactive(background.net.enclosing(writer.fragment).collect());
+        for port in &writer.present {
+            search.follow(writer.fragment, *port);
+        }
+    }
+    search.found
+}
+
+/// Looks for what makes a flow absent.
+struct Search<'a> {
+    background: Background<'a>,
+    seen: BTreeSet<PortRef>,
+    found: BTreeSet<Reason>,
+}
+
+impl Search<'_> {
+    fn inactive(&mut self, fragments: Vec<FragmentId>) {
+        let presences = self.background.presences;
+        let open = fragments
+            .into_iter()
+            .filter(|f| presences.activity(*f) != Sureness::Total);
+        self.found.extend(open.map(Reason::Inactive));
+    }
+
+    /// Adds why a flow is absent where it is read, as far back as that is decided by other flows.
+    fn follow(&mut self, reader: FragmentId, port: PortRef) {
+        let Background {
+            net,
+            tree,
+            presences,
+            ..
+        } = self.background;
+        let mut open = vec![(reader, port)];
+        while let Some((reader, port)) = open.pop() {
+            let view = presences.view(net, tree, reader, port);
+            self.inactive(view.through);
+            if view.own == Sureness::Total || !self.seen.insert(port) {
+                continue;
+            }
+            let node = net.node(port.node);
+            let rule = node.desc().outputs[usize::from(port.port)].presence;
+            if node.desc().role == Role::Delay || matches!(rule, Presence::Maybe | Presence::Always)
+            {
+                self.found.insert(Reason::Absent(port));
+                continue;
+            }
+            let inputs = node
+                .inputs
+                .iter()
+                .filter(|input| seen(self.background, node.fragment, input) != Sureness::Total);
+            open.extend(
+                inputs
+                    .filter_map(Input::port)
+                    .map(|input| (node.fragment, input)),
+            );
+        }
+    }
+}
+
+/// What is said of a gap.
+pub(crate) fn finding(net: &Net, gap: &Gap) -> Finding {
+    let Resource { device, port, .. } = &gap.resource;
+    let message = format!("`{device}.{port}` may get no set-point in some cycles");
+    let finding = Finding::new(Code::RPI6104, message).at(
+        net.node(gap.writer).origin.span,
+        "absent where nothing gives it a value",
+    );
+    let shown = gap.reasons.iter().take(REASONS);
+    let finding = shown.fold(finding, |finding, reason| labelled(net, finding, *reason));
+    let finding = match gap.reasons.len().saturating_sub(REASONS) {
+        0 => finding,
+        more => finding.note(format!("and {more} more flows that are not always there")),
+    };
+    finding
+        .note("without a set-point a device at rest holds its place; one that moves is stopped, and the command ends with a fault")
+        .help("end the alternatives with a flow that is always there: `... ?? x`")
+}
+
+fn labelled(net: &Net, finding: Finding, reason: Reason) -> Finding {
+    let fragment = match reason {
+        Reason::Absent(port) => {
+            return finding.also(net.node(port.node).origin.span, "absent in some cycles");
+        }
+        Reason::Inactive(fragment) => net.fragment(fragment),
+    };
+    let name = match fragment.name.as_str() {
+        "" => "this part".to_owned(),
+        name => format!("`{name}`"),
+    };
+    let own = fragment.origin.span;
+    match &fragment.activation {
+        Activation::When { condition, .. } => {
+            let place = net.node(condition.node).origin.span;
+            // The condition of a state is made of the automaton around it.
+            match place.file == own.file && place.start <= own.start && own.end <= place.end {
+                true => finding.also(own, format!("{name} is not always active")),
+                false => finding.also(place, format!("{name} is only active while this holds")),
+            }
+        }
+        Activation::Always => finding.also(own, format!("{name} is not always active")),
+    }
+}
+
+/// What was found out about set-points, in words.
+pub(crate) fn told(net: &Net, writers: &Writers, gaps: &[Gap]) -> String {
+    let name = |gap: &Gap| format!("{}.{}", gap.resource.device, gap.resource.port);
+    let names: Vec<String> = gaps.iter().map(name).collect();
+    match (is_looked_at(net), writers.of.is_empty(), names.is_empty()) {
+        (false, ..) => "only looked at in programs".to_owned(),
+        (true, true, _) => "no actuator is driven".to_owned(),
+        (true, false, true) => "each actuator gets one in every cycle".to_owned(),
+        (true, false, false) => format!("may be absent: {}", names.join(", ")),
+    }
+}
