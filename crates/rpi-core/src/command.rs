@@ -37,6 +37,8 @@ pub struct Command {
 pub(crate) struct Hold {
     pub(crate) resource: u32,
     pub(crate) held: bool,
+    /// It comes to it from somebody before, or is somebody else's: noted while it is looked for what is free.
+    pub(crate) unfree: bool,
 }
 
 /// Why a command has ended.
@@ -109,6 +111,7 @@ impl Command {
             .map(|resource| Hold {
                 resource,
                 held: false,
+                unfree: false,
             })
             .collect();
         let results = match &machine.image().end {
@@ -198,14 +201,6 @@ impl Command {
     pub(crate) fn holds(&self, resource: u32) -> bool {
         let found = self.holds.binary_search_by_key(&resource, |h| h.resource);
         found.is_ok_and(|k| self.holds[k].held)
-    }
-
-    /// Notes that it holds, or does not hold, an actuator that it needs.
-    pub(crate) fn hold(&mut self, resource: u32, held: bool) {
-        let found = self.holds.binary_search_by_key(&resource, |h| h.resource);
-        if let Some(hold) = found.ok().and_then(|k| self.holds.get_mut(k)) {
-            hold.held = held;
-        }
     }
 
     /// The first actuator that another command holds and this one needs and does not hold.

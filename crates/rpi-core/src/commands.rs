@@ -5,6 +5,7 @@ use crate::id::{CommandId, RuleId};
 use crate::lifecycle::{Event, Next, State};
 use crate::notice::{Notice, Notices, Outcome};
 use crate::rule::{Pending, Rule};
+use crate::scheduling::freeze;
 use rpi_device::DeviceBank;
 
 use alloc::boxed::Box;
@@ -272,10 +273,7 @@ impl Core {
             self.unschedule(id)?;
         }
         let entry = self.take_out(place).ok_or(Refused::Unknown)?;
-        for pending in &mut self.rules {
-            let condition = &mut pending.rule.condition;
-            condition.freeze(id, |fact| entry.last_word(fact));
-        }
+        freeze(&mut self.rules, id, &entry);
         self.settle();
         Ok(entry.command)
     }

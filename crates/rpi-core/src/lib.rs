@@ -28,6 +28,7 @@ mod id;
 mod lifecycle;
 mod load;
 mod machine;
+mod names;
 mod notice;
 mod ports;
 mod program;

@@ -112,33 +112,55 @@ impl Core {
     pub(crate) fn take_free(&mut self) -> bool {
         let mut took = false;
         for place in 0..self.entries.len() {
-            let scheduled = self.entries[place]
-                .as_ref()
-                .is_some_and(|e| e.command.state == State::Scheduled && !e.gone);
-            if scheduled {
-                for k in 0..self.need_count(place) {
-                    took |= self.take_if_free(place, k);
-                }
+            let lacks = self.entries[place].as_ref().is_some_and(|e| {
+                let waits = e.command.state == State::Scheduled && !e.gone;
+                waits && e.command.holds.iter().any(|hold| !hold.held)
+            });
+            if lacks {
+                self.note_unfree(place);
+                took |= self.take_what_is_free(place);
             }
         }
         took
     }
 
-    fn take_if_free(&mut self, place: usize, k: usize) -> bool {
-        let Some(resource) = self.need(place, k) else {
-            return false;
-        };
+    /// Notes what of a scheduled command's needs it cannot take: what comes to it, or is somebody else's.
+    fn note_unfree(&mut self, place: usize) {
         let id = self.id(place);
-        let mine = || self.rules.iter().filter(|p| p.rule.start.contains(&id));
-        let comes = mine().any(|p| self.comes_from_before(&p.rule, resource));
-        let taken = mine().any(|p| self.holders(resource).any(|h| !self.shares(&p.rule, h)));
-        match self.entries[place].as_mut() {
-            Some(entry) if !comes && !taken && !entry.command.holds(resource) => {
-                entry.command.hold(resource, true);
-                true
-            }
-            _ => false,
+        for k in 0..self.need_count(place) {
+            self.mark(place, k, false);
         }
+        for at in 0..self.rules.len() {
+            if !self.rules[at].rule.start.contains(&id) {
+                continue;
+            }
+            for k in 0..self.need_count(place) {
+                if self.is_unfree(&self.rules[at].rule, place, k) {
+                    self.mark(place, k, true);
+                }
+            }
+        }
+    }
+
+    fn is_unfree(&self, rule: &Rule, place: usize, k: usize) -> bool {
+        self.lack(place, k).is_some_and(|resource| {
+            let mut others = self.holders(resource);
+            self.comes_from_before(rule, resource) || others.any(|h| !self.shares(rule, h))
+        })
+    }
+
+    fn mark(&mut self, place: usize, k: usize, unfree: bool) {
+        let entry = self.entries[place].as_mut();
+        if let Some(hold) = entry.and_then(|e| e.command.holds.get_mut(k)) {
+            hold.unfree = unfree;
+        }
+    }
+
+    fn take_what_is_free(&mut self, place: usize) -> bool {
+        let entry = self.entries[place].as_mut();
+        let holds = entry.into_iter().flat_map(|e| e.command.holds.iter_mut());
+        let free = holds.filter(|hold| !hold.held && !hold.unfree);
+        free.map(|hold| hold.held = true).count() > 0
     }
 
     fn need_count(&self, place: usize) -> usize {
@@ -147,8 +169,10 @@ impl Core {
             .map_or(0, |e| e.command.holds.len())
     }
 
-    fn need(&self, place: usize, k: usize) -> Option<u32> {
+    /// Its actuator of this index, if it does not hold it and that it could is not ruled out.
+    fn lack(&self, place: usize, k: usize) -> Option<u32> {
         let entry = self.entries.get(place)?.as_ref()?;
-        Some(entry.command.holds.get(k)?.resource)
+        let hold = entry.command.holds.get(k).filter(|h| !h.held && !h.unfree);
+        hold.map(|hold| hold.resource)
     }
 }

@@ -2,6 +2,7 @@
 
 use crate::condition::{Condition, Fact};
 use crate::id::{CommandId, RuleId};
+use crate::names::Names;
 
 use alloc::boxed::Box;
 use alloc::vec::Vec;
@@ -108,6 +109,12 @@ impl Rule {
         self
     }
 
+    /// How much there is to look at: words of its condition, and commands that it does something to.
+    pub(crate) fn weight(&self) -> usize {
+        let acts_on = self.stop.len() + self.cancel.len() + self.start.len();
+        self.condition.words().count() + acts_on + self.handed.len()
+    }
+
     /// The commands that it starts.
     #[must_use]
     pub fn starts(&self) -> &[CommandId] {
@@ -124,6 +131,8 @@ impl Rule {
 pub(crate) struct Pending {
     pub(crate) id: RuleId,
     pub(crate) rule: Box<Rule>,
+    /// The commands that its condition or its stop set names.
+    pub(crate) names: Names,
     /// Its condition holds at the decision of this tick.
     pub(crate) fires: bool,
     /// Its condition can still become true.

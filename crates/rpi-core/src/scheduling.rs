@@ -1,9 +1,10 @@
 //! Making rules, and dropping those that can no longer fire together with the commands that only they could start.
 
-use crate::commands::{Core, Refused};
+use crate::commands::{Core, Entry, Refused};
 use crate::condition::{Fact, Truth};
 use crate::id::{CommandId, RuleId};
 use crate::lifecycle::{Event, State};
+use crate::names::Names;
 use crate::notice::{Notice, Outcome};
 use crate::rule::{Pending, Rule};
 use rpi_device::DeviceBank;
@@ -31,6 +32,7 @@ impl Core {
             .for_each(|c| self.await_rule(*c, rule.kept));
         self.rules.push(Pending {
             id,
+            names: rule.mentions().collect(),
             rule,
             fires: false,
             open: true,
@@ -64,6 +66,12 @@ impl Core {
         self.drop_rule(at, Outcome::Dropped);
         self.settle();
         Ok(())
+    }
+
+    /// How much all rules give to look at, whenever something has changed: see [`Core::schedule_as`].
+    #[must_use]
+    pub fn weight_of_rules(&self) -> usize {
+        self.rules.iter().map(|p| p.rule.weight()).sum()
     }
 
     /// Moves out a rule that is over, to be freed off the cycle.
@@ -139,13 +147,7 @@ impl Core {
     /// True if a scheduled command took something that was free.
     fn settle_once(&mut self) -> bool {
         self.mark_live();
-        let mut at = 0;
-        while at < self.rules.len() {
-            match self.rules[at].open {
-                true => at += 1,
-                false => self.drop_rule(at, Outcome::Dropped),
-            }
-        }
+        self.drop_closed();
         for place in 0..self.entries.len() {
             if self.is_forlorn(place) {
                 self.orphan(place, false);
@@ -160,27 +162,50 @@ impl Core {
         let entries = self.entries.iter_mut().flatten();
         entries.for_each(|e| e.live = e.command.state != State::Scheduled && !e.gone);
         self.rules.iter_mut().for_each(|p| p.open = false);
-        for _ in 0..=self.rules.len() {
-            let mut found = false;
-            for at in 0..self.rules.len() {
-                if !self.rules[at].open && self.may_fire(&self.rules[at].rule) {
-                    self.rules[at].open = true;
-                    self.enliven(at);
-                    found = true;
-                }
+        let (mut found, mut back) = (self.open_rules(None, false), false);
+        // Whether a rule may fire depends on the commands that it speaks of alone. Chains are mostly made from one end to the other.
+        while !found.is_empty() {
+            back = !back;
+            found = self.open_rules(Some(found), back);
+        }
+    }
+
+    /// Looks for rules that may still fire, among those that speak of one of these commands; which commands may run by them.
+    fn open_rules(&mut self, about: Option<Names>, back: bool) -> Names {
+        let (mut found, rules) = (Names::default(), self.rules.len());
+        for k in 0..rules {
+            let at = if back { rules - 1 - k } else { k };
+            let about = about.map(|names| names.with(&found));
+            let pending = &self.rules[at];
+            let asked = about.is_none_or(|names| pending.names.meets(&names));
+            if asked && !pending.open && self.may_fire(&pending.rule) {
+                self.rules[at].open = true;
+                self.enliven(at, &mut found);
             }
-            if !found {
-                return;
+        }
+        found
+    }
+
+    /// What a rule starts may run; those of which that was not known are added to `found`.
+    fn enliven(&mut self, at: usize, found: &mut Names) {
+        for k in 0..self.rules[at].rule.start.len() {
+            let command = self.rules[at].rule.start[k];
+            let entry = self.find(command).and_then(|p| self.entries[p].as_mut());
+            if let Some(entry) = entry.filter(|e| !e.live) {
+                entry.live = true;
+                found.add(command);
             }
         }
     }
 
-    fn enliven(&mut self, at: usize) {
-        for k in 0..self.rules[at].rule.start.len() {
-            let place = self.find(self.rules[at].rule.start[k]);
-            if let Some(entry) = place.and_then(|p| self.entries[p].as_mut()) {
-                entry.live = true;
-            }
+    /// Drops all rules that are not open, in one pass.
+    fn drop_closed(&mut self) {
+        let (notices, spent) = (&mut self.notices, &mut self.spent);
+        for Pending { id, rule, .. } in self.rules.extract_if(.., |p| !p.open) {
+            let outcome = Outcome::Dropped;
+            notices.push(Notice::Rule { rule: id, outcome });
+            // There is room, as in `drop_rule`.
+            spent.push((id, rule));
         }
     }
 
@@ -203,8 +228,8 @@ impl Core {
             return false;
         };
         let id = self.id(place);
-        let named = self.rules.iter().any(|p| p.rule.start.contains(&id));
-        entry.command.state == State::Scheduled && !entry.gone && !named
+        let waits = entry.command.state == State::Scheduled && !entry.gone;
+        waits && !self.rules.iter().any(|p| p.rule.start.contains(&id))
     }
 
     /// Nothing can start this command any more: it gives back what it holds.
@@ -217,9 +242,8 @@ impl Core {
         entry.command.happen(Event::Orphan { kept });
         entry.command.hold_all(false);
         (entry.gone, entry.kept, entry.live) = (!kept, false, kept);
-        for pending in self.rules.iter_mut().filter(|_| entry.gone) {
-            let condition = &mut pending.rule.condition;
-            condition.freeze(command, |fact| entry.last_word(fact));
+        if entry.gone {
+            freeze(&mut self.rules, command, entry);
         }
         self.notices.push(Notice::Orphaned { command, kept });
     }
@@ -230,5 +254,14 @@ impl Core {
         self.notices.push(Notice::Rule { rule: id, outcome });
         // There is room: both lists together never hold more rules than one of them has room for.
         self.spent.push((id, rule));
+    }
+}
+
+/// Settles what rules ask about a command that is no more as it stands.
+pub(crate) fn freeze(rules: &mut [Pending], gone: CommandId, entry: &Entry) {
+    let own: Names = [gone].into_iter().collect();
+    for pending in rules.iter_mut().filter(|p| p.names.meets(&own)) {
+        let condition = &mut pending.rule.condition;
+        condition.freeze(gone, |fact| entry.last_word(fact));
     }
 }

@@ -2,10 +2,10 @@
 
 mod support;
 
-use rpi_core::{Cause, Command, Continuity, Notice, Refused, State, Why};
+use rpi_core::{Cause, Command, CommandId, Continuity, Core, Notice, Refused, State, Why};
 use rpi_net::ResultKind;
 use rpi_prims::FaultCode;
-use support::{Axes, ROOT, core, follow, leaper, load, mover, mover_flow, over, ticks};
+use support::{Axes, MS, ROOT, core, follow, leaper, load, mover, mover_flow, over, ticks};
 
 rpi_testkit::trap_allocations!();
 
@@ -128,6 +128,34 @@ fn resources_are_exclusive_and_inherited() {
             .iter()
             .all(|id| core.command(*id).unwrap().result() == Some("done"))
     );
+}
+
+/// Made from its end on, each link long before it is known that the one before it can run: all of them wait, and run one after
+/// the other without a gap. If one in the middle is unloaded, all behind it are given up.
+#[test]
+fn a_chain_can_be_made_from_its_end() {
+    const LINKS: usize = 150;
+    for broken in [None, Some(70)] {
+        let mut bank = Axes::new();
+        let mut core = Core::with_capacity(LINKS, MS);
+        let insert = |core: &mut Core, bank: &mut Axes| core.insert(load(&mover(0, 2, 100), bank));
+        let ids: Vec<CommandId> = (0..LINKS)
+            .map(|_| insert(&mut core, &mut bank).map_err(|e| e.1).unwrap())
+            .collect();
+        for link in ids.windows(2).rev() {
+            follow(&mut core, link[1], link[0], true, &mut bank).unwrap();
+        }
+        broken
+            .into_iter()
+            .for_each(|k: usize| drop(core.remove(ids[k]).unwrap()));
+        let waits = |k: usize| core.command(ids[k]).map(|c| c.state()) == Some(State::Scheduled);
+        let last = broken.unwrap_or(LINKS) - 1;
+        assert!((1..LINKS).all(|k| waits(k) == (k <= last)));
+        core.start(ids[0], &mut bank).unwrap();
+        ticks(&mut core, &mut bank, 3 * LINKS as u64);
+        assert_eq!(steps(&bank, 0)[..6], [1, 0, 1, 1, 0, 1]);
+        assert_eq!(bank.set_points(0).len(), 3 * (last + 1));
+    }
 }
 
 #[test]

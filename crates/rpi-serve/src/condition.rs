@@ -47,6 +47,17 @@ const DEPTH: usize = 32;
 /// A condition that says more is refused.
 const MOST: usize = 256;
 
+impl Expr {
+    /// How many facts it is made of.
+    pub(crate) fn facts(&self) -> usize {
+        match self {
+            Expr::Not(inner) => inner.facts(),
+            Expr::And(a, b) | Expr::Or(a, b) => a.facts() + b.facts(),
+            Expr::True | Expr::False | Expr::Said(..) => 1,
+        }
+    }
+}
+
 /// Reads a condition.
 ///
 /// # Errors

@@ -15,6 +15,11 @@ pub struct Limits {
     pub session_commands: usize,
     /// Rules at a time, of all sessions.
     pub rules: usize,
+    /// What all rules at a time may say: facts in their conditions, and commands that they stop, cancel and start. The cycle looks
+    /// at all of it in each tick.
+    pub facts: usize,
+    /// Cells of memory (8 bytes) that one request may set: numbers, or parts of arrays.
+    pub values: usize,
     /// Devices at a time, those of the cell included.
     pub devices: usize,
     /// Bytes of one message.
@@ -23,6 +28,10 @@ pub struct Limits {
     pub session_memory: usize,
     /// Messages that may wait for a client that does not read them.
     pub outbox: usize,
+    /// Things that one client may watch.
+    pub watches: usize,
+    /// Bytes of a name: of a session, a command, a device. Longer ones of devices are refused, others cut off.
+    pub name: usize,
     /// Loads of one session that may wait; sessions take turns.
     pub loads: usize,
     /// How long a client may take from the first byte of a request head to its last.
@@ -39,10 +48,14 @@ impl Default for Limits {
             commands: 256,
             session_commands: 128,
             rules: 1024,
+            facts: 4096,
+            values: 4096,
             devices: 64,
             message: 16 << 20,
             session_memory: 256 << 20,
             outbox: 4096,
+            watches: 1024,
+            name: 256,
             loads: 32,
             patience: Duration::from_secs(5),
             silence: Duration::from_secs(30),

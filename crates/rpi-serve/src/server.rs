@@ -407,7 +407,7 @@ impl Drop for Server {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::desk::{Language, Load};
+    use crate::desk::{Language, Load, Sink, Update};
 
     /// Swings an axis of the arm for ever.
     const SWING: &str = "{t=Core::Clock(Increment='1.0'),c=Core::DoubleCos(inValue=t.outValue),\
@@ -441,6 +441,39 @@ mod tests {
             );
             thread::sleep(KEEP);
         }
+    }
+
+    /// Hears what it is told first, and nothing after.
+    struct Deaf;
+
+    impl Sink for Deaf {
+        fn tell(&mut self, _: &Update<'_>) -> bool {
+            true
+        }
+
+        fn is_heard(&self) -> bool {
+            false
+        }
+    }
+
+    /// Otherwise each connection that once watched what never happens would be remembered for ever.
+    #[test]
+    fn whoever_is_gone_is_forgotten() {
+        let cell = Cell::parse("cell.toml", "").unwrap();
+        let settings = Settings {
+            listen: SocketAddr::new(IpAddr::from([127, 0, 0, 1]), 0),
+            ..Settings::default()
+        };
+        let server = Server::open(&cell, &settings, ()).unwrap();
+        let office = server.office.clone().unwrap();
+        let mut desk = office.desk();
+        let session = desk.open_session("test", None, None).unwrap();
+        desk.watch_emergency(Box::new(Deaf));
+        desk.watch_devices(Box::new(Deaf));
+        desk.watch_session(&session, Box::new(Deaf)).unwrap();
+        assert_eq!(desk.watching(), 3);
+        desk.lose_client(&[]);
+        assert_eq!(desk.watching(), 0);
     }
 
     #[test]

@@ -27,6 +27,10 @@ pub struct Executive<P: Plant> {
 /// Whose board is at a place, and the board.
 type Boards = Box<[Option<(CommandId, Arc<Board>)>]>;
 
+/// What requests may take of a tick, in units of about ten nanoseconds: one of any size, and further ones while there is
+/// something left.
+const EFFORT: usize = 8192;
+
 /// Devices whose state is watched.
 const DEVICES: usize = 256;
 
@@ -95,13 +99,15 @@ impl<P: Plant> Executive<P> {
     }
 
     fn take_requests(&mut self) {
+        let mut effort = 0;
         for _ in 0..self.per_tick {
-            if !self.ends.have_room() {
+            if !self.ends.have_room() || effort >= EFFORT {
                 return;
             }
             let Ok((ticket, request)) = self.ends.requests.pop() else {
                 return;
             };
+            effort += request.effort(self.core.weight_of_rules());
             let tick = self.core.now();
             let refused = self.carry_out(request).err();
             // There is room, as was just seen.

@@ -70,6 +70,23 @@ pub(crate) enum Request<T> {
     EmergencyStop,
 }
 
+/// What the least of requests takes.
+const LEAST: usize = 256;
+/// What each word of each rule adds to it.
+const PER_WORD: usize = 8;
+
+impl<T> Request<T> {
+    /// About how much it takes to carry it out, where there is so much to look at in all rules: after most of them the core finds
+    /// out anew which rules may still fire.
+    pub(super) fn effort(&self, rules: usize) -> usize {
+        LEAST
+            + match self {
+                Request::Set(settings) => settings.iter().map(|s| s.value.len() + 1).sum(),
+                _ => PER_WORD * rules,
+            }
+    }
+}
+
 /// What is over and must be freed by the host.
 pub(crate) enum Dead<T> {
     Command(CommandId, Box<Command>),

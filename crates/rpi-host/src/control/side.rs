@@ -330,6 +330,12 @@ impl<T> Control<T> {
         Ok(ticket)
     }
 
+    /// How many more requests can be under way now.
+    #[must_use]
+    pub fn room(&self) -> usize {
+        self.ends.requests.slots()
+    }
+
     fn has_room(&self) -> Result<(), Rejected> {
         match self.ends.requests.is_full() {
             true => Err(Rejected::Busy),

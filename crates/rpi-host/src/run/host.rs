@@ -118,16 +118,18 @@ impl Workshop for Bench<'_, '_> {
         self.books.handled(id);
     }
 
-    fn not_started(&mut self, index: usize, why: NotStarted) {
-        match why {
-            NotStarted::Rejected(Rejected::Loading(faults)) => self.books.not_loaded(index, faults),
-            NotStarted::Rejected(why) => self.books.not_started(index, why.to_string()),
-            NotStarted::Refused(why) => {
-                let why = end::refused(why, self.desk.cell);
-                self.books.not_started(index, why);
+    fn not_started(&mut self, indices: &[usize], why: NotStarted) {
+        let why = match why {
+            NotStarted::Rejected(Rejected::Loading(faults)) => {
+                return self.books.not_loaded(indices, faults);
             }
+            NotStarted::Rejected(why) => why.to_string(),
+            NotStarted::Refused(why) => end::refused(why, self.desk.cell),
             // All rules are dropped where everything is stopped: that is told of those that ran.
-            NotStarted::Dropped => {}
+            NotStarted::Dropped => return,
+        };
+        for index in indices {
+            self.books.not_started(*index, why.clone());
         }
     }
 }
@@ -207,8 +209,11 @@ impl<'a> Books<'a> {
     }
 
     /// A command could not be loaded.
-    pub(super) fn not_loaded(&mut self, index: usize, faults: Vec<LoadFault>) {
-        self.failed = Some((self.images[index].name.clone(), faults));
+    pub(super) fn not_loaded(&mut self, indices: &[usize], faults: Vec<LoadFault>) {
+        let name = indices
+            .first()
+            .map(|index| self.images[*index].name.clone());
+        self.failed = name.map(|name| (name, faults));
     }
 
     /// A command could not be started.

@@ -1,5 +1,6 @@
 //! Commands: loaded, started, asked to end, set, unloaded.
 
+use std::collections::BTreeMap;
 use std::sync::Arc;
 
 use rpi_host::control::{
@@ -12,6 +13,7 @@ use rpi_net::literal;
 use super::completion::Reasons;
 use super::eval::Eval;
 use super::loader::{Job, Language, Loaded, Made, Origin, What};
+use super::types::shortened;
 use super::watch::Subscription;
 use super::{Desk, Failure, Phase, Reply, Status, Then, answer, number_of};
 
@@ -78,10 +80,10 @@ impl Desk {
         eval: Option<Eval>,
         reply: Reply,
     ) {
-        if let Err(why) = self.has_room(session, load.text.len()) {
+        if let Err(why) = self.has_room(session, load.bytes()) {
             return reply(Err(why));
         }
-        let number = self.number();
+        let (number, title) = (self.number(), shortened(load.title, self.limits.name));
         let job = Job {
             number,
             session,
@@ -97,8 +99,8 @@ impl Desk {
             origin: Some(job.origin.clone()),
             loading: Some(reply),
             eval,
-            bytes: load.text.len(),
-            ..Record::new(session, load.title, Phase::Is(State::Loading))
+            bytes: load.bytes(),
+            ..Record::new(session, &title, Phase::Is(State::Loading))
         };
         self.commands.insert(number, record);
         self.send(job);
@@ -115,36 +117,6 @@ impl Desk {
         if !self.jobs.push(job) {
             self.reject(number, Failure::Busy);
         }
-    }
-
-    /// Makes room for a command by unloading those of its session that ended longest ago, if there is none.
-    pub(super) fn has_room(&mut self, session: u64, text: usize) -> Result<(), Failure> {
-        let own = self.commands.values().filter(|r| r.session == session);
-        let (count, bytes) = own.fold((0, text), |(n, b), r| (n + 1, b + r.bytes));
-        let all = self.commands.len();
-        let full = count >= self.limits.session_commands || all >= self.limits.commands;
-        if !full && bytes <= self.limits.session_memory {
-            return Ok(());
-        }
-        match self.oldest_ended(session) {
-            Some(number) => {
-                self.ask_for(number, Control::unload);
-                if let Some(record) = self.commands.get_mut(&number) {
-                    // Its room counts as free from now on: its place does once it has come back.
-                    (record.session, record.bytes) = (0, 0);
-                }
-                Ok(())
-            }
-            None if full => Err(Failure::Limit("commands")),
-            None => Err(Failure::Limit("memory of the session")),
-        }
-    }
-
-    fn oldest_ended(&self, session: u64) -> Option<u64> {
-        let ended = |r: &Record| r.status.phase == Phase::Is(State::Terminated);
-        let mut own = self.commands.iter();
-        let found = own.find(|(_, r)| r.session == session && ended(r));
-        found.map(|(number, _)| *number)
     }
 
     /// Loading is done: the command goes to the cycle, or its owner hears why not.
@@ -171,6 +143,10 @@ impl Desk {
             return;
         }
         let bytes = loaded.command.machine().footprint();
+        let room = self.may_ask().and_then(|()| self.has_memory(number, bytes));
+        if let Err(why) = room {
+            return self.reject(number, why);
+        }
         if let Some(record) = self.commands.get_mut(&number) {
             record.reasons = loaded.reasons;
             record.taken_over = loaded.taken_over;
@@ -243,7 +219,7 @@ impl Desk {
         what: impl FnOnce(&mut Control, CommandId) -> Result<Ticket, Rejected>,
         reply: Reply,
     ) {
-        match self.core_id(name) {
+        match self.may_ask().and_then(|()| self.core_id(name)) {
             Ok(id) => {
                 let ticket = what(&mut self.control, id);
                 self.asked(ticket, Then::Nothing, Some(reply));
@@ -285,14 +261,36 @@ impl Desk {
 
     /// Sets inputs of commands, all between the same two cycles, or none.
     pub(crate) fn set(&mut self, values: &[(&str, &str, &str)], reply: Reply) {
-        let settings = values.iter().map(|value| self.setting(value));
-        match settings.collect::<Result<Vec<_>, _>>() {
+        let may = self.may_ask().and_then(|()| self.may_set(values.len()));
+        match may.and_then(|()| self.settings(values)) {
             Ok(settings) => {
                 let ticket = self.control.set(settings);
                 self.asked(ticket, Then::Nothing, Some(reply));
             }
             Err(why) => reply(Err(why)),
         }
+    }
+
+    /// Fails if more is to be set at once than there is time for.
+    pub(crate) fn may_set(&self, count: usize) -> Result<(), Failure> {
+        match count > self.limits.values {
+            true => Err(Failure::Limit("values that are set at once")),
+            false => Ok(()),
+        }
+    }
+
+    /// What is to be set, each input once: whoever says it twice means what comes last.
+    fn settings(&self, values: &[(&str, &str, &str)]) -> Result<Vec<Setting>, Failure> {
+        let mut settings: BTreeMap<(CommandId, usize), Setting> = BTreeMap::new();
+        let mut cells = 0;
+        for value in values {
+            let setting = self.setting(value)?;
+            cells += setting.value.len();
+            let old = settings.insert((setting.command, setting.input), setting);
+            cells -= old.map_or(0, |old| old.value.len());
+            self.may_set(cells)?;
+        }
+        Ok(settings.into_values().collect())
     }
 
     fn setting(&self, (name, key, value): &(&str, &str, &str)) -> Result<Setting, Failure> {
@@ -312,6 +310,13 @@ impl Desk {
             input,
             value: cells(&inputs[input], value)?,
         })
+    }
+}
+
+impl Load<'_> {
+    /// Bytes of it that are kept.
+    pub(super) fn bytes(&self) -> usize {
+        self.text.len() + self.command.map_or(0, str::len)
     }
 }
 

@@ -3,19 +3,20 @@
 use std::collections::BTreeMap;
 use std::sync::PoisonError;
 
-use rpi_host::control::{Control, State};
+use rpi_host::control::State;
 use rpi_image::Scalar;
 use rpi_kin::AxisLimits;
 use rpi_net::literal;
 use rpi_sim::cell::{ArmSpec, DeviceSpec, Enforced, Kind};
 use rpi_sim::{Cell, Part};
 
+use super::owed::Debt;
 use super::{Desk, DeviceInfo, Failure, Phase, Reply, Sink, Then, Update};
 
 /// The devices by place, and who is told about them.
 pub(super) struct Devices {
     places: Vec<Option<DeviceInfo>>,
-    watchers: Vec<Box<dyn Sink>>,
+    pub(super) watchers: Vec<Box<dyn Sink>>,
     seed: u64,
     /// The first so many are those of the cell: clients cannot remove them.
     own: usize,
@@ -101,10 +102,16 @@ impl Desk {
                 ))),
             });
         }
+        if new.name.len() > self.limits.name {
+            return reply(Err(Failure::Limit("bytes of a name")));
+        }
         let Some(place) = self.devices.places.iter().position(Option::is_none) else {
             return reply(Err(Failure::Limit("devices")));
         };
-        match spec(new, self.tick_ns as f64 * 1e-9) {
+        let spec = self
+            .may_ask()
+            .and_then(|()| spec(new, self.tick_ns as f64 * 1e-9));
+        match spec {
             Ok(spec) => self.put(place, &spec, new.kind, reply),
             Err(why) => reply(Err(why)),
         }
@@ -139,14 +146,15 @@ impl Desk {
     pub(crate) fn remove_device(&mut self, name: &str, reply: Reply) {
         // What was unloaded a moment ago does not hold it.
         self.keep();
-        let (place, ended) = match self.removable(name) {
+        let found = self.may_ask().and_then(|()| self.removable(name));
+        let (place, ended) = match found {
             Ok(found) => found,
             Err(why) => return reply(Err(why)),
         };
         self.change_twin(place, None);
         self.devices.places[place] = None;
         for number in ended {
-            self.ask_for(number, Control::unload);
+            self.owe(number, Debt::Unload);
         }
         let then = Then::NoDevice(name.to_owned());
         let ticket = self.control.put_device(place, None);

@@ -17,7 +17,7 @@ pub(crate) struct Emergency {
     waits: bool,
     /// Who has wanted it, until it is reset.
     by: Option<String>,
-    watchers: Vec<Box<dyn Sink>>,
+    pub(super) watchers: Vec<Box<dyn Sink>>,
 }
 
 /// Signs that are kept of who wanted it.

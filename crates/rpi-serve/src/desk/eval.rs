@@ -1,9 +1,10 @@
 //! A net that runs for one cycle, and what it exports then: how clients read sensors and ask for kinematics.
 
-use rpi_host::control::{Control, State, Why};
+use rpi_host::control::{State, Why};
 
+use super::owed::Debt;
 use super::watch::texts;
-use super::{Desk, Failure, Language, Load, Phase, Reply};
+use super::{Desk, Failure, Language, Load, Phase, Reply, Then};
 
 /// Takes the exports after one cycle: key and value.
 pub(crate) type Take = Box<dyn FnOnce(Vec<(String, String)>) + Send>;
@@ -13,7 +14,6 @@ pub(crate) struct Eval {
     /// Told if there is no such cycle.
     pub(super) reply: Reply,
     take: Take,
-    done: bool,
 }
 
 /// Commands for one cycle belong to no session.
@@ -30,11 +30,7 @@ impl Desk {
             command: None,
             period_ns: 0,
         };
-        let eval = Eval {
-            reply,
-            take,
-            done: false,
-        };
+        let eval = Eval { reply, take };
         let nobody: Reply = Box::new(|_| ());
         self.load_for(NOBODY, &load, Some(eval), nobody);
     }
@@ -59,9 +55,6 @@ impl Desk {
         let cells = record.board.as_ref().and_then(|b| b.read());
         let exports = record.image.as_ref().map_or(&[][..], |i| &i.exports);
         let values = cells.map(|cells| texts(exports, &cells));
-        if record.eval.as_ref().is_none_or(|e| e.done) {
-            return;
-        }
         record.unload_at_end = true;
         if let Some(eval) = record.eval.take() {
             match values {
@@ -69,7 +62,37 @@ impl Desk {
                 None => (eval.reply)(Err(Failure::Bad("it has not run".to_owned()))),
             }
         }
-        self.ask_for(number, |c, id| c.abort(id, Why::Request));
-        self.ask_for(number, Control::unload);
+        self.owe(number, Debt::Abort(Why::Request));
+        self.owe(number, Debt::Unload);
+    }
+
+    /// Has a command that is ready run its one cycle. While everything is to stand still, only one that moves nothing.
+    pub(super) fn start_eval(&mut self, number: u64) {
+        let Some(record) = self.commands.get(&number) else {
+            return;
+        };
+        let moves = record
+            .image
+            .as_ref()
+            .is_some_and(|i| !i.actuators.is_empty());
+        let started = match self.may_start() {
+            Err(why) if moves => Err(why),
+            _ => record.id.map_or(Err(Failure::Busy), |id| {
+                self.control.start(id).map_err(Failure::from)
+            }),
+        };
+        match started {
+            Ok(ticket) => drop(self.asked(Ok(ticket), Then::Eval(number), None)),
+            Err(why) => self.give_up_eval(number, why),
+        }
+    }
+
+    /// There will be no such cycle: whoever waits for it hears why, and the command is let go.
+    pub(super) fn give_up_eval(&mut self, number: u64, why: Failure) {
+        let record = self.commands.get_mut(&number);
+        if let Some(eval) = record.and_then(|r| r.eval.take()) {
+            (eval.reply)(Err(why));
+        }
+        self.owe(number, Debt::Unload);
     }
 }

@@ -10,9 +10,11 @@ mod emergency;
 mod eval;
 mod journal;
 mod loader;
+mod owed;
 mod queue;
 mod reports;
 mod rest;
+mod room;
 mod rules;
 mod sessions;
 mod shop;
@@ -42,11 +44,12 @@ pub(crate) use tasks::{Step, TaskStatus};
 pub(crate) use types::{
     DeviceInfo, Failure, Phase, Reply, RuleState, Sink, Status, Update, cause, why,
 };
-pub(crate) use watch::Watching;
+pub(crate) use watch::{TOO_CURIOUS, Watching};
 
 use devices::Devices;
 use journal::Journal;
 use loader::Twin;
+use owed::Owed;
 use queue::Queue;
 use rules::RuleRecord;
 use sessions::Session;
@@ -62,6 +65,7 @@ pub(crate) struct Desk {
     /// Who writes down what happens, if somebody does.
     recorder: Option<Recorder>,
     errands: BTreeMap<Ticket, Errand>,
+    owed: Owed,
     sessions: BTreeMap<u64, Session>,
     commands: BTreeMap<u64, Record>,
     by_id: BTreeMap<CommandId, u64>,
@@ -93,6 +97,8 @@ enum Then {
     Nothing,
     Inserted(u64),
     Made(RuleId),
+    /// A command for one cycle was to start.
+    Eval(u64),
     Device(DeviceInfo),
     NoDevice(String),
     /// All that was asked for before an emergency stop was carried out.
@@ -132,6 +138,7 @@ impl Office {
             control,
             recorder,
             errands: BTreeMap::new(),
+            owed: Owed::default(),
             sessions: BTreeMap::new(),
             commands: BTreeMap::new(),
             by_id: BTreeMap::new(),

@@ -1,12 +1,11 @@
 //! What the cycle tells, and what follows from it.
 
-use rpi_host::control::{
-    Cause, CommandId, Control, Ending, Event, Notice, Outcome, Refused, State, Ticket,
-};
+use rpi_host::control::{Cause, CommandId, Ending, Event, Notice, Outcome, Refused, State, Ticket};
 
 use rpi_host::recording::Written;
 
 use super::commands::{results, yields};
+use super::owed::Debt;
 use super::rules::RuleRecord;
 use super::types::why;
 use super::{Desk, Errand, Failure, Phase, Record, RuleState, Then, answer, cause};
@@ -31,6 +30,7 @@ impl Desk {
                 } => self.device_changed(device, code, moving),
             }
         }
+        self.pay();
         self.keep_stopped();
         self.advance_tasks();
         for rule in std::mem::take(&mut self.told) {
@@ -58,10 +58,12 @@ impl Desk {
                 answer(reply, Ok(name));
             }
             Some(why) => {
-                if let Then::Made(rule) = then {
-                    self.forget_rule(rule);
-                }
                 let why = self.refusal(why);
+                match then {
+                    Then::Made(rule) => self.forget_rule(rule),
+                    Then::Eval(number) => self.give_up_eval(number, why.clone()),
+                    _ => {}
+                }
                 answer(reply, Err(why));
             }
         }
@@ -88,7 +90,7 @@ impl Desk {
     /// A request was carried out: gives the name of what it made.
     fn done(&mut self, then: Then) -> String {
         match then {
-            Then::Nothing => String::new(),
+            Then::Nothing | Then::Eval(_) => String::new(),
             Then::Inserted(number) => self.inserted(number),
             Then::Made(rule) => format!("r{}", rule.0),
             Then::Device(info) => self.device_there(info),
@@ -108,10 +110,10 @@ impl Desk {
             record.set_phase(Phase::Is(State::Ready));
             let (eval, abandoned) = (record.eval.is_some(), record.unload_at_end);
             if eval {
-                self.ask_for(number, Control::start);
+                self.start_eval(number);
             } else if abandoned {
                 // Its owner has gone while it was loaded.
-                self.ask_for(number, Control::unload);
+                self.owe(number, Debt::Unload);
             }
         }
         format!("n{number}")
@@ -196,8 +198,7 @@ impl Desk {
     fn unload_if_abandoned(&mut self, id: CommandId) {
         let record = self.record_of(id);
         if record.is_some_and(|r| r.unload_at_end && r.eval.is_none()) {
-            let ticket = self.control.unload(id);
-            self.asked(ticket, Then::Nothing, None);
+            self.owe_by_id(id, Debt::Unload);
         }
     }
 

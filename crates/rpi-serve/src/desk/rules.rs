@@ -1,10 +1,12 @@
 //! Rules: when this holds, stop these, cancel those, start others.
 
+use std::collections::BTreeSet;
+
 use rpi_host::control::{CommandId, Condition, Fact, Rule, RuleId};
 use rpi_image::{Scalar, Type};
 
 use super::commands::results;
-use super::{Desk, Failure, Reply, RuleState, Sink, Then, Update, number_of};
+use super::{Client, Desk, Failure, Reply, RuleState, Sink, Then, Update, number_of};
 use crate::condition::{Expr, Saying};
 
 /// A rule as the desk knows it.
@@ -12,15 +14,23 @@ pub(super) struct RuleRecord {
     pub(super) state: RuleState,
     /// What it stops.
     pub(super) stop: Vec<CommandId>,
+    cancel: Vec<CommandId>,
     /// What it starts.
     start: Vec<CommandId>,
-    watchers: Vec<Box<dyn Sink>>,
+    /// Facts that it asks for and commands that it does something to.
+    weight: usize,
+    pub(super) watchers: Vec<Box<dyn Sink>>,
 }
 
 impl RuleRecord {
     /// Whether something that it starts takes the place of something that it stops.
     pub(super) fn takes_over(&self) -> bool {
         !self.start.is_empty()
+    }
+
+    /// All that it does something to.
+    fn acts_on(&self) -> impl Iterator<Item = &CommandId> {
+        self.stop.iter().chain(&self.cancel).chain(&self.start)
     }
 }
 
@@ -34,6 +44,9 @@ pub(crate) struct Make<'a> {
     pub(crate) keep: bool,
 }
 
+/// What rules may say in all.
+const SAID: &str = "facts and commands in all rules";
+
 /// Rules that are over and still remembered, for those who ask late.
 const REMEMBERED: usize = 4096;
 
@@ -46,11 +59,9 @@ impl Desk {
         }) {
             return reply(Err(why));
         }
-        let active = self.rules.values().filter(|r| r.state == RuleState::Active);
-        if active.count() >= self.limits.rules {
-            return reply(Err(Failure::Limit("rules")));
-        }
-        let made = self.rule(make).and_then(|(rule, record)| {
+        let made = self.may_ask().and_then(|()| self.rule(make));
+        let made = made.and_then(|(rule, record)| {
+            self.has_room_for(&record)?;
             let (id, ticket) = self.control.schedule(rule)?;
             self.rules.insert(id, record);
             Ok((id, ticket))
@@ -78,19 +89,48 @@ impl Desk {
         }
     }
 
+    /// Fails if a rule names more than all of them may: nobody waits for the desk to look at it.
+    pub(crate) fn may_say(&self, make: &Make<'_>) -> Result<(), Failure> {
+        let named = make.stop.len() + make.cancel.len() + make.start.len();
+        match named > self.limits.facts {
+            true => Err(Failure::Limit(SAID)),
+            false => Ok(()),
+        }
+    }
+
+    /// Fails if there are too many rules, or they say too much: the cycle looks at all of them.
+    fn has_room_for(&self, rule: &RuleRecord) -> Result<(), Failure> {
+        let active = self.rules.values().filter(|r| r.state == RuleState::Active);
+        let (count, weight) = active.fold((0, rule.weight), |(n, w), r| (n + 1, w + r.weight));
+        if count >= self.limits.rules {
+            return Err(Failure::Limit("rules"));
+        }
+        match weight > self.limits.facts {
+            true => Err(Failure::Limit(SAID)),
+            false => Ok(()),
+        }
+    }
+
     fn rule(&self, make: &Make<'_>) -> Result<(Rule, RuleRecord), Failure> {
-        let ids = |names: &[&str]| -> Result<Vec<CommandId>, Failure> {
-            names.iter().map(|name| self.core_id(name)).collect()
+        // Stop and cancel sets are sets; to start one twice is a mistake, which the core tells.
+        let set = |names: &[&str]| -> Result<Vec<CommandId>, Failure> {
+            let ids: Result<BTreeSet<CommandId>, Failure> =
+                names.iter().map(|name| self.core_id(name)).collect();
+            Ok(ids?.into_iter().collect())
         };
-        let (stop, cancel, start) = (ids(make.stop)?, ids(make.cancel)?, ids(make.start)?);
+        let start: Result<Vec<CommandId>, Failure> =
+            make.start.iter().map(|name| self.core_id(name)).collect();
+        let (stop, cancel, start) = (set(make.stop)?, set(make.cancel)?, start?);
         let rule = Rule::when(self.condition(make.when)?);
         let mut rule = if make.keep { rule.keep() } else { rule };
         rule = stop.iter().copied().fold(rule, Rule::stop);
-        rule = cancel.into_iter().fold(rule, Rule::cancel);
+        rule = cancel.iter().copied().fold(rule, Rule::cancel);
         rule = start.iter().copied().fold(rule, Rule::start);
         let record = RuleRecord {
             state: RuleState::Active,
+            weight: make.when.facts() + stop.len() + cancel.len() + start.len(),
             stop,
+            cancel,
             start,
             watchers: Vec::new(),
         };
@@ -140,15 +180,28 @@ impl Desk {
         })
     }
 
-    /// Drops a rule.
-    pub(crate) fn withdraw(&mut self, name: &str, reply: Reply) {
-        match number_of(name, 'r').map(RuleId) {
-            Some(id) if self.rules.contains_key(&id) => {
+    /// Drops a rule, if everything that it does something to is this client's.
+    pub(crate) fn withdraw(&mut self, client: Client, name: &str, reply: Reply) {
+        let may = self
+            .may_ask()
+            .and_then(|()| self.may_withdraw(client, name));
+        match may {
+            Ok(id) => {
                 let ticket = self.control.withdraw(id);
                 self.asked(ticket, Then::Nothing, Some(reply));
             }
-            _ => reply(Err(Failure::Unknown(format!("rule {name}")))),
+            Err(why) => reply(Err(why)),
         }
+    }
+
+    fn may_withdraw(&self, client: Client, name: &str) -> Result<RuleId, Failure> {
+        let found = number_of(name, 'r').map(RuleId);
+        let found = found.and_then(|id| Some((id, self.rules.get(&id)?)));
+        let (id, rule) = found.ok_or_else(|| Failure::Unknown(format!("rule {name}")))?;
+        let commands = rule.acts_on().filter_map(|id| self.by_id.get(id));
+        let mut records = commands.filter_map(|number| self.commands.get(number));
+        records.try_for_each(|r| self.may_act_in(client, r.session, name))?;
+        Ok(id)
     }
 
     /// Fails if there is no such rule.

@@ -1,8 +1,10 @@
 //! Sessions: who owns which commands, and what becomes of them when the owner is gone.
 
-use rpi_host::control::{CommandId, Control, Rejected, State, Ticket, Why};
+use rpi_host::control::{State, Why};
 
-use super::{Desk, Failure, Phase, Sink, Then, Update, number_of};
+use super::owed::Debt;
+use super::types::shortened;
+use super::{Desk, Failure, Phase, Sink, Update, number_of};
 use crate::limits::OnLoss;
 
 /// A session.
@@ -28,7 +30,12 @@ impl Desk {
     }
 
     /// Fails if a session belongs to another client that is still there.
-    fn may_act_in(&self, client: Client, session: u64, what: &str) -> Result<(), Failure> {
+    pub(super) fn may_act_in(
+        &self,
+        client: Client,
+        session: u64,
+        what: &str,
+    ) -> Result<(), Failure> {
         let session = self.sessions.get(&session);
         let owner = session.filter(|s| !s.closed).and_then(|s| s.owner);
         match owner {
@@ -59,7 +66,7 @@ impl Desk {
         }
         let number = self.number();
         let session = Session {
-            name: name.to_owned(),
+            name: shortened(name, self.limits.name),
             on_loss: on_loss.unwrap_or(self.on_loss),
             owner,
             closed: false,
@@ -95,8 +102,14 @@ impl Desk {
         sessions.map(|(number, session)| (format!("s{number}"), session.name.as_str()))
     }
 
+    /// A client is gone: its sessions have nobody, and nobody tells it anything.
+    pub(crate) fn lose_client(&mut self, sessions: &[String]) {
+        sessions.iter().for_each(|name| self.lose_session(name));
+        self.forget_deaf();
+    }
+
     /// The client of a session is gone: what it has asked for in that case is done.
-    pub(crate) fn lose_session(&mut self, name: &str) {
+    fn lose_session(&mut self, name: &str) {
         let Some(number) = number_of(name, 's') else {
             return;
         };
@@ -153,7 +166,7 @@ impl Desk {
                 OnLoss::RunOn => self.leave(number),
                 OnLoss::Cancel => self.retire(number),
                 OnLoss::Abort => {
-                    self.ask_for(number, |c, id| c.abort(id, Why::ClientLost));
+                    self.owe(number, Debt::Abort(Why::ClientLost));
                     self.retire(number);
                 }
             }
@@ -165,7 +178,7 @@ impl Desk {
         self.unload_at_end(number);
         let phase = self.commands.get(&number).map(|r| r.status.phase);
         if phase == Some(Phase::Is(State::Ready)) {
-            self.ask_for(number, Control::unload);
+            self.owe(number, Debt::Unload);
         }
     }
 
@@ -174,8 +187,8 @@ impl Desk {
         let phase = self.commands.get(&number).map(|r| r.status.phase);
         self.unload_at_end(number);
         match phase {
-            Some(Phase::Is(State::Running)) => self.ask_for(number, Control::cancel),
-            Some(Phase::Is(_)) => self.ask_for(number, Control::unload),
+            Some(Phase::Is(State::Running)) => self.owe(number, Debt::Cancel),
+            Some(Phase::Is(_)) => self.owe(number, Debt::Unload),
             _ => {}
         }
     }
@@ -189,19 +202,7 @@ impl Desk {
             .get(&number)
             .is_some_and(|r| r.status.phase == Phase::Is(State::Terminated));
         if ended {
-            self.ask_for(number, Control::unload);
-        }
-    }
-
-    /// Asks something of a command that is in the table, without anybody waiting for the answer.
-    pub(super) fn ask_for(
-        &mut self,
-        number: u64,
-        what: impl FnOnce(&mut Control, CommandId) -> Result<Ticket, Rejected>,
-    ) {
-        if let Some(id) = self.commands.get(&number).and_then(|r| r.id) {
-            let ticket = what(&mut self.control, id);
-            self.asked(ticket, Then::Nothing, None);
+            self.owe(number, Debt::Unload);
         }
     }
 

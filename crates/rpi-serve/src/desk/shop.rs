@@ -8,8 +8,9 @@ use rpi_host::run::{NotStarted, Workshop};
 use rpi_image::Image;
 
 use super::commands::Record;
+use super::owed::Debt;
 use super::tasks::TaskRecord;
-use super::{Desk, Phase, Then};
+use super::{Desk, Phase};
 
 /// The core as a task of the desk sees it.
 pub(super) struct Shop<'d> {
@@ -71,13 +72,11 @@ impl Workshop for Shop<'_> {
     }
 
     fn cancel(&mut self, id: CommandId) {
-        let ticket = self.desk.control.cancel(id);
-        self.desk.asked(ticket, Then::Nothing, None);
+        self.desk.owe_by_id(id, Debt::Cancel);
     }
 
     fn unload(&mut self, id: CommandId) {
-        let ticket = self.desk.control.unload(id);
-        self.desk.asked(ticket, Then::Nothing, None);
+        self.desk.owe_by_id(id, Debt::Unload);
     }
 
     fn may_plan(&self, _: Option<u64>) -> bool {
@@ -102,14 +101,15 @@ impl Workshop for Shop<'_> {
         }
     }
 
-    fn not_started(&mut self, index: usize, why: NotStarted) {
+    fn not_started(&mut self, indices: &[usize], why: NotStarted) {
         let why = match why {
             NotStarted::Refused(why) => self.desk.refusal(why).to_string(),
             other => other.to_string(),
         };
-        let name = self.image(index).name.clone();
+        let names = indices.iter().map(|index| self.image(*index).name.clone());
+        let names = names.collect::<Vec<_>>().join(" and ");
         if let Some(record) = self.record() {
-            record.status.trouble = Some(format!("{name} cannot be started: {why}"));
+            record.status.trouble = Some(format!("{names} cannot be started: {why}"));
             record.changed = true;
         }
     }

@@ -5,6 +5,7 @@ use rpi_host::run::{Plan, Task, TaskEnd};
 
 use super::loader::{Job, Origin, What};
 use super::shop::Shop;
+use super::types::shortened;
 use super::{Desk, Failure, Load, Phase, Reply, Sink, Update, answer, cause, number_of, why};
 use crate::limits::OnLoss;
 use crate::script::Script;
@@ -48,6 +49,10 @@ pub(crate) struct Step {
     pub(crate) cause: &'static str,
     /// Why it was ended by force, if it was.
     pub(crate) why: Option<&'static str>,
+    /// Where in the program the fault is that has ended it.
+    pub(crate) place: Option<String>,
+    /// The devices that it left moving, which brake on their own.
+    pub(crate) braked: Vec<String>,
     pub(crate) error: i64,
     pub(crate) cycles: u64,
     /// A branch of the task is for its error.
@@ -74,10 +79,12 @@ pub(crate) struct TaskStatus {
 pub(super) struct TaskRecord {
     pub(super) session: u64,
     title: String,
+    /// Bytes that it takes.
+    pub(super) bytes: usize,
     pub(super) script: Option<Script>,
     task: Option<Task<Plan>>,
     pub(super) status: TaskStatus,
-    watchers: Vec<Box<dyn Sink>>,
+    pub(super) watchers: Vec<Box<dyn Sink>>,
     /// Whoever waits for it to be loaded.
     loading: Option<Reply>,
     /// Nobody will look at it once it has ended.
@@ -90,7 +97,7 @@ pub(super) struct TaskRecord {
 const REMEMBERED: usize = 100;
 
 impl TaskRecord {
-    fn has_ended(&self) -> bool {
+    pub(super) fn has_ended(&self) -> bool {
         matches!(self.status.phase, TaskPhase::Ended(_))
     }
 }
@@ -99,7 +106,7 @@ impl Desk {
     /// Loads a task beside the cycle; the reply has its name.
     pub(crate) fn load_task(&mut self, load: &Load<'_>, reply: Reply) {
         let room = self.session(load.session);
-        let room = room.and_then(|s| self.has_room(s, load.text.len()).map(|()| s));
+        let room = room.and_then(|s| self.has_room(s, load.bytes()).map(|()| s));
         let session = match room {
             Ok(session) => session,
             Err(why) => return reply(Err(why)),
@@ -107,7 +114,8 @@ impl Desk {
         let number = self.number();
         let record = TaskRecord {
             session,
-            title: load.title.to_owned(),
+            title: shortened(load.title, self.limits.name),
+            bytes: load.bytes(),
             script: None,
             task: None,
             status: TaskStatus {
@@ -334,6 +342,8 @@ impl Desk {
             result: record.status.result.clone(),
             cause: cause(&ending),
             why: why(&ending),
+            place: record.status.place.clone(),
+            braked: record.status.braked.clone(),
             error: ending.error,
             cycles: ending.cycles,
             handled: false,

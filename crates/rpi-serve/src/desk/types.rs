@@ -98,6 +98,9 @@ pub(crate) enum Update<'a> {
 pub(crate) trait Sink: Send {
     /// Tells; false if nobody listens any more. Must not wait.
     fn tell(&mut self, update: &Update<'_>) -> bool;
+
+    /// Whether somebody listens still.
+    fn is_heard(&self) -> bool;
 }
 
 /// What was asked for could not be done.
@@ -123,6 +126,11 @@ pub(crate) enum Failure {
     Limit(&'static str),
     /// The server has too much to do.
     Busy,
+}
+
+/// As much of what somebody calls something as is kept: `most` bytes.
+pub(super) fn shortened(name: &str, most: usize) -> String {
+    name[..name.floor_char_boundary(most)].to_owned()
 }
 
 /// Is told what became of a request; the text is the name of what was made, if something was.

@@ -65,6 +65,9 @@ impl Subscription {
     }
 }
 
+/// Too many things are watched by one client.
+pub(crate) const TOO_CURIOUS: Failure = Failure::Limit("things that one client watches");
+
 /// How long values of a command that a rule has started are held back at most, until somebody has been told that the rule
 /// fired: clients that need time to settle understand them only in this order.
 const HELD: Duration = Duration::from_millis(200);
@@ -92,6 +95,29 @@ impl Desk {
             last.tell(&record.status, now);
         }
         Ok(())
+    }
+
+    /// Forgets everybody who does not listen any more.
+    pub(super) fn forget_deaf(&mut self) {
+        let records = self.commands.values_mut();
+        records.for_each(|r| r.subscriptions.retain(|s| s.sink.is_heard()));
+        self.watchers()
+            .for_each(|list| list.retain(|s| s.is_heard()));
+    }
+
+    /// How many watch something else than a command.
+    #[cfg(test)]
+    pub(crate) fn watching(&mut self) -> usize {
+        self.watchers().map(|list| list.len()).sum()
+    }
+
+    /// Everybody who watches something else than a command.
+    fn watchers(&mut self) -> impl Iterator<Item = &mut Vec<Box<dyn Sink>>> {
+        let sessions = self.sessions.values_mut().map(|s| &mut s.watchers);
+        let rules = self.rules.values_mut().map(|r| &mut r.watchers);
+        let tasks = self.tasks.values_mut().map(|t| &mut t.watchers);
+        let others = [&mut self.devices.watchers, &mut self.emergency.watchers];
+        sessions.chain(rules).chain(tasks).chain(others)
     }
 
     /// Tells the exports that have changed to those for whom it is time.

@@ -6,7 +6,7 @@ use super::message::{Arg, Message};
 use super::parse;
 use super::sink::DioSink;
 use crate::condition::{self, Expr, Saying};
-use crate::desk::{Client, Failure, Language, Load, Make, Office, Reply, Watching};
+use crate::desk::{Client, Failure, Language, Load, Make, Office, Reply, TOO_CURIOUS, Watching};
 use crate::limits::OnLoss;
 use crate::wire::{Front, Outbox};
 
@@ -86,10 +86,8 @@ impl Front for DioFront {
 
 impl Drop for DioFront {
     fn drop(&mut self) {
-        let mut desk = self.office.desk();
-        self.sessions
-            .iter()
-            .for_each(|name| desk.lose_session(name));
+        self.out.end();
+        self.office.desk().lose_client(&self.sessions);
     }
 }
 
@@ -127,11 +125,10 @@ impl DioFront {
         })
     }
 
-    fn sink(&self, tag: &str) -> Box<DioSink> {
-        Box::new(DioSink {
-            tag: tag.to_owned(),
-            out: self.out.clone(),
-        })
+    fn sink(&self, tag: &str) -> Result<Box<DioSink>, Failure> {
+        let out = self.out.post().ok_or(TOO_CURIOUS)?;
+        let tag = tag.to_owned();
+        Ok(Box::new(DioSink { tag, out }))
     }
 
     fn version(&mut self, message: &Message) -> Result<(), Failure> {
@@ -207,6 +204,7 @@ impl DioFront {
             // Whoever loaded a net also unloads it.
             keep: true,
         };
+        self.office.desk().may_say(&make)?;
         self.may_act(make.stop.iter().chain(make.cancel).chain(make.start))?;
         self.office
             .desk()
@@ -226,6 +224,7 @@ impl DioFront {
                 values.push((net.as_str(), key, value.ok_or_else(bad)?));
             }
         }
+        self.office.desk().may_set(values.len())?;
         self.may_act(values.iter().map(|(net, _, _)| net))?;
         self.office.desk().set(&values, self.reply(&message.tag));
         Ok(())
@@ -237,7 +236,7 @@ impl DioFront {
         let watching = Watching {
             period: Duration::try_from_secs_f64(seconds).unwrap_or(Duration::from_secs(1)),
             settle: SETTLE,
-            sink: self.sink(&message.tag),
+            sink: self.sink(&message.tag)?,
         };
         let mut desk = self.office.desk();
         desk.find(net)?;
@@ -247,23 +246,23 @@ impl DioFront {
     }
 
     fn watch_session(&mut self, message: &Message) -> Result<(), Failure> {
-        let sink = self.sink(&message.tag);
+        let sink = self.sink(&message.tag)?;
         self.office.desk().watch_session(text(message, 0)?, sink)?;
         self.ok(&message.tag, "");
         Ok(())
     }
 
     fn watch_rule(&mut self, message: &Message) -> Result<(), Failure> {
-        let rule = text(message, 0)?;
+        let (rule, sink) = (text(message, 0)?, self.sink(&message.tag)?);
         let mut desk = self.office.desk();
         desk.find_rule(rule)?;
         self.ok(&message.tag, "");
-        desk.watch_rule(rule, self.sink(&message.tag))
+        desk.watch_rule(rule, sink)
     }
 
     fn watch_devices(&mut self, message: &Message) -> Result<(), Failure> {
+        let sink = self.sink(&message.tag)?;
         self.ok(&message.tag, "");
-        let sink = self.sink(&message.tag);
         self.office.desk().watch_devices(sink);
         Ok(())
     }

@@ -4,12 +4,12 @@ use rpi_core::State;
 
 use super::message::{Arg, Message};
 use crate::desk::{DeviceInfo, Phase, RuleState, Sink, Update};
-use crate::wire::Outbox;
+use crate::wire::Post;
 
 /// Pushes under the tag of a subscription.
 pub(super) struct DioSink {
     pub(super) tag: String,
-    pub(super) out: Outbox,
+    pub(super) out: Post,
 }
 
 impl Sink for DioSink {
@@ -37,6 +37,10 @@ impl Sink for DioSink {
                 self.push_status(name, "off") && self.push("dr", gone)
             }
         }
+    }
+
+    fn is_heard(&self) -> bool {
+        self.out.is_heard()
     }
 }
 

@@ -54,10 +54,8 @@ impl Front for RpcFront {
 
 impl Drop for RpcFront {
     fn drop(&mut self) {
-        let mut desk = self.office.desk();
-        self.sessions
-            .iter()
-            .for_each(|name| desk.lose_session(name));
+        self.out.end();
+        self.office.desk().lose_client(&self.sessions);
     }
 }
 

@@ -9,7 +9,9 @@ use super::front::{Answer, Call, RpcFront};
 use super::sink::{self, RpcSink};
 use super::tasks;
 use crate::condition::{self, Expr, Saying};
-use crate::desk::{Desk, Failure, Language, Load, Make, NewDevice, Record, Reply, Watching};
+use crate::desk::{
+    Desk, Failure, Language, Load, Make, NewDevice, Record, Reply, TOO_CURIOUS, Watching,
+};
 use crate::limits::OnLoss;
 
 type Method = fn(&mut RpcFront, &Call<'_>) -> Answer;
@@ -61,11 +63,11 @@ pub(super) const METHODS: &[(&str, Method)] = &[
 ];
 
 fn open_session(front: &mut RpcFront, call: &Call<'_>) -> Answer {
-    let on_loss = match call.params.get("on_loss").and_then(Value::as_str) {
+    let on_loss = match call.optional("on_loss", Value::as_str)? {
         None => None,
         Some(name) => Some(OnLoss::by_name(name).ok_or_else(|| bad("on_loss"))?),
     };
-    let name = call.params.get("name").and_then(Value::as_str);
+    let name = call.optional("name", Value::as_str)?;
     let shared = call.flag("shared")?;
     let owner = Some(front.client).filter(|_| !shared);
     let mut desk = front.office.desk();
@@ -184,6 +186,7 @@ fn make_rule(front: &mut RpcFront, call: &Call<'_>) -> Answer {
         start: &call.texts("start")?,
         keep: call.flag("keep")?,
     };
+    front.office.desk().may_say(&make)?;
     [make.stop, make.cancel, make.start]
         .iter()
         .try_for_each(|names| front.may_act(names))?;
@@ -196,21 +199,18 @@ fn make_rule(front: &mut RpcFront, call: &Call<'_>) -> Answer {
 
 fn withdraw(front: &mut RpcFront, call: &Call<'_>) -> Answer {
     let reply = call.later(|_| json!({}));
-    front.office.desk().withdraw(call.text("rule")?, reply);
+    let rule = call.text("rule")?;
+    front.office.desk().withdraw(front.client, rule, reply);
     Ok(None)
 }
 
 fn watch_command(front: &mut RpcFront, call: &Call<'_>) -> Answer {
     let name = call.text("command")?;
-    let seconds = call
-        .params
-        .get("period")
-        .and_then(Value::as_f64)
-        .unwrap_or(0.02);
+    let seconds = call.optional("period", Value::as_f64)?.unwrap_or(0.02);
     let watching = Watching {
         period: Duration::try_from_secs_f64(seconds).map_err(|_| bad("period"))?,
         settle: Duration::ZERO,
-        sink: front.sink("command", name),
+        sink: front.sink(Some(("command", name)))?,
     };
     let mut desk = front.office.desk();
     desk.find(name)?;
@@ -221,27 +221,25 @@ fn watch_command(front: &mut RpcFront, call: &Call<'_>) -> Answer {
 
 fn watch_rule(front: &mut RpcFront, call: &Call<'_>) -> Answer {
     let name = call.text("rule")?;
+    let sink = front.sink(Some(("rule", name)))?;
     let mut desk = front.office.desk();
     desk.find_rule(name)?;
     call.answer(json!({}));
-    desk.watch_rule(name, front.sink("rule", name))?;
+    desk.watch_rule(name, sink)?;
     Ok(None)
 }
 
 fn watch_session(front: &mut RpcFront, call: &Call<'_>) -> Answer {
     let name = call.text("session")?;
-    let sink = front.sink("session", name);
+    let sink = front.sink(Some(("session", name)))?;
     front.office.desk().watch_session(name, sink)?;
     Ok(Some(json!({})))
 }
 
 fn watch_devices(front: &mut RpcFront, call: &Call<'_>) -> Answer {
+    let sink = front.sink(None)?;
     call.answer(json!({}));
-    let (about, out) = (None, front.out.clone());
-    front
-        .office
-        .desk()
-        .watch_devices(Box::new(RpcSink { about, out }));
+    front.office.desk().watch_devices(sink);
     Ok(None)
 }
 
@@ -252,7 +250,7 @@ fn list_devices(front: &mut RpcFront, _: &Call<'_>) -> Answer {
 }
 
 fn add_device(front: &mut RpcFront, call: &Call<'_>) -> Answer {
-    let parameters = call.params.get("parameters").and_then(Value::as_object);
+    let parameters = call.optional("parameters", Value::as_object)?;
     let parameters = parameters.into_iter().flatten();
     let parameters: BTreeMap<String, String> = parameters
         .map(|(key, value)| (key.clone(), literal(value)))
@@ -294,30 +292,36 @@ impl RpcFront {
         Ok(())
     }
 
-    pub(super) fn sink(&self, kind: &'static str, name: &str) -> Box<RpcSink> {
-        Box::new(RpcSink {
-            about: Some((kind, name.to_owned())),
-            out: self.out.clone(),
-        })
+    /// What tells this client about something: what it is, and its name.
+    pub(super) fn sink(
+        &self,
+        about: Option<(&'static str, &str)>,
+    ) -> Result<Box<RpcSink>, Failure> {
+        let out = self.out.post().ok_or(TOO_CURIOUS)?;
+        let about = about.map(|(kind, name)| (kind, name.to_owned()));
+        Ok(Box::new(RpcSink { about, out }))
     }
 }
 
 impl<'a> Call<'a> {
     /// What is to be loaded: `named` is the key that tells which of several.
     pub(super) fn load(&self, named: &str) -> Result<Load<'a>, Failure> {
-        let language = match self.params.get("language").and_then(Value::as_str) {
+        let language = match self.optional("language", Value::as_str)? {
             None | Some("rpi") => Language::Rpi,
             Some("rpinet") => Language::Rpinet,
             Some(_) => return Err(bad("language")),
         };
-        let period = self.params.get("period").and_then(Value::as_f64);
+        let period = self.optional("period", Value::as_f64)?.unwrap_or(0.0);
+        if period < 0.0 {
+            return Err(bad("period"));
+        }
         Ok(Load {
             session: self.text("session")?,
-            title: self.text("title").unwrap_or_default(),
+            title: self.optional("title", Value::as_str)?.unwrap_or_default(),
             language,
             text: self.text("text")?,
-            command: self.params.get(named).and_then(Value::as_str),
-            period_ns: (period.unwrap_or(0.0).min(3600.0) * 1e9) as u64,
+            command: self.optional(named, Value::as_str)?,
+            period_ns: (period.min(3600.0) * 1e9) as u64,
         })
     }
 
@@ -340,9 +344,18 @@ impl<'a> Call<'a> {
 
     /// A truth value; false if it is not said.
     fn flag(&self, key: &str) -> Result<bool, Failure> {
+        Ok(self.optional(key, Value::as_bool)?.unwrap_or(false))
+    }
+
+    /// What may be left out; what is there is of its kind.
+    fn optional<T>(
+        &self,
+        key: &str,
+        read: impl Fn(&'a Value) -> Option<T>,
+    ) -> Result<Option<T>, Failure> {
         match self.params.get(key) {
-            None | Some(Value::Null) => Ok(false),
-            Some(value) => value.as_bool().ok_or_else(|| bad(key)),
+            None | Some(Value::Null) => Ok(None),
+            Some(value) => read(value).map(Some).ok_or_else(|| bad(key)),
         }
     }
 
@@ -353,10 +366,8 @@ impl<'a> Call<'a> {
 
     /// A list of texts; without one, none.
     fn texts(&self, key: &str) -> Result<Vec<&'a str>, Failure> {
-        let Some(list) = self.params.get(key) else {
-            return Ok(Vec::new());
-        };
-        let list = list.as_array().ok_or_else(|| bad(key))?;
+        let list = self.optional(key, Value::as_array)?;
+        let list = list.map_or(&[][..], Vec::as_slice);
         let texts: Option<Vec<&str>> = list.iter().map(Value::as_str).collect();
         texts.ok_or_else(|| bad(key))
     }

@@ -6,13 +6,13 @@ use serde_json::{Map, Value, json};
 use crate::desk::{
     DeviceInfo, Phase, RuleState, Sink, Status, Step, TaskStatus, Update, cause, why,
 };
-use crate::wire::Outbox;
+use crate::wire::Post;
 
 /// Pushes updates about one thing.
 pub(super) struct RpcSink {
     /// `command`, `rule` or `session`, and its name; nothing for devices.
     pub(super) about: Option<(&'static str, String)>,
-    pub(super) out: Outbox,
+    pub(super) out: Post,
 }
 
 impl Sink for RpcSink {
@@ -33,6 +33,10 @@ impl Sink for RpcSink {
         }
         let update = json!({"jsonrpc": "2.0", "method": "update", "params": params});
         self.out.put(update.to_string())
+    }
+
+    fn is_heard(&self) -> bool {
+        self.out.is_heard()
     }
 }
 
@@ -74,7 +78,7 @@ pub(super) fn task(status: &TaskStatus) -> Value {
     let step = |step: &Step| {
         json!({
             "command": step.title, "result": step.result, "error": step.error, "cycles": step.cycles,
-            "cause": step.cause, "why": step.why, "handled": step.handled,
+            "cause": step.cause, "why": step.why, "place": step.place, "braked": step.braked, "handled": step.handled,
         })
     };
     let running = status.running.iter();

@@ -3,7 +3,7 @@
 use serde_json::{Value, json};
 
 use super::front::{Answer, Call, RpcFront};
-use super::sink::{self, RpcSink};
+use super::sink;
 use crate::desk::{Desk, Failure};
 
 /// Loads a task of a program.
@@ -35,10 +35,11 @@ pub(super) fn describe(front: &mut RpcFront, call: &Call<'_>) -> Answer {
 
 pub(super) fn watch(front: &mut RpcFront, call: &Call<'_>) -> Answer {
     let name = call.text("task")?;
+    let sink = front.sink(Some(("task", name)))?;
     let mut desk = front.office.desk();
     desk.task_status(name)?;
     call.answer(json!({}));
-    desk.watch_task(name, front.sink("task", name))?;
+    desk.watch_task(name, sink)?;
     Ok(None)
 }
 
@@ -55,6 +56,7 @@ pub(super) fn list(front: &mut RpcFront, _: &Call<'_>) -> Answer {
 
 /// Anybody who was let in may stop everything.
 pub(super) fn stop(front: &mut RpcFront, call: &Call<'_>) -> Answer {
+    // Whatever it says of itself, it stops everything.
     let by = call.params.get("by").and_then(Value::as_str);
     let reply = call.later(|_| json!({}));
     let by = by.unwrap_or("a client");
@@ -72,9 +74,8 @@ pub(super) fn state(front: &mut RpcFront, _: &Call<'_>) -> Answer {
 }
 
 pub(super) fn watch_emergency(front: &mut RpcFront, call: &Call<'_>) -> Answer {
+    let sink = front.sink(None)?;
     call.answer(json!({}));
-    let (about, out) = (None, front.out.clone());
-    let sink = Box::new(RpcSink { about, out });
     front.office.desk().watch_emergency(sink);
     Ok(None)
 }

@@ -64,8 +64,15 @@ pub(crate) fn session(office: &Office, name: &str, form: &Form) -> Response {
     {
         return Response::refused(400, "a form with action=TERMINATE is needed");
     }
-    match office.desk().abort_session(name) {
+    let mut desk = office.desk();
+    // Whoever asks by HTTP is a client who owns nothing.
+    let nobody = desk.client();
+    let ended = desk
+        .may_act(nobody, name)
+        .and_then(|()| desk.abort_session(name));
+    match ended {
         Ok(()) => Response::text("done\n".to_owned()),
+        Err(why @ Failure::NotYours(_)) => Response::refused(403, &why.to_string()),
         Err(why) => Response::refused(404, &why.to_string()),
     }
 }

@@ -90,10 +90,13 @@ impl Head {
         let mut body = self.rest.clone();
         let mut chunk = [0; 16 << 10];
         while body.len() < length {
+            if begin.elapsed() > patience {
+                return Err(bad("a body that is too slow"));
+            }
             match stream.read(&mut chunk) {
                 Ok(0) => return Err(io::ErrorKind::UnexpectedEof.into()),
                 Ok(read) => body.extend_from_slice(&chunk[..read]),
-                Err(e) if is_pause(&e) && begin.elapsed() < patience => {}
+                Err(e) if is_pause(&e) => {}
                 Err(e) => return Err(e),
             }
         }

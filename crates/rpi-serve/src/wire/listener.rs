@@ -113,7 +113,7 @@ impl Reception {
     }
 
     fn converse(&self, mut stream: Box<dyn Stream>, head: Head) {
-        let (out, outgoing) = outbox(self.limits.outbox);
+        let (out, outgoing) = outbox(self.limits.outbox, self.limits.watches);
         let Some(mut front) = self.front(&head.path, out) else {
             let _ = web::Response::refused(404, "no conversation is held here").send(&mut stream);
             return;
@@ -181,7 +181,7 @@ impl Reception {
             .and_then(|()| stream.set_write_timeout(Some(self.limits.patience)));
         if ready.is_ok() {
             self.admit(move |reception| {
-                let (out, outgoing) = outbox(reception.limits.outbox);
+                let (out, outgoing) = outbox(reception.limits.outbox, reception.limits.watches);
                 let mut front = RpcFront::new(reception.office.clone(), out);
                 let most = reception.limits.message;
                 chat::lines(

@@ -14,7 +14,7 @@ pub(crate) use chat::Front;
 pub(crate) use guard::Guard;
 pub(crate) use head::Head;
 pub(crate) use listener::Reception;
-pub(crate) use outbox::Outbox;
+pub(crate) use outbox::{Outbox, Post};
 #[cfg(unix)]
 pub(crate) use socket::bind;
 pub(crate) use tls::Identity;

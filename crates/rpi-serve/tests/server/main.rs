@@ -3,12 +3,15 @@
 
 mod client;
 mod deaf;
+mod evals;
+mod excess;
 mod exchange;
 mod guard;
 mod limits;
 mod native;
 mod nets;
 mod order;
+mod owners;
 mod recording;
 mod rules;
 mod spec;

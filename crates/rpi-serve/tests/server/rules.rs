@@ -6,7 +6,7 @@ use crate::client::{Client, open};
 use crate::native::call;
 use crate::nets::ECHO;
 
-const SWING: &str = "use motion;
+pub(crate) const SWING: &str = "use motion;
 command Swing (arm: Arm)
 let
   arm.joints = [0.1[rad/s] * time, 0[rad], 0[rad], 0[rad], 0[rad], 0[rad], 0[rad]];
@@ -15,7 +15,7 @@ let
 tel
 ";
 
-const COUNT: &str = "command Count ()
+pub(crate) const COUNT: &str = "command Count ()
 let
   n = 1 -> pre n + 1;
   export n;
@@ -25,14 +25,14 @@ let
 tel
 ";
 
-struct Owner {
-    client: Client,
-    session: Value,
+pub(crate) struct Owner {
+    pub(crate) client: Client,
+    pub(crate) session: Value,
     id: u64,
 }
 
 impl Owner {
-    fn new(server: &rpi_serve::Server) -> Owner {
+    pub(crate) fn new(server: &rpi_serve::Server) -> Owner {
         let mut client = Client::rpc(server.address());
         let opened = call(&mut client, 1, "session.open", &json!({}));
         let session = opened["result"]["session"].clone();
@@ -44,12 +44,12 @@ impl Owner {
         }
     }
 
-    fn ask(&mut self, method: &str, params: &Value) -> Value {
+    pub(crate) fn ask(&mut self, method: &str, params: &Value) -> Value {
         self.id += 1;
         call(&mut self.client, self.id, method, params)
     }
 
-    fn load(&mut self, text: &str, title: &str, language: &str) -> Value {
+    pub(crate) fn load(&mut self, text: &str, title: &str, language: &str) -> Value {
         let session = self.session.clone();
         let load = json!({"session": session, "text": text, "title": title, "language": language});
         let loaded = self.ask("command.load", &load);
@@ -123,6 +123,27 @@ fn who_is_to_be_kept_is_ready_again() {
             (params["command"] == next && params["state"] == state).then_some(())
         });
     }
+}
+
+/// What a task's command left moving is told with it.
+#[test]
+fn steps_of_a_task_tell_what_braked() {
+    let server = open();
+    let mut owner = Owner::new(&server);
+    let text = format!("{SWING}task Once (arm: Arm) let Swing(arm); tel\n");
+    let load = json!({"session": owner.session, "text": text});
+    let task = owner.ask("task.load", &load)["result"]["task"].clone();
+    owner.ask("task.start", &json!({"task": task}));
+    std::thread::sleep(std::time::Duration::from_millis(200));
+    owner.ask("emergency.stop", &json!({}));
+    owner.ask("watch.task", &json!({"task": task}));
+    let step = owner.client.wait("its step", |text| {
+        let update: Value = serde_json::from_str(text).ok()?;
+        let step = update["params"]["ended"][0].clone();
+        step.is_object().then_some(step)
+    });
+    assert_eq!(step["why"], "emergency stop", "{step}");
+    assert_eq!(step["braked"], json!(["arm"]), "{step}");
 }
 
 /// Whatever moves brakes, whoever it belongs to; nobody starts anything until it is reset, and that only once all stand still.

@@ -51,23 +51,21 @@ impl Site<'_> {
     /// What could not be started.
     pub(super) fn begin(&mut self, place: Place) -> Result<Track, Trouble> {
         let mut track = self.load(place)?;
-        let slots: Vec<(CommandId, usize)> =
-            track.slots().iter().map(|s| (s.id, s.index)).collect();
-        let index = slots.first().map_or(0, |slot| slot.1);
-        let asked = match slots.as_slice() {
-            [(only, _)] => self
+        let commands: Vec<CommandId> = track.slots().iter().map(|s| s.id).collect();
+        let asked = match commands.as_slice() {
+            [only] => self
                 .shop
                 .start(*only)
                 .map(|ticket| Request::new(ticket, None)),
             all => {
                 let rule = Rule::when(Condition::always());
-                let rule = all.iter().fold(rule, |rule, (id, _)| rule.start(*id));
+                let rule = all.iter().copied().fold(rule, Rule::start);
                 self.shop
                     .schedule(rule)
                     .map(|(rule, ticket)| Request::new(ticket, Some(rule)))
             }
         };
-        track.request = Some(asked.map_err(|why| trouble(index, why))?);
+        track.request = Some(asked.map_err(|why| trouble(track.indices(), why))?);
         Ok(track)
     }
 
@@ -181,11 +179,8 @@ impl Site<'_> {
                 rule = rule.hand((from, export), (slot.id, input));
             }
         }
-        let index = track.slots().first().map_or(0, |slot| slot.index);
-        let (rule, ticket) = self
-            .shop
-            .schedule(rule)
-            .map_err(|why| trouble(index, why))?;
+        let asked = self.shop.schedule(rule);
+        let (rule, ticket) = asked.map_err(|why| trouble(track.indices(), why))?;
         track.request = Some(Request::new(ticket, Some(rule)));
         Ok(Launch { track })
     }
@@ -220,7 +215,8 @@ impl Site<'_> {
 
     fn slot(&mut self, cursor: Cursor) -> Result<Slot, Trouble> {
         let index = self.plan.command(&cursor);
-        let id = self.shop.load(index).map_err(|why| trouble(index, why))?;
+        let loaded = self.shop.load(index);
+        let id = loaded.map_err(|why| trouble(vec![index], why))?;
         Ok(Slot {
             id,
             cursor,
@@ -248,9 +244,9 @@ impl Site<'_> {
     }
 }
 
-fn trouble(index: usize, why: Rejected) -> Trouble {
+fn trouble(indices: Vec<usize>, why: Rejected) -> Trouble {
     Trouble {
-        index,
+        indices,
         why: NotStarted::Rejected(why),
     }
 }

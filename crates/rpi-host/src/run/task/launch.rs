@@ -81,9 +81,9 @@ impl Request {
     }
 }
 
-/// A command that does not run, and why.
+/// Commands that do not run, and why: one, or those that were to start together.
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub(super) struct Trouble {
-    pub(super) index: usize,
+    pub(super) indices: Vec<usize>,
     pub(super) why: NotStarted,
 }

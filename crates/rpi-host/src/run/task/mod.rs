@@ -124,13 +124,13 @@ impl<P: Borrow<Plan>> Task<P> {
                 self.failed = true;
                 self.finish(shop);
             }
-            Err(Trouble { index, why }) => self.fail(index, why, shop),
+            Err(trouble) => self.fail(trouble, shop),
         }
     }
 
     /// Something does not run: whatever does is asked to end.
-    fn fail(&mut self, index: usize, why: NotStarted, shop: &mut dyn Workshop) {
-        shop.not_started(index, why);
+    fn fail(&mut self, trouble: Trouble, shop: &mut dyn Workshop) {
+        shop.not_started(&trouble.indices, trouble.why);
         self.failed = true;
         self.wind_up(shop);
     }

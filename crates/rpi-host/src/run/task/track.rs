@@ -1,5 +1,7 @@
 //! What runs by itself: a command, or strands that run at once.
 
+use std::collections::BTreeSet;
+
 use rpi_core::{CommandId, Ending};
 use rpi_image::Image;
 
@@ -75,6 +77,13 @@ impl Track {
         }
     }
 
+    /// The indices of its commands in the plan's list, each once.
+    pub(super) fn indices(&self) -> Vec<usize> {
+        let indices = self.slots().into_iter().map(|slot| slot.index);
+        let unique: BTreeSet<usize> = indices.collect();
+        unique.into_iter().collect()
+    }
+
     pub(super) fn hear(&mut self, event: &Event) {
         self.request.iter_mut().for_each(|r| r.hear(event));
         let ahead = self.ahead.iter_mut().flatten();
@@ -146,9 +155,9 @@ impl Track {
     /// Why it was not started, if it was not and will not be.
     fn refusal(&self) -> Option<Trouble> {
         let why = self.request.as_ref()?.refusal();
-        let index = self.slots().first()?.index;
         let why = why.filter(|_| !self.has_started())?;
-        Some(Trouble { index, why })
+        let indices = self.indices();
+        Some(Trouble { indices, why })
     }
 
     fn finish(&mut self) -> Result<Step, Trouble> {

@@ -68,6 +68,6 @@ pub trait Workshop {
     /// A branch is for the error by which a command has ended.
     fn handled(&mut self, id: CommandId);
 
-    /// A command does not run.
-    fn not_started(&mut self, index: usize, why: NotStarted);
+    /// Commands that were to start together do not run; mostly it is one.
+    fn not_started(&mut self, indices: &[usize], why: NotStarted);
 }
