@@ -87,7 +87,6 @@ impl Found<'_, '_> {
         let open = self.structure.open_bracket(self.fault.at);
         match (open, self.here()) {
             (Some(open), here) if self.ends_bracket(open, here) => self.open_bracket(open),
-            (_, Some(here)) if self.is_reserved_as_name(here) => self.reserved(here),
             // The declaration was complete.
             (_, Some(_)) if self.fault.expected.is_empty() => {
                 outside::stray(self.cx, self.before(), &self.lexemes[self.fault.at..])
@@ -121,26 +120,6 @@ impl Found<'_, '_> {
         )
         .at(span, "opened here")
         .also(self.place(self.fault.at), here)
-    }
-
-    /// Whether a reserved word stands where a name is wanted: neither an expression nor an equation.
-    fn is_reserved_as_name(&self, here: Lexeme) -> bool {
-        use Token::{Let, Tel, Then, When};
-        let wants = |token| self.fault.expected.contains(&token);
-        let wants_name = wants(Token::Ident) && !wants(Token::Int) && !wants(Tel);
-        let word = here.token.keyword();
-        let is_reserved = word.is_some_and(|word| word.is_reserved_in(self.cx.mode));
-        wants_name && is_reserved && !matches!(here.token, When | Let | Tel | Then)
-    }
-
-    fn reserved(&self, here: Lexeme) -> Finding {
-        let message = format!(
-            "{} is a word of the language, not a name",
-            self.quoted(here)
-        );
-        Finding::new(Code::RPI0012, message)
-            .at(self.cx.span(here.start, here.end), "reserved")
-            .help("choose another name")
     }
 
     fn expected(&self) -> Finding {

@@ -33,6 +33,7 @@ mod parse;
 mod phrase;
 mod pieces;
 mod print;
+mod reserved;
 mod sizes;
 mod split;
 mod stack;

@@ -11,6 +11,7 @@ use crate::explain::{Fault, Found};
 use crate::grammar::ItemParser;
 use crate::habits::{self, Habit, Mend};
 use crate::lexer::Lexeme;
+use crate::reserved;
 use crate::structure::{Structure, closing};
 use crate::token::Token;
 use lalrpop_util::ParseError;
@@ -104,6 +105,8 @@ struct Mender<'c, 't, 'f> {
     broken_at: Option<usize>,
     /// Whether a fault at the end has been reported.
     ended: bool,
+    /// Reserved words that have been told to be no names.
+    reserved: Vec<Token>,
 }
 
 impl<'c, 't, 'f> Mender<'c, 't, 'f> {
@@ -120,6 +123,7 @@ impl<'c, 't, 'f> Mender<'c, 't, 'f> {
             patience: PATIENCE,
             broken_at: None,
             ended: false,
+            reserved: Vec::new(),
         }
     }
 
@@ -154,6 +158,10 @@ impl<'c, 't, 'f> Mender<'c, 't, 'f> {
 
     /// Reports the fault and mends it. False if there is no way.
     fn mend(&mut self, fault: &Fault) -> bool {
+        if let Some(at) = reserved::again(&self.reserved, &self.lexemes, fault.at) {
+            self.lexemes[at].token = Token::Ident;
+            return true;
+        }
         if self.broken_at.is_some_and(|at| fault.at <= at) {
             return self.take_out_around();
         }
@@ -173,26 +181,34 @@ impl<'c, 't, 'f> Mender<'c, 't, 'f> {
             structure: &structure,
             fault,
         };
+        let phrase = structure.phrase(fault.at);
         if let Some(habit) = habits::recognise(&found) {
-            let phrase = structure.phrase(fault.at);
             return self.follow(habit, phrase);
         }
         let open_let = structure.open_let().filter(|_| at_end);
-        let lacks_semi = open_let.is_none() && found.lacks_semi();
-        self.findings.push(match open_let {
-            Some(open) => found.open_body(open),
-            None if lacks_semi => found.missing_semi(),
-            None => found.unexpected(),
-        });
-        let phrase = structure.phrase(fault.at);
-        match (open_let, lacks_semi) {
-            (Some(_), _) => self.close_bodies(),
-            (None, true) => {
-                self.insert(fault.at, Token::Semi);
-                true
-            }
-            (None, false) => self.take_out(phrase),
+        if let Some(open) = open_let {
+            self.findings.push(found.open_body(open));
+            return self.close_bodies();
         }
+        if found.lacks_semi() {
+            self.findings.push(found.missing_semi());
+            self.insert(fault.at, Token::Semi);
+            return true;
+        }
+        if let Some(finding) = found.reserved_as_name() {
+            self.findings.push(finding);
+            return self.read_as_name(fault.at);
+        }
+        self.findings.push(found.unexpected());
+        self.take_out(phrase)
+    }
+
+    /// Reads a reserved word as a name, here and wherever else it does not fit.
+    fn read_as_name(&mut self, at: usize) -> bool {
+        let word = &mut self.lexemes[at].token;
+        self.reserved.push(*word);
+        *word = Token::Ident;
+        true
     }
 
     /// Reports a habit and reads the tokens as they were meant; `phrase` is what is left out otherwise.

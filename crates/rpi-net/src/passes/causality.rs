@@ -49,6 +49,8 @@ pub struct Read {
     pub to: String,
     /// Where.
     pub span: Span,
+    /// Where else: a `pre` there breaks the ring only with one at all of them.
+    pub more: Vec<Span>,
 }
 
 /// The finding about a ring of reads, each reading what the one before it defines, with a `pre` at each as a way out.
@@ -59,11 +61,13 @@ pub fn ring(reads: &[Read]) -> Finding {
         .iter()
         .map(|read| (read.from.as_str(), read.span, told(read)));
     let mut finding = drawn(&steps.collect::<Vec<_>>());
-    let spans = |read: &Read| [read.span];
-    finding.fixes = reads
-        .iter()
-        .map(|read| delayed(&read.from, &read.to, &spans(read), None))
-        .collect();
+    let fix = |read: &Read| {
+        let all: Vec<Span> = std::iter::once(read.span)
+            .chain(read.more.clone())
+            .collect();
+        delayed(&read.from, &read.to, &all, None)
+    };
+    finding.fixes = reads.iter().map(fix).collect();
     finding.help(BREAK)
 }
 

@@ -441,16 +441,16 @@ impl<'a> Body<'_, 'a> {
         }
         let header = self.c.header(id, Rc::new(statics.clone()));
         let header = header.ok_or(Ty::Unknown)?;
-        let Some(args) = self.match_ports(&header, &given, span) else {
-            return Err(match open.is_empty() {
-                true => result_type(&header),
-                false => Ty::Unknown,
-            });
-        };
         let free = header.free_frames.iter();
         let mut subst = Subst {
             frames: free.map(|frame| (frame.clone(), None)).collect(),
             ..Subst::default()
+        };
+        let Some(args) = self.match_ports(&header, &given, span) else {
+            return Err(match open.is_empty() {
+                true => header.result_type().substituted(&subst),
+                false => Ty::Unknown,
+            });
         };
         let mut sound = self.fit_args(&header, &args, &mut subst);
         let of_units = header.inputs.iter().any(|port| port.ty.has_unknown());
@@ -466,7 +466,7 @@ impl<'a> Body<'_, 'a> {
                 args,
                 subst,
             }),
-            false => Err(result_type(&header).substituted(&subst)),
+            false => Err(header.result_type().substituted(&subst)),
         }
     }
 
@@ -522,7 +522,7 @@ impl<'a> Body<'_, 'a> {
             return self.fault(span);
         };
         let args = self.named_clocks(header, args);
-        let ty = result_type(header).substituted(subst);
+        let ty = header.result_type().substituted(subst);
         if let Activation::Condact {
             default: Some(default),
             ..
@@ -589,15 +589,4 @@ impl<'a> Body<'_, 'a> {
             self.report(finding);
         }
     }
-}
-
-fn result_type(header: &Header) -> Ty {
-    if let [one] = &header.outputs[..] {
-        return one.ty.clone();
-    }
-    let member = |port: &super::header::Port| crate::ty::Member {
-        name: Some(port.name.clone()),
-        ty: port.ty.clone(),
-    };
-    Ty::Tuple(header.outputs.iter().map(member).collect())
 }

@@ -214,6 +214,7 @@ impl<'a> Body<'_, 'a> {
             from: name(link.to),
             to: name(link.from),
             span: link.span,
+            more: Vec::new(),
         });
         let reads: Vec<Read> = reads.collect();
         let help =

@@ -157,7 +157,11 @@ impl<'a> Body<'_, 'a> {
                 let wanted =
                     Wanted::By(self.span_of(model), format!("this is `{expected}`; {why}"));
                 self.misfit(odd, &expected, &misfit, &wanted);
-                expected
+                // How long it was to be, both say otherwise.
+                match (&expected, self.ty_of(odd)) {
+                    (Ty::Array(..), Ty::Array(..)) => Ty::Unknown,
+                    _ => expected,
+                }
             }
         }
     }

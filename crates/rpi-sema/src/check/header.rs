@@ -6,7 +6,7 @@ use super::statics::{Static, Statics, display, key};
 use super::types::PortTy;
 use crate::hash::Set;
 use crate::program::{DeclId, DeclKind, Lookup, Space};
-use crate::ty::Ty;
+use crate::ty::{Member, Ty};
 use crate::typed::{FlowId, FlowRole, Optional, Unit, UnitKind};
 use rpi_diag::{Code, Finding, Span};
 use rpi_image::{Role, State};
@@ -36,6 +36,18 @@ impl Header {
     pub(super) fn is_instance(&self) -> bool {
         let mut statics = self.statics.values();
         statics.any(|value| matches!(value, Static::Ty(_) | Static::Value(_)))
+    }
+
+    /// The type of its output, or the tuple of all.
+    pub(super) fn result_type(&self) -> Ty {
+        if let [one] = &self.outputs[..] {
+            return one.ty.clone();
+        }
+        let member = |port: &Port| Member {
+            name: Some(port.name.clone()),
+            ty: port.ty.clone(),
+        };
+        Ty::Tuple(self.outputs.iter().map(member).collect())
     }
 }
 

@@ -75,8 +75,14 @@ impl Body<'_, '_> {
     pub(super) fn declare(&mut self, name: &Ident, local: Local) {
         let scope = &mut self.scopes[self.block.0 as usize];
         match scope.names.get(&name.name) {
-            Some((_, first)) => {
-                let finding = twice(&name.name, name.span, *first);
+            Some((first, place)) => {
+                let finding = twice(&name.name, name.span, *place);
+                // Which of them an equation means is not known.
+                for local in [first, &local] {
+                    if let Local::Flow(flow) = local {
+                        self.broken.push(*flow);
+                    }
+                }
                 self.report(finding);
             }
             None => {

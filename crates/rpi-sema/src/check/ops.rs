@@ -490,6 +490,14 @@ impl Body<'_, '_> {
             (Ty::Bool, _) | (_, Ty::Bool) => {
                 finding.help("a number by a condition is `if c then 1 else 0`")
             }
+            (Ty::Array(_, n), Ty::Array(_, m)) if n == m => finding.help(format!(
+                "element by element it is `map<<{}, {n}>>(a, b)`",
+                op.spelling()
+            )),
+            (Ty::Array(_, n), _) | (_, Ty::Array(_, n)) => finding.help(format!(
+                "`x^{n}` is an array of {n} times `x`; element by element `map<<{}, {n}>>(a, b)` computes",
+                op.spelling()
+            )),
             (Ty::Spatial(Pose, _), Ty::Spatial(Pose, _)) => finding
                 .help("poses are composed by `*`: `(b in a) * (c in b)` is the pose of `c` in `a`"),
             (Ty::Spatial(Vector, _), Ty::Real(_)) | (Ty::Real(_), Ty::Spatial(Vector, _)) => {
@@ -547,6 +555,7 @@ fn is_vague(ty: &Ty) -> bool {
 /// What the result is as far as one known operand tells.
 fn binary_guess(op: BinaryOp, a: &Ty, b: &Ty) -> Ty {
     match op {
+        _ if [a, b].iter().any(|ty| matches!(ty, Ty::Array(..))) => Ty::Unknown,
         And | Or | Xor | Implies | Lt | Le | Gt | Ge => Ty::Bool,
         // An integer may be meant as a real, which may be what is wrong with the other one.
         Add | Sub | Mod if !is_vague(a) && !is_vague(b) => join(a, b).unwrap_or(Ty::Unknown),

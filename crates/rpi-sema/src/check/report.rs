@@ -3,6 +3,7 @@
 use super::body::Body;
 use super::frames;
 use super::quantity::{self, Measured};
+use super::statement::counted;
 use crate::ty::{Misfit, Ty};
 use crate::typed::{ExprId, Kind};
 use crate::units::Dim;
@@ -157,9 +158,15 @@ fn kind_of(ty: &Ty) -> String {
 fn size(expected: u32, found: u32, span: Span) -> Finding {
     Finding::new(
         Code::RPI2009,
-        format!("expected {expected} elements, found {found}"),
+        format!(
+            "expected {}, found {found}",
+            counted(expected as usize, "element")
+        ),
     )
-    .at(span, format!("this has {found} elements"))
+    .at(
+        span,
+        format!("this has {}", counted(found as usize, "element")),
+    )
 }
 
 /// A name that nothing answers to.

@@ -1,7 +1,8 @@
 //! What needs arguments or values that nobody gives, checked all the same: types by types of which nothing is known, sizes by
-//! a small number. It never runs, so only what does not depend on the choice is reported.
+//! a small number. It never runs, so only what does not depend on the choice is reported: of a `.rpi` declaration, what
+//! is wrong with its names and with types that are known.
 
-use super::statics::{Param, Static, Statics};
+use super::statics::{Param, Static, Statics, tells_apart};
 use super::{Checker, Constant};
 use crate::program::{DeclId, DeclKind};
 use crate::ty::{StructTy, Ty};
@@ -22,6 +23,29 @@ pub(super) fn may_be_its_fault(finding: &Finding) -> bool {
     )
 }
 
+/// Whether a finding about a sample is one about what it is a sample of.
+fn is_its_fault(finding: &Finding) -> bool {
+    !may_be_its_fault(finding) && finding.code != Code::RPI1012
+}
+
+/// Whether a finding is about names, or types that are known: these are the same whatever is given.
+fn is_about_text(finding: &Finding) -> bool {
+    matches!(
+        finding.code,
+        Code::RPI1001
+            | Code::RPI1002
+            | Code::RPI1003
+            | Code::RPI1005
+            | Code::RPI1008
+            | Code::RPI1009
+            | Code::RPI2001
+            | Code::RPI2002
+            | Code::RPI2003
+            | Code::RPI2006
+            | Code::RPI3005
+    )
+}
+
 /// A value of a type that stands for one from outside.
 pub(super) fn value(ty: &Ty) -> Option<Rc<[Leaf]>> {
     Some(match ty {
@@ -38,26 +62,47 @@ pub(super) fn value(ty: &Ty) -> Option<Rc<[Leaf]>> {
 }
 
 impl Checker<'_> {
-    /// Checks the Lustre nodes that nobody calls and that need static arguments.
+    /// Checks the nodes that nobody calls and that need static arguments.
     pub(super) fn check_samples(&mut self) {
         for id in self.program.root().decls.clone() {
-            if self.called.contains(&id) || !self.is_lustre(id) {
+            if self.called.contains(&id) {
                 continue;
             }
             let before = self.findings.len();
-            if let Some(statics) = self.sample(id)
+            let (sample, is_told): (_, fn(&Finding) -> bool) = match self.is_lustre(id) {
+                true => (self.sample(id), is_its_fault),
+                false => (self.unknown(id), is_about_text),
+            };
+            if let Some(statics) = sample
                 && let Some(header) = self.header(id, Rc::new(statics))
             {
                 self.unit(&header, header.span);
                 self.check_queued();
             }
             let found = self.findings.split_off(before);
-            let found = found
-                .into_iter()
-                .filter(|finding| !may_be_its_fault(finding));
-            self.findings
-                .extend(found.filter(|finding| finding.code != Code::RPI1012));
+            self.findings.extend(found.into_iter().filter(is_told));
         }
+    }
+
+    /// Static arguments of which as little as possible is known; none if it needs none, or something to call.
+    fn unknown(&mut self, id: DeclId) -> Option<Statics> {
+        let params = self.params_of(id);
+        let mut statics = Statics::new();
+        for param in &params {
+            let unknown = match param {
+                Param::Type(_) => Static::Ty(Ty::Unknown),
+                Param::Value(_, def) => {
+                    let ty = self.static_ty(id, def, &statics);
+                    match value(&ty).filter(|_| tells_apart(&ty)) {
+                        Some(leaves) => Static::Value(Constant { ty, leaves }),
+                        None => Static::Opaque,
+                    }
+                }
+                Param::Node(_) => return None,
+            };
+            statics.insert(param.name().name.clone(), unknown);
+        }
+        (!params.is_empty()).then_some(statics)
     }
 
     /// Static arguments for a declaration; none if it needs none, or something to call.

@@ -133,6 +133,9 @@ impl<'a> Body<'_, 'a> {
             FlowRole::Output | FlowRole::Local => None,
         };
         let ty = self.unit.flow(flow).ty.clone();
+        if what.is_some() && self.broken.contains(&flow) {
+            return (Place::Nowhere, Ty::Unknown);
+        }
         if let Some(what) = what {
             // A parameter of an unknown type may well be a device.
             return match ty.is_unknown() && !target.path.is_empty() {

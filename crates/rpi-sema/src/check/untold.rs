@@ -46,7 +46,7 @@ impl Body<'_, '_> {
             }
             match (ring.is_empty(), only_now) {
                 (true, _) => {}
-                (false, true) => self.waits_for_itself(&ring),
+                (false, true) => self.waits_for_itself(&ring, &links),
                 (false, false) => self.untold(index),
             }
         }
@@ -82,15 +82,25 @@ impl Body<'_, '_> {
         reads.collect()
     }
 
-    fn waits_for_itself(&mut self, ring: &[Link]) {
-        let reads: Vec<Read> = ring
-            .iter()
-            .map(|link| Read {
+    fn waits_for_itself(&mut self, ring: &[Link], links: &[Link]) {
+        let read = |link: &Link| {
+            let is_same = |other: &&Link| {
+                other.now
+                    && (other.from, other.to) == (link.from, link.to)
+                    && other.span != link.span
+            };
+            Read {
                 from: self.name_of(link.from),
                 to: self.name_of(link.to),
                 span: link.span,
-            })
-            .collect();
+                more: links
+                    .iter()
+                    .filter(is_same)
+                    .map(|other| other.span)
+                    .collect(),
+            }
+        };
+        let reads: Vec<Read> = ring.iter().map(read).collect();
         self.report(causality::ring(&reads));
     }
 

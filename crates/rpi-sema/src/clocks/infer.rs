@@ -155,9 +155,9 @@ impl<'u> Inference<'u> {
                 return self.leafwise(id, operands);
             }
             kind => {
-                let place = self.terms.open();
-                kind.operands(&mut |operand| self.all(operand, place));
-                place
+                let mut operands = Vec::new();
+                kind.operands(&mut |operand| operands.push(operand));
+                self.together(&operands)
             }
         };
         self.places[id.0 as usize] = place;
@@ -176,15 +176,30 @@ impl<'u> Inference<'u> {
         }
     }
 
-    /// All of a value has a clock.
-    pub(super) fn all(&mut self, id: ExprId, wanted: Term) {
+    /// The one clock of several values. If they have none the fault is theirs alone: what is done with them fits.
+    fn together(&mut self, operands: &[ExprId]) -> Term {
+        let place = self.terms.open();
+        let mut fit = true;
+        for operand in operands {
+            fit &= self.all(*operand, place);
+        }
+        match fit {
+            true => place,
+            false => self.terms.open(),
+        }
+    }
+
+    /// All of a value has a clock; false if it has another, which is reported.
+    pub(super) fn all(&mut self, id: ExprId, wanted: Term) -> bool {
         let span = self.unit.expr(id).span;
         match self.values[id.0 as usize].clone() {
             Of::One(term) => self.meet(term, wanted, span),
             Of::Each(parts) => {
+                let mut fit = true;
                 for (term, _) in parts {
-                    self.meet(term, wanted, span);
+                    fit &= self.meet(term, wanted, span);
                 }
+                fit
             }
         }
     }
@@ -193,7 +208,9 @@ impl<'u> Inference<'u> {
     fn sampled(&mut self, value: ExprId, of_flow: Term) {
         match self.values[value.0 as usize].clone() {
             Of::One(term) if !self.terms.is_open(term) && self.terms.leads_to(of_flow, term) => {}
-            _ => self.all(value, of_flow),
+            _ => {
+                self.all(value, of_flow);
+            }
         }
     }
 
@@ -227,10 +244,7 @@ impl<'u> Inference<'u> {
 
     /// Operators that work leaf by leaf have one clock.
     fn leafwise(&mut self, id: ExprId, operands: &[ExprId]) -> Of {
-        let place = self.terms.open();
-        for operand in operands {
-            self.all(*operand, place);
-        }
+        let place = self.together(operands);
         self.places[id.0 as usize] = place;
         Of::One(place)
     }
@@ -279,15 +293,17 @@ impl<'u> Inference<'u> {
         }
     }
 
-    /// Makes two clocks the same, or reports that they are not.
-    pub(super) fn meet(&mut self, found: Term, wanted: Term, span: Span) {
-        if !self.terms.unify(found, wanted) {
+    /// Makes two clocks the same, or reports that they are not, which is false.
+    pub(super) fn meet(&mut self, found: Term, wanted: Term, span: Span) -> bool {
+        let meet = self.terms.unify(found, wanted);
+        if !meet {
             let [found, wanted] = [found, wanted].map(|term| self.words(term));
             self.report_at(
                 span,
                 format!("this is {found}, but {wanted} is needed here"),
             );
         }
+        meet
     }
 
     fn words(&self, term: Term) -> String {
@@ -323,7 +339,9 @@ impl<'u> Inference<'u> {
     fn finish(mut self) -> (Clocks, Vec<Finding>) {
         for (result, inner, span) in std::mem::take(&mut self.currents) {
             match self.terms.parent(inner) {
-                Some((parent, _)) => self.meet(result, parent, span),
+                Some((parent, _)) => {
+                    self.meet(result, parent, span);
+                }
                 None if self.terms.is_open(inner) => {}
                 None => self.report_at(span, "`current` of a flow that is not sampled".to_owned()),
             }

@@ -6,8 +6,10 @@
 
 mod automata;
 mod bodies;
+mod endings;
 mod heads;
 mod kind2;
+mod misspelt;
 mod operators;
 mod signs;
 mod updates;
@@ -48,8 +50,12 @@ const HABITS: &[fn(&Found<'_, '_>) -> Option<Habit>] = &[
     automata::conditional,
     automata::entry,
     automata::late_unless,
+    endings::choice_behind,
+    endings::end_for_tel,
+    endings::automaton_in_lustre,
     operators::no_else,
     operators::conditional,
+    misspelt::word,
     operators::bare_unit,
     operators::field_by_colon,
     updates::no_parentheses,
@@ -72,6 +78,7 @@ const HABITS: &[fn(&Found<'_, '_>) -> Option<Habit>] = &[
     bodies::choice,
     bodies::repetition,
     bodies::nameless,
+    misspelt::statement,
 ];
 
 /// The habit behind a token that was not accepted, if it is one.

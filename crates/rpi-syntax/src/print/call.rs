@@ -3,6 +3,7 @@
 use super::Printer;
 use super::layout::{Doc, concat, text, word};
 use super::list::{PARENS, STATIC_ARGS};
+use crate::Mode;
 use crate::ast::*;
 use rpi_diag::Span;
 
@@ -21,6 +22,10 @@ impl Printer<'_> {
         {
             let head = format!("{} ", call.callee.name.name);
             return concat([text(head), self.refined(refined)]);
+        }
+        if self.is_of_types(call) {
+            let name = text(&*call.callee.name.name);
+            return concat([name, self.type_args("@<", &call.callee.statics)]);
         }
         let callee = self.callee(&call.callee);
         let head = match &call.activation {
@@ -54,6 +59,20 @@ impl Printer<'_> {
             }
         };
         concat([head, self.args(&call.args)])
+    }
+
+    /// Whether it is `any@<T>`, which Kind 2 writes without parentheses.
+    fn is_of_types(&self, call: &Call) -> bool {
+        let is_type = |arg: &StaticArg| {
+            arg.name.is_none() && matches!(arg.value, StaticValue::Type(_) | StaticValue::Expr(_))
+        };
+        let statics = &call.callee.statics;
+        self.mode == Mode::Lustre
+            && matches!(&*call.callee.name.name, "any" | "choose")
+            && matches!(call.activation, Activation::Always)
+            && call.args.is_empty()
+            && !statics.is_empty()
+            && statics.iter().all(is_type)
     }
 
     pub(super) fn args(&mut self, args: &[Arg]) -> Doc {

@@ -2,7 +2,7 @@
 
 use super::Printer;
 use super::layout::{Doc, concat, group, indent, nothing, text, word};
-use super::ty::{dotted, names};
+use super::ty::{dotted, names, type_params};
 use crate::Mode;
 use crate::ast::*;
 use crate::text::quote;
@@ -55,15 +55,7 @@ impl Printer<'_> {
     }
 
     fn type_def(&mut self, def: &TypeDef) -> Doc {
-        let names = def.statics.iter().filter_map(|param| match &param.kind {
-            StaticParamKind::Type(name) => Some(name.name.as_str()),
-            _ => None,
-        });
-        let names: Vec<&str> = names.collect();
-        let params = match &names[..] {
-            [] => nothing(),
-            all => text(format!("<{}>", all.join("; "))),
-        };
+        let params = type_params(&def.statics);
         let name = concat([
             self.doc_lines(def.doc.as_ref()),
             text(&*def.name.name),

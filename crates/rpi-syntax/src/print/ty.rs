@@ -174,6 +174,9 @@ impl Printer<'_> {
     pub(super) fn static_params(&mut self, params: &[StaticParam]) -> Doc {
         match params {
             [] => nothing(),
+            params if self.mode == Mode::Lustre && params.iter().all(is_bare) => {
+                type_params(params)
+            }
             params => {
                 let list = self.list(STATIC_PARAMS, params, |p| p.span, Self::static_param);
                 concat([word(" "), list])
@@ -233,4 +236,22 @@ pub(super) fn names(names: &[Ident]) -> String {
 pub(super) fn dotted(dotted: &Dotted) -> String {
     let parts: Vec<&str> = dotted.parts.iter().map(|part| part.name.as_str()).collect();
     parts.join(".")
+}
+
+/// `<T; U>` behind the name of a type, and of a node of Kind 2.
+pub(super) fn type_params(params: &[StaticParam]) -> Doc {
+    let names = params.iter().filter_map(|param| match &param.kind {
+        StaticParamKind::Type(name) => Some(name.name.as_str()),
+        _ => None,
+    });
+    let names: Vec<&str> = names.collect();
+    match &names[..] {
+        [] => nothing(),
+        all => text(format!("<{}>", all.join("; "))),
+    }
+}
+
+/// Whether a parameter is written `T`, without the word `type`.
+fn is_bare(param: &StaticParam) -> bool {
+    matches!(&param.kind, StaticParamKind::Type(name) if name.span == param.span && !param.span.is_none())
 }

@@ -1,0 +1,97 @@
+//! Ends of bodies, choices and state machines as others write them.
+
+use super::operators::operand;
+use super::{Habit, Mend, habit};
+use crate::Mode;
+use crate::ast::Ident;
+use crate::explain::Found;
+use crate::token::Token;
+use rpi_diag::{Code, Finding, Fix};
+use std::ops::Range;
+
+/// `let y = x; end`
+pub(super) fn end_for_tel(found: &Found<'_, '_>) -> Option<Habit> {
+    let last = found.lexemes.len().checked_sub(1)?;
+    // Where the word is a name the fault is behind it.
+    let is_there = found.fault.at == last && found.expects(Token::Tel) || found.fault.at > last;
+    let open = found.structure.open_blocks().next()?;
+    let is_body = found.token(open) == Some(Token::Let)
+        && found.structure.open_blocks().nth(1).is_none()
+        && matches!(found.token(last - 1), Some(Token::Semi | Token::Let));
+    if !is_there || found.written(last) != "end" || !is_body {
+        return None;
+    }
+    let finding = habit("a body ends with `tel`")
+        .at(found.span_at(last), "`end` closes no body")
+        .also(found.span_at(open), "begins here")
+        .fix(Fix::sure("write `tel`").replace(found.span_at(last), "tel"));
+    let mend = Mend::Tokens(vec![found.instead(last, &[Token::Tel])]);
+    Some(Habit { finding, mend })
+}
+
+/// `y = a if c else b`
+pub(super) fn choice_behind(found: &Found<'_, '_>) -> Option<Habit> {
+    let at = found.fault.at;
+    if found.token(at) != Some(Token::If) || !found.expects(Token::Plus) {
+        return None;
+    }
+    let (start, end) = operand(found, at);
+    let other = (at + 1..end).find(|at| found.token(*at) == Some(Token::Else))?;
+    let values = [at + 1..other, start..at, other + 1..end];
+    if values.iter().any(Range::is_empty) {
+        return None;
+    }
+    let [c, a, b] = values.clone().map(|range| found.text(range));
+    let meant = format!("if {c} then {a} else {b}");
+    let place = found.span_of(start..end);
+    let finding = habit("a choice begins with its condition: `if c then x else y`")
+        .at(found.span_at(at), "the value stands before it")
+        .fix(Fix::sure(format!("write `{meant}`")).replace(place, meant));
+    let [c, a, b] = values.map(|range| found.lexemes[range].to_vec());
+    let word = |token| found.instead(at, &[token]).1;
+    let parts = [
+        word(Token::If),
+        c,
+        word(Token::Then),
+        a,
+        word(Token::Else),
+        b,
+    ];
+    // Out of place for what is told of them later, but each still knows its own.
+    let mend = Mend::Tokens(vec![(start..end, parts.concat())]);
+    Some(Habit { finding, mend })
+}
+
+/// `automaton initial state S ... end` in Lustre.
+pub(super) fn automaton_in_lustre(found: &Found<'_, '_>) -> Option<Habit> {
+    let at = found.fault.at.checked_sub(1)?;
+    let begins = matches!(found.written(at + 1), "initial" | "state");
+    if found.cx.mode != Mode::Lustre || found.written(at) != "automaton" || !begins {
+        return None;
+    }
+    let mut after = (at..found.lexemes.len()).rev();
+    let end = after.find(|at| found.written(*at) == "end");
+    let end = end.map_or(found.lexemes.len() - 1, |end| end + 1);
+    let finding = Finding::new(Code::RPI0001, "an automaton is not of Lustre")
+        .at(found.span_at(at), "Lustre has none")
+        .help("in a file whose name ends in `.rpi` there are automata, and Lustre besides");
+    Some(Habit {
+        finding,
+        mend: Mend::Phrase(at..end, defined(found, at..end)),
+    })
+}
+
+/// The names that are defined in a stretch of text.
+fn defined(found: &Found<'_, '_>, range: Range<usize>) -> Vec<Ident> {
+    let mut names: Vec<Ident> = Vec::new();
+    for at in range {
+        let is_target = found.token(at) == Some(Token::Ident)
+            && found.token(at + 1) == Some(Token::Eq)
+            && matches!(found.token(at - 1), Some(Token::Let | Token::Semi));
+        let is_new = |names: &[Ident]| names.iter().all(|name| *name.name != *found.written(at));
+        if is_target && is_new(&names) {
+            names.push(found.ident(at));
+        }
+    }
+    names
+}
