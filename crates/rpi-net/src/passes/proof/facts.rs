@@ -7,7 +7,7 @@
 use super::Happening;
 use super::numbers;
 use super::truth::{self, Set, by_rule, constant};
-use crate::net::{Absent, Activation, Driver, FragmentId, Input, Net, NodeId, PortRef};
+use crate::net::{Absent, Activation, Driver, FragmentId, Input, Net, Node, NodeId, PortRef};
 use crate::passes::presence::{Presences, Sureness};
 use crate::passes::users::Users;
 use crate::tree::Tree;
@@ -119,10 +119,11 @@ impl<'a> Facts<'a> {
         else {
             return Err(Contradiction);
         };
-        // The conditions of a program are total: the type checker has seen to that (M4).
+        // The conditions of a program are total: the type checker has seen to that (M4), unless one comes from a clock beside.
         let is_program = matches!(self.background.net.driver, Driver::Results(_));
+        let is_total = is_program && self.gates(parent, *condition).is_empty();
         let allowed = match absent {
-            Absent::Inactive if !is_program => Set::FALSE.or(Set::ABSENT),
+            Absent::Inactive if !is_total => Set::FALSE.or(Set::ABSENT),
             _ => Set::FALSE,
         };
         self.require(parent, *condition, allowed)
@@ -302,12 +303,7 @@ impl<'a> Facts<'a> {
 
     fn revise_by_rule(&mut self, id: NodeId, seen: &[Set]) -> Held {
         let node = self.background.net.node(id);
-        let connected = node
-            .inputs
-            .iter()
-            .zip(seen)
-            .filter(|(i, _)| !matches!(i, Input::Open));
-        let sets: Vec<Set> = connected.map(|(_, s)| *s).collect();
+        let sets: Vec<Set> = connected(node, seen).map(|(_, s)| *s).collect();
         for (k, output) in (0..).zip(node.desc().outputs) {
             let port = PortRef { node: id, port: k };
             let given = by_rule(output.presence, &sets, node.outputs[usize::from(k)]);
@@ -328,12 +324,8 @@ impl<'a> Facts<'a> {
     /// What follows for the inputs if an output is absent.
     fn revise_absent(&mut self, id: NodeId, rule: Presence, seen: &[Set]) -> Held {
         let node = self.background.net.node(id);
-        let connected = node
-            .inputs
-            .iter()
-            .zip(seen)
-            .filter(|(i, _)| !matches!(i, Input::Open));
-        let open = connected.filter(|(_, set)| rule == Presence::IfAny || set.has(Set::ABSENT));
+        let open = connected(node, seen)
+            .filter(|(_, set)| rule == Presence::IfAny || set.has(Set::ABSENT));
         let open: Vec<&Input> = open.map(|(input, _)| input).collect();
         let follows = rule == Presence::IfAny || (rule == Presence::Strict && open.len() == 1);
         for input in open.into_iter().filter(|_| follows) {
@@ -352,6 +344,12 @@ impl<'a> Facts<'a> {
             false => self.narrow(port, allowed),
         }
     }
+}
+
+/// The inputs of a node that are connected, and what they are seen as.
+fn connected<'n>(node: &'n Node, seen: &'n [Set]) -> impl Iterator<Item = (&'n Input, &'n Set)> {
+    let inputs = node.inputs.iter().zip(seen);
+    inputs.filter(|(input, _)| !matches!(input, Input::Open))
 }
 
 /// All ways to choose one member of each set.
