@@ -381,8 +381,9 @@ pub(crate) fn has_errors(findings: &[Finding]) -> bool {
         .any(|finding| finding.severity() == Severity::Error)
 }
 
-/// Each finding once: a unit that is called in several places is looked at in each of them. What is found at a place
-/// where the text itself has a fault follows from that.
+/// Each finding once: a unit that is called in several places is looked at in each of them, where its flows may have
+/// other names; what the same changes mend at the same place is the same fault. What is found at a place where the text
+/// itself has a fault follows from that.
 fn once(findings: Vec<Finding>) -> Vec<Finding> {
     let syntax = findings.iter().filter(|finding| of_syntax(finding));
     let broken: Vec<Span> = syntax
@@ -393,12 +394,21 @@ fn once(findings: Vec<Finding>) -> Vec<Finding> {
         let mut places = finding.labels.iter().map(|label| label.span);
         !of_syntax(finding) && places.any(|place| broken.iter().any(|fault| overlap(place, *fault)))
     };
-    let mut seen = BTreeSet::new();
+    let (mut seen, mut mended) = (BTreeSet::new(), BTreeSet::new());
     let mut kept = findings;
     kept.retain(|finding| {
-        !follows(finding) && seen.insert((finding.code, finding.span(), finding.message.clone()))
+        let place = (finding.code, finding.span());
+        !follows(finding)
+            && seen.insert((place, finding.message.clone()))
+            && (finding.fixes.is_empty() || mended.insert((place, changes(finding))))
     });
     kept
+}
+
+/// What the fixes of a finding change.
+fn changes(finding: &Finding) -> Vec<(Span, String)> {
+    let edits = finding.fixes.iter().flat_map(|fix| &fix.edits);
+    edits.map(|edit| (edit.span, edit.text.clone())).collect()
 }
 
 /// Group 0 of the codes, errors only.

@@ -22,7 +22,7 @@ pub use column::Column;
 pub use net::{
     Absent, Activation, Alternatives, Driver, Exit, Exits, ExportPort, Fragment, FragmentId,
     FragmentPort, Input, Inputs, Net, Node, NodeId, Origin, PortRef, Restart, ResultKind,
-    ResultPort, Types,
+    ResultPort, Types, without_calls,
 };
 pub use rpi_prims::PrimId;
 pub use tree::{Item, Tree};

@@ -59,8 +59,18 @@ pub enum Input {
 pub struct Origin {
     /// Place in a source text ([`Span::NONE`] if there is none).
     pub span: Span,
-    /// The flow's name as its author knows it, if it has one.
+    /// The flow's name as its author knows it, if it has one; those of flows in calls without a name are numbered.
     pub flow: Option<String>,
+}
+
+/// A flow's name without the calls around it that have none: of `y#0.k`, in the first call in the equation of `y`, `k`.
+#[must_use]
+pub fn without_calls(flow: &str) -> String {
+    let named: Vec<&str> = flow.split('.').filter(|part| !part.contains('#')).collect();
+    match named[..] {
+        [] => flow.to_owned(),
+        _ => named.join("."),
+    }
 }
 
 /// The types of some ports; one, as most primitives have, lies in place.

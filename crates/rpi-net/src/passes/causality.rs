@@ -3,7 +3,7 @@
 //! Each strongly connected component of a fragment's graph gives one finding. It draws the shortest ring through the
 //! component step by step and says where a `pre` would break it.
 
-use crate::net::{Net, NodeId, PortRef};
+use crate::net::{Net, NodeId, PortRef, without_calls};
 use crate::passes::dependencies::{Dependence, Dependencies, Graph, Reader};
 use crate::passes::rings::Rings;
 use crate::tree::Item;
@@ -215,7 +215,7 @@ fn flow_name<'n>(net: &'n Net, graph: &Graph, edge: EdgeIndex) -> Option<&'n str
 
 fn name(net: &Net, graph: &Graph, edge: EdgeIndex, source: PortRef) -> String {
     if let Some(flow) = flow_name(net, graph, edge) {
-        return flow.to_owned();
+        return without_calls(flow);
     }
     match item(graph, edge) {
         Some(Item::Fragment(id)) => net.fragment(id).name.clone(),

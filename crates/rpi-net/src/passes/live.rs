@@ -1,6 +1,6 @@
 //! What has an effect outside the net, and which flows of a program have none.
 
-use crate::net::{Activation, Driver, FragmentId, Input, Net, NodeId, Restart};
+use crate::net::{Activation, Driver, FragmentId, Input, Net, NodeId, Restart, without_calls};
 use rpi_diag::{Code, Finding, Span};
 use rpi_image::Role;
 use std::collections::BTreeSet;
@@ -135,6 +135,7 @@ fn used(net: &Net, live: &[bool]) -> Vec<bool> {
 }
 
 fn finding((span, name): (Span, &str)) -> Finding {
+    let name = without_calls(name);
     Finding::new(Code::RPI3101, format!("nothing uses `{name}`"))
         .at(span, "computed here")
         .help(

@@ -36,7 +36,10 @@ impl<'a> Body<'_, 'a> {
                     clock.flow.span,
                     "a clock is a condition, or one value of an enum",
                 )
-                .help(format!("name the value: `A({})`", clock.flow.name));
+                .help(match ty {
+                    Ty::Enum(_) => format!("name the value: `A({})`", clock.flow.name),
+                    _ => "a condition gets a name first: `c = x > 0; y = e when c;`".to_owned(),
+                });
             self.report(finding);
             return None;
         }

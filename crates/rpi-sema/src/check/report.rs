@@ -61,6 +61,11 @@ impl Body<'_, '_> {
         self.numbers.contains(&self.span_of(id))
     }
 
+    /// Whether it is what an iterator takes out of an array, which is all that is written.
+    fn is_element_of_all(&self, id: ExprId) -> bool {
+        matches!(self.unit.expr(id).kind, Kind::Part { base, .. } if self.span_of(base) == self.span_of(id))
+    }
+
     /// A value of quite another kind than its place wants.
     fn other_kind(&self, id: ExprId, expected: &Ty) -> Finding {
         let (found, span) = (self.ty_of(id), self.span_of(id));
@@ -71,6 +76,7 @@ impl Body<'_, '_> {
             (Ty::Real(dim), Ty::Int) if self.is_number(id) && *dim != Dim::ONE => {
                 quantity::with_units(finding, *dim, span)
             }
+            (Ty::Real(_) | Ty::Int, _) if self.is_element_of_all(id) => finding,
             (Ty::Real(_), Ty::Int) => finding.fix(self.as_real(id)),
             (Ty::Int, Ty::Real(Dim::ONE)) if self.is_number(id) => {
                 finding.help("a whole number is written without a point")
@@ -82,6 +88,8 @@ impl Body<'_, '_> {
             (Ty::Bool, Ty::Int | Ty::Real(_)) => {
                 finding.help("a condition is a comparison: `x <> 0`, `x > 0.0`")
             }
+            (Ty::Real(_), Ty::Array(element, _)) if matches!(**element, Ty::Real(_)) => finding
+                .help("an element is read by its index: `x[0]`; a power is written `x ** 2.0`"),
             (_, Ty::Array(element, _)) if **element == *expected => finding
                 .help("an element is read by its index: `x[0]`; a power is written `x ** 2.0`"),
             _ => finding,

@@ -360,7 +360,11 @@ impl<'a> Body<'_, 'a> {
 
     fn known_frame(&mut self, known: bool, name: Name, span: Span) -> Option<Name> {
         if !known {
-            let near = rpi_diag::suggest(&name, self.unit.free_frames.iter().map(Name::as_str));
+            let program = self.c.program;
+            let is_frame = |id| matches!(program.decl(id).kind, DeclKind::Frame(_));
+            let declared = program.visible(self.module, is_frame);
+            let free = self.unit.free_frames.iter().map(Name::as_str);
+            let near = rpi_diag::suggest(&name, free.chain(declared));
             let finding = Finding::new(Code::RPI1001, format!("there is no frame `{name}`"))
                 .at(span, "not declared")
                 .help("a frame is declared by `frame`, named in the signature, or of a device");

@@ -30,6 +30,7 @@ use rpi_image::Role;
 use rpi_net::claim::is_for_claim;
 use rpi_net::passes::Users;
 use rpi_net::prim;
+use rpi_net::without_calls;
 use rpi_net::{Activation, Driver, FragmentId, Input, Net, NodeId, PortRef};
 use rpi_prims::PrimId;
 use rules::{Rule, rule};
@@ -189,7 +190,10 @@ fn finding(net: &Net, flow: Option<&str>, roots: &[NodeId]) -> Finding {
             .at(place(one), "there may be cycles before the first tick")
             .help("say that its clock ticks in the first cycle, or what it is until then: `if seen then current x else y`");
     }
-    let what = flow.map_or_else(|| "a flow".to_owned(), |flow| format!("`{flow}`"));
+    let what = flow.map_or_else(
+        || "a flow".to_owned(),
+        |flow| format!("`{}`", without_calls(flow)),
+    );
     let mut finding = Finding::new(
         Code::RPI5001,
         format!("{what} has no value in the first cycle"),
