@@ -333,6 +333,13 @@ impl Server {
         }
     }
 
+    /// False if a recording is wanted and its file takes no more: the disk is full, say. What runs is not disturbed by it.
+    #[must_use]
+    pub fn records(&self) -> bool {
+        let office = self.office.as_ref();
+        office.is_none_or(|office| office.desk().is_recorded())
+    }
+
     /// Where it listens.
     #[must_use]
     pub fn address(&self) -> SocketAddr {

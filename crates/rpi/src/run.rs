@@ -62,10 +62,12 @@ pub(crate) fn run(args: &RunArgs) -> exit::Outcome {
     let (findings, summary) = claims.told(&outcome);
     let style = Style::of(&std::io::stderr());
     eprint!("{}{summary}", render(&findings, &compiled.sources, style));
-    if let Some(rows) = rows {
-        let file = record.unwrap_or(Path::new("")).display();
-        rows.finish().map_err(|e| format!("{file}: {e}"))?;
-    }
+    let file = record.unwrap_or(Path::new("")).display();
+    let recorded = match (rows, &outcome.unrecorded) {
+        (Some(rows), _) => rows.finish().map_err(|e| format!("{file}: {e}")),
+        (None, Some(why)) => Err(format!("{file}: {why}")),
+        (None, None) => Ok(()),
+    };
     if let (Some(motion), Some(picture)) = (motion, &mut picture) {
         let title = args
             .program
@@ -78,6 +80,8 @@ pub(crate) fn run(args: &RunArgs) -> exit::Outcome {
         true => format!("{}\n", outcome.to_json()),
         false => outcome.to_string(),
     })?;
+    // What has happened is told first: nothing of it is undone by a full disk.
+    recorded?;
     Ok(exit(&outcome, &interrupt))
 }
 

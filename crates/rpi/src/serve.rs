@@ -41,10 +41,17 @@ pub(crate) fn serve(args: &ServeArgs) -> exit::Outcome {
         .iter()
         .for_each(|grant| eprintln!("{grant}"));
     eprintln!("serving at {}", server.address());
+    let mut records = true;
     while server.runs() && !interrupted.load(Ordering::Relaxed) {
         if emergency.swap(false, Ordering::Relaxed) {
             server.emergency_stop("SIGQUIT");
             eprintln!("EMERGENCY STOP; `emergency.reset` of JSON-RPC releases it");
+        }
+        if records && !server.records() {
+            records = false;
+            eprintln!(
+                "NOTHING IS RECORDED ANY MORE: the file takes no more; why is told at the end"
+            );
         }
         std::thread::sleep(LOOK);
     }

@@ -360,6 +360,33 @@ fn what_cannot_be_written_is_told_by_name() {
     }
 }
 
+/// Nothing that has moved is undone by a file that takes no more: it is told what has happened, and that it was not recorded.
+#[cfg(unix)]
+#[test]
+fn what_has_happened_is_told_where_the_file_takes_no_more() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = |name: &str| folder.path().join(name).to_str().unwrap().to_owned();
+    let text = "command Count ()\nlet\n  n = 1 -> pre n + 1;\n  export n;\n  finish done when n >= 30000;\ntel\n";
+    std::fs::write(path("count.rpi"), text).unwrap();
+    std::fs::write(path("cell.toml"), "").unwrap();
+    // Files of 32 kB at most; a write beyond is an error, and no signal.
+    let limited = "trap '' XFSZ; ulimit -f 64; exec \"$0\" \"$@\"";
+    let program = [env!("CARGO_BIN_EXE_rpi"), "run", &path("count.rpi")].map(str::to_owned);
+    let mut shell = std::process::Command::new("sh");
+    shell.args(["-c", limited]).args(program);
+    let output = shell
+        .args(["--record", &path("out.mcap")])
+        .output()
+        .unwrap();
+    let told = said(&output);
+    assert_eq!(output.status.code(), Some(2), "{told}");
+    assert!(told.contains("30000 cycles"), "{told}");
+    assert!(
+        told.contains("NOT RECORDED to the end: File too large"),
+        "{told}"
+    );
+}
+
 /// An emergency stop ends everything with that as its cause, and says what still moved.
 #[cfg(unix)]
 #[test]

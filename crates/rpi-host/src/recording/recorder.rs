@@ -117,7 +117,8 @@ impl Recorder {
     }
 
     /// False once the writer has given up: the file takes no more.
-    pub(crate) fn writes(&self) -> bool {
+    #[must_use]
+    pub fn writes(&self) -> bool {
         !self.thread.is_finished()
     }
 

@@ -135,7 +135,10 @@ fn outcome(
     host.listen(listener.sink);
     let lost = cycle.finish_tape();
     let written = host.recorder.take().map(|recorder| recorder.finish(lost));
-    let recorded = written.transpose().map_err(Failure::Recording)?;
+    let (recorded, unrecorded) = match written.transpose() {
+        Ok(recorded) => (recorded, None),
+        Err(why) => (None, Some(why.to_string())),
+    };
     if let Some((command, faults)) = host.books.failed {
         return Err(Failure::Loading {
             command,
@@ -162,6 +165,7 @@ fn outcome(
         stopped: stopped.map(|why| stop_text(why).to_owned()),
         digest: None,
         recorded,
+        unrecorded,
         grants: grants.iter().map(ToString::to_string).collect(),
         samples_lost: cycle.watcher.tap.lost,
     })

@@ -36,6 +36,9 @@ pub struct Outcome {
     /// What was recorded, if something was.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub recorded: Option<Written>,
+    /// Why the recording is not complete, if it is not: a full disk, say. The run went on without it.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub unrecorded: Option<String>,
     /// Samples that were lost because the recording could not keep up.
     pub samples_lost: u64,
 }

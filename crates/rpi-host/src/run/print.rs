@@ -73,6 +73,9 @@ impl Outcome {
                 recorded.ticks, recorded.lost
             )?;
         }
+        if let Some(why) = &self.unrecorded {
+            writeln!(f, "NOT RECORDED to the end: {why}")?;
+        }
         match self.samples_lost {
             0 => Ok(()),
             lost => writeln!(

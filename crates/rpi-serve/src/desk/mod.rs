@@ -64,6 +64,8 @@ pub(crate) struct Desk {
     control: Control,
     /// Who writes down what happens, if somebody does.
     recorder: Option<Recorder>,
+    /// It has not given up.
+    recorded: bool,
     errands: BTreeMap<Ticket, Errand>,
     owed: Owed,
     sessions: BTreeMap<u64, Session>,
@@ -136,6 +138,7 @@ impl Office {
             tick_ns,
             on_loss: settings.on_loss,
             control,
+            recorded: recorder.is_some(),
             recorder,
             errands: BTreeMap::new(),
             owed: Owed::default(),

@@ -2,7 +2,7 @@
 
 use rpi_host::control::{Cause, CommandId, Ending, Event, Notice, Outcome, Refused, State, Ticket};
 
-use rpi_host::recording::Written;
+use rpi_host::recording::{Recorder, Written};
 
 use super::commands::{results, yields};
 use super::owed::Debt;
@@ -30,6 +30,7 @@ impl Desk {
                 } => self.device_changed(device, code, moving),
             }
         }
+        self.look_after_recording();
         self.pay();
         self.keep_stopped();
         self.advance_tasks();
@@ -41,9 +42,25 @@ impl Desk {
         self.publish();
     }
 
+    /// Notes once that the recording has come to its end by itself: its file takes no more.
+    fn look_after_recording(&mut self) {
+        if self.recorded && !self.recorder.as_ref().is_some_and(Recorder::writes) {
+            self.recorded = false;
+            self.journal.note(format_args!(
+                "NOTHING IS RECORDED ANY MORE: the file takes no more"
+            ));
+        }
+    }
+
+    /// Whether everything is recorded that was to be.
+    pub(crate) fn is_recorded(&self) -> bool {
+        self.recorded || self.recorder.is_none()
+    }
+
     /// The cycle is over: tells what it has told last, and ends the recording, of which so many ticks were lost.
     pub(crate) fn finish_recording(&mut self, lost: u64) -> std::io::Result<Option<Written>> {
         self.keep();
+        self.recorded = false;
         let recorder = self.recorder.take();
         recorder.map(|recorder| recorder.finish(lost)).transpose()
     }

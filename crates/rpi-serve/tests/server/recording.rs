@@ -1,21 +1,26 @@
 //! What a server has done is recorded, and gives the same bits when it is run again.
 
 use std::fs::File;
-use std::io::BufWriter;
+use std::io::{self, BufWriter, Cursor, Seek, SeekFrom, Write};
 use std::path::Path;
+use std::time::{Duration, Instant};
 
-use rpi_host::recording::{Origin, Recording, Rerun, Wanted, rerun};
+use rpi_host::recording::{Origin, Output, Recording, Rerun, Wanted, rerun};
 use rpi_serve::Server;
 use rpi_sim::Cell;
 
-use crate::client::{CELL, Client, settings};
+use crate::client::{CELL, Client, PATIENCE, get, settings};
 use crate::nets::{ECHO, hold, swing};
 
 /// A server over the arm of the other tests that records into a file.
 fn recorded(path: &Path) -> Server {
+    recording_to(BufWriter::new(File::create(path).unwrap()))
+}
+
+fn recording_to(out: impl Output + 'static) -> Server {
     let cell = Cell::parse("cell.toml", CELL).unwrap_or_else(|errors| panic!("{errors}"));
     let wanted = Wanted {
-        out: Box::new(BufWriter::new(File::create(path).unwrap())),
+        out: Box::new(out),
         origin: Origin {
             program: "server".to_owned(),
             program_bytes: Vec::new(),
@@ -23,6 +28,49 @@ fn recorded(path: &Path) -> Server {
         },
     };
     Server::open_recorded(&cell, &settings(), (), Some(wanted)).unwrap()
+}
+
+/// A disk with room for so many bytes.
+struct Disk(Cursor<Vec<u8>>, u64);
+
+impl Write for Disk {
+    fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
+        match self.0.position() + bytes.len() as u64 > self.1 {
+            true => Err(io::ErrorKind::StorageFull.into()),
+            false => self.0.write(bytes),
+        }
+    }
+
+    fn flush(&mut self) -> io::Result<()> {
+        Ok(())
+    }
+}
+
+impl Seek for Disk {
+    fn seek(&mut self, to: SeekFrom) -> io::Result<u64> {
+        self.0.seek(to)
+    }
+}
+
+/// Whoever looks hears at once that nothing is recorded any more, and not in the end; what runs goes on.
+#[test]
+fn a_full_disk_is_told_at_once_and_stops_nothing() {
+    let server = recording_to(Disk(Cursor::default(), 64 << 10));
+    let mut client = Client::dio(server.address());
+    let session = client.ask("nse(\"test\")").unwrap();
+    let net = client.load(&session, &swing(0, 1e9));
+    client.ask(&format!("nest(\"{net}\")")).unwrap();
+    let begin = Instant::now();
+    while server.records() {
+        assert!(begin.elapsed() < PATIENCE, "64 kB are not enough");
+        std::thread::sleep(Duration::from_millis(5));
+    }
+    let log = get(server.address(), "/log");
+    assert!(log.contains("NOTHING IS RECORDED ANY MORE"), "{log}");
+    let told = get(server.address(), "/nets");
+    assert!(told.contains("Running"), "{told}");
+    let kind = server.close().unwrap_err().kind();
+    assert_eq!(kind, io::ErrorKind::StorageFull);
 }
 
 /// Loads, values, a takeover, a cancel, an abort, unloads, the end of a session.
