@@ -125,6 +125,34 @@ fn who_is_to_be_kept_is_ready_again() {
     }
 }
 
+/// Strands start together or not at all: all that were to start are named.
+#[test]
+fn strands_that_cannot_start_together_are_all_named() {
+    let server = open();
+    let mut owner = Owner::new(&server);
+    let holder = owner.load(SWING, "holder", "rpi");
+    owner.ask("command.start", &json!({"command": holder}));
+    let strands =
+        "task Both (arm: Arm)\nlet\n  parallel let Count(); tel let Swing(arm); tel\ntel\n";
+    let text = format!("{SWING}{COUNT}{strands}");
+    let load = json!({"session": owner.session, "text": text});
+    let loaded = owner.ask("task.load", &load);
+    let task = loaded["result"]["task"].clone();
+    assert!(task.is_string(), "{loaded}");
+    owner.ask("task.start", &json!({"task": task}));
+    owner.ask("watch.task", &json!({"task": task}));
+    let trouble = owner.client.wait("why not", |text| {
+        let update: Value = serde_json::from_str(text).ok()?;
+        update["params"]["trouble"].as_str().map(str::to_owned)
+    });
+    let both = ["Count and Swing cannot", "Swing and Count cannot"];
+    assert!(
+        both.iter().any(|names| trouble.starts_with(names)),
+        "{trouble}"
+    );
+    assert!(trouble.contains("is held by holder"), "{trouble}");
+}
+
 /// What a task's command left moving is told with it.
 #[test]
 fn steps_of_a_task_tell_what_braked() {
