@@ -7,12 +7,28 @@ use crate::token::Token;
 
 /// The names that a broken phrase seems to define: targets of an equation, ports, a label, a result.
 pub(crate) fn by_phrase(cx: &Context<'_>, phrase: &[Lexeme]) -> Vec<Ident> {
-    use Token::{Fail, Finish, Fragment, State, Yield};
+    use Token::{Automaton, Fail, Finish, Fragment, State, Yield};
     let head = phrase.first().map(|lexeme| lexeme.token);
-    match head {
+    let mut names = match head {
         Some(Finish | Yield | Fail | Fragment | State) => first_name(cx, &phrase[1..]),
+        Some(Automaton) => Vec::new(),
         _ => before_definition(cx, phrase),
+    };
+    if head != Some(Fragment) {
+        names.extend(inside(cx, phrase));
     }
+    names
+}
+
+/// What equations within a phrase define, as those in the states of an automaton do, and in the cases of other languages.
+fn inside(cx: &Context<'_>, phrase: &[Lexeme]) -> impl Iterator<Item = Ident> {
+    use Token::{Colon, Eq, Ident, Let, Semi};
+    let is_equation = |w: &&[Lexeme]| {
+        let [before, name, after] = [w[0], w[1], w[2]].map(|lexeme| lexeme.token);
+        matches!(before, Let | Semi | Colon) && name == Ident && after == Eq
+    };
+    let equations = phrase.windows(3).filter(is_equation);
+    equations.map(|w| cx.ident(w[1].start, w[1].end))
 }
 
 /// The names that a broken declaration seems to declare.
