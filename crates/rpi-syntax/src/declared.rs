@@ -21,7 +21,7 @@ pub(crate) fn by_phrase(cx: &Context<'_>, phrase: &[Lexeme]) -> Vec<Ident> {
 }
 
 /// What equations within a phrase define, as those in the states of an automaton do, and in the cases of other languages.
-fn inside(cx: &Context<'_>, phrase: &[Lexeme]) -> impl Iterator<Item = Ident> {
+pub(crate) fn inside(cx: &Context<'_>, phrase: &[Lexeme]) -> impl Iterator<Item = Ident> {
     use Token::{Colon, Eq, Ident, Let, Semi};
     let is_equation = |w: &&[Lexeme]| {
         let [before, name, after] = [w[0], w[1], w[2]].map(|lexeme| lexeme.token);

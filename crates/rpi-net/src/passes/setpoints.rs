@@ -81,14 +81,8 @@ fn is_same(a: &Resource, b: &Resource) -> bool {
 
 /// Whether something happens in every cycle, as far as presence alone tells.
 fn is_sure(background: Background<'_>, happening: &Happening) -> bool {
-    let Background { net, presences, .. } = background;
-    let mut around = net.enclosing(happening.fragment);
-    let seen = |port: &PortRef| seen(background, happening.fragment, &Input::Port(*port));
-    around.all(|f| presences.activity(f) == Sureness::Total)
-        && happening
-            .present
-            .iter()
-            .all(|port| seen(port) == Sureness::Total)
+    let (gates, open) = background.doubts(happening);
+    gates.is_empty() && open.is_empty()
 }
 
 fn seen(background: Background<'_>, reader: FragmentId, input: &Input) -> Sureness {
@@ -108,9 +102,10 @@ fn reasons(background: Background<'_>, writers: &[Happening]) -> BTreeSet<Reason
         found: BTreeSet::new(),
     };
     for writer in writers {
-        search.inactive(background.net.enclosing(writer.fragment).collect());
-        for port in &writer.present {
-            search.follow(writer.fragment, *port);
+        let (gates, open) = background.doubts(writer);
+        search.found.extend(gates.into_iter().map(Reason::Inactive));
+        for port in open {
+            search.follow(writer.fragment, port);
         }
     }
     search.found
@@ -124,14 +119,6 @@ struct Search<'a> {
 }
 
 impl Search<'_> {
-    fn inactive(&mut self, fragments: Vec<FragmentId>) {
-        let presences = self.background.presences;
-        let open = fragments
-            .into_iter()
-            .filter(|f| presences.activity(*f) != Sureness::Total);
-        self.found.extend(open.map(Reason::Inactive));
-    }
-
     /// Adds why a flow is absent where it is read, as far back as that is decided by other flows.
     fn follow(&mut self, reader: FragmentId, port: PortRef) {
         let Background {
@@ -143,7 +130,8 @@ impl Search<'_> {
         let mut open = vec![(reader, port)];
         while let Some((reader, port)) = open.pop() {
             let view = presences.view(net, tree, reader, port);
-            self.inactive(view.through);
+            let gates = view.through.into_iter();
+            self.found.extend(gates.map(Reason::Inactive));
             if view.own == Sureness::Total || !self.seen.insert(port) {
                 continue;
             }

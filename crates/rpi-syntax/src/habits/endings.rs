@@ -3,7 +3,7 @@
 use super::operators::operand;
 use super::{Habit, Mend, habit};
 use crate::Mode;
-use crate::ast::Ident;
+use crate::declared;
 use crate::explain::Found;
 use crate::token::Token;
 use rpi_diag::{Code, Finding, Fix};
@@ -77,21 +77,9 @@ pub(super) fn automaton_in_lustre(found: &Found<'_, '_>) -> Option<Habit> {
         .help("in a file whose name ends in `.rpi` there are automata, and Lustre besides");
     Some(Habit {
         finding,
-        mend: Mend::Phrase(at..end, defined(found, at..end)),
+        mend: Mend::Phrase(
+            at..end,
+            declared::inside(found.cx, &found.lexemes[at..end]).collect(),
+        ),
     })
-}
-
-/// The names that are defined in a stretch of text.
-fn defined(found: &Found<'_, '_>, range: Range<usize>) -> Vec<Ident> {
-    let mut names: Vec<Ident> = Vec::new();
-    for at in range {
-        let is_target = found.token(at) == Some(Token::Ident)
-            && found.token(at + 1) == Some(Token::Eq)
-            && matches!(found.token(at - 1), Some(Token::Let | Token::Semi));
-        let is_new = |names: &[Ident]| names.iter().all(|name| *name.name != *found.written(at));
-        if is_target && is_new(&names) {
-            names.push(found.ident(at));
-        }
-    }
-    names
 }

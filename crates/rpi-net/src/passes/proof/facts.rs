@@ -24,6 +24,24 @@ pub(crate) struct Background<'a> {
     pub(crate) presences: &'a Presences,
 }
 
+impl Background<'_> {
+    /// What may keep something from happening: fragments around it that are not always active, and flows that may be absent there.
+    pub(crate) fn doubts(self, happening: &Happening) -> (Vec<FragmentId>, Vec<PortRef>) {
+        let Background {
+            net,
+            tree,
+            presences,
+            ..
+        } = self;
+        let around = net.enclosing(happening.fragment);
+        let gates = around.filter(|f| presences.activity(*f) != Sureness::Total);
+        let seen = |p: &PortRef| presences.seen(net, tree, happening.fragment, &Input::Port(*p));
+        let open = happening.present.iter().copied();
+        let open = open.filter(|p| seen(p) != Sureness::Total);
+        (gates.collect(), open.collect())
+    }
+}
+
 /// The facts contradict each other.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub(crate) struct Contradiction;
@@ -131,22 +149,7 @@ impl<'a> Facts<'a> {
 
     /// Adds that something does not happen. Where it could fail to in several ways nothing is added.
     pub(crate) fn deny(&mut self, happening: &Happening) -> Held {
-        let Background {
-            net,
-            tree,
-            presences,
-            ..
-        } = self.background;
-        let around = net.enclosing(happening.fragment);
-        let gates: Vec<FragmentId> = around
-            .filter(|f| presences.activity(*f) != Sureness::Total)
-            .collect();
-        let seen = |p: &PortRef| presences.seen(net, tree, happening.fragment, &Input::Port(*p));
-        let open = happening
-            .present
-            .iter()
-            .filter(|p| seen(p) != Sureness::Total);
-        let open: Vec<PortRef> = open.copied().collect();
+        let (gates, open) = self.background.doubts(happening);
         match (&gates[..], &open[..]) {
             ([], []) => Err(Contradiction),
             ([gate], []) => self.deactivate(*gate),

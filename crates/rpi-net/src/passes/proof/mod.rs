@@ -10,8 +10,7 @@ mod numbers;
 pub(crate) mod truth;
 mod values;
 
-use crate::net::{FragmentId, Input, PortRef};
-use crate::passes::presence::Sureness;
+use crate::net::{FragmentId, PortRef};
 pub(crate) use facts::{Background, Effort};
 use facts::{Contradiction, Facts};
 use latches::Latches;
@@ -98,14 +97,7 @@ impl<'a> Prover<'a> {
 
     /// Whether all that must be present is so whenever the fragment is active.
     fn is_sure(&self, happening: &Happening) -> bool {
-        let Background {
-            net,
-            tree,
-            presences,
-            ..
-        } = self.background;
-        let seen = |p: &PortRef| presences.seen(net, tree, happening.fragment, &Input::Port(*p));
-        happening.present.iter().all(|p| seen(p) == Sureness::Total)
+        self.background.doubts(happening).1.is_empty()
     }
 
     /// What follows from two fragments being active; a contradiction if they never are.
