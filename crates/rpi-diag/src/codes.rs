@@ -95,6 +95,7 @@ codes! {
     RPI1012 Error "defined outside";
     RPI1013 Note "value that is left open";
     RPI1014 Error "parts that do not belong together";
+    RPI1015 Warning "fault in what nobody calls";
     RPI1101 Error "unknown primitive";
     RPI1102 Warning "unknown in-port";
     RPI1103 Error "unknown parameter";

@@ -139,6 +139,10 @@ impl<'a> Body<'_, 'a> {
                 }
                 Some(ports)
             }
+            Callable::Open(header) => Some(Ports {
+                inputs: header.inputs.iter().map(Named::from).collect(),
+                outputs: header.outputs.iter().map(Named::from).collect(),
+            }),
             Callable::Prim(_) | Callable::Op(_) | Callable::Special(_) => None,
         }
     }

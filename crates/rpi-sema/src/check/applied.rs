@@ -1,14 +1,17 @@
-//! Operators that are called as nodes are: `map<<+, n>>`, `Lustre::iplus(a, b)`.
+//! Operators that are called as nodes are: `map<<+, n>>`, `Lustre::iplus(a, b)`; and static parameters that are nodes,
+//! before any is given.
 
 use super::args::Given;
 use super::body::Body;
 use super::callable::Callable;
+use super::header::Header;
 use super::predef::Predef;
-use crate::ty::Ty;
+use crate::ty::{Subst, Ty};
 use crate::typed::{self, ExprId, Kind};
 use rpi_diag::{Code, Finding, Span};
 use rpi_syntax::ast::StaticOp;
 use rpi_syntax::ops::{BinaryOp, UnaryOp};
+use std::rc::Rc;
 
 impl<'a> Body<'_, 'a> {
     pub(super) fn apply_predef(
@@ -46,7 +49,7 @@ impl<'a> Body<'_, 'a> {
                 self.add(Kind::Each(typed::Each::If, [*c, *a, *b].into()), ty, span)
             }
             _ => {
-                let name = Callable::Op(op).name();
+                let name = Callable::Op(op).spelling();
                 let finding = Finding::new(
                     Code::RPI1010,
                     format!("`{name}` does not take {} operands", values.len()),
@@ -55,6 +58,20 @@ impl<'a> Body<'_, 'a> {
                 self.fault_with(finding, span)
             }
         }
+    }
+
+    /// A call of a node that nobody has given yet: the arguments must fit its ports, and more is not known.
+    pub(super) fn apply_open(
+        &mut self,
+        header: &Rc<Header>,
+        given: Vec<Given<'a>>,
+        span: Span,
+    ) -> ExprId {
+        let given = self.spread_tuples(given);
+        if let Some(args) = self.match_ports(header, &given, span) {
+            self.fit_args(header, &args, &mut Subst::default());
+        }
+        self.add(Kind::Fault, header.result_type(), span)
     }
 
     fn binary_applied(&mut self, op: BinaryOp, a: ExprId, b: ExprId, span: Span) -> ExprId {

@@ -378,6 +378,7 @@ impl<'a> Body<'_, 'a> {
             Callable::Predef(predef) => self.apply_predef(predef, given, span),
             Callable::Special(special) => self.apply_special(*special, &given, span),
             Callable::Iteration(iteration) => self.iterate(iteration, &given, span),
+            Callable::Open(header) => self.apply_open(header, given, span),
         }
     }
 

@@ -1,11 +1,13 @@
 //! What can be called: declarations with what is fixed of them, primitives, operators, iterators.
 
 use super::Constant;
+use super::header::Header;
+use super::instance::{display, key};
 use super::iterate::Iteration;
 use super::predef::Predef;
 use super::special::Special;
-use super::statics::Statics;
-use crate::program::DeclId;
+use super::statics::{Statics, params_of};
+use crate::program::{DeclId, Program};
 use crate::typed::ExprId;
 use rpi_prims::PrimId;
 use rpi_syntax::Name;
@@ -27,6 +29,8 @@ pub(super) enum Callable {
     Special(Special),
     /// An iterator with what it iterates.
     Iteration(Rc<Iteration>),
+    /// A node that nobody has given yet: only its ports are known.
+    Open(Rc<Header>),
 }
 
 /// What a port of something to call is given with its static arguments.
@@ -51,28 +55,42 @@ impl Callable {
         }
     }
 
-    pub(super) fn name(&self) -> String {
+    /// What it is called in messages.
+    pub(super) fn name(&self, program: &Program<'_>) -> String {
         match self {
-            Callable::Unit(id, ..) => format!("#{}", id.0),
+            Callable::Unit(id, statics, _) => {
+                let decl = program.decl(*id);
+                display(program, &decl.name, &params_of(decl.kind), statics).to_string()
+            }
+            Callable::Iteration(iteration) => iteration.name(program),
+            other => other.spelling(),
+        }
+    }
+
+    /// How something that is there without a declaration is written.
+    pub(super) fn spelling(&self) -> String {
+        match self {
             Callable::Prim(prim) => prim.desc().name.to_owned(),
             Callable::Op(StaticOp::Unary(op)) => op.spelling().to_owned(),
             Callable::Op(StaticOp::Binary(op)) => op.spelling().to_owned(),
             Callable::Op(StaticOp::If) => "if".to_owned(),
             Callable::Predef(predef) => predef.name(),
             Callable::Special(special) => special.name().to_owned(),
-            Callable::Iteration(iteration) => iteration.name(),
+            Callable::Open(header) => header.name.to_string(),
+            Callable::Unit(..) | Callable::Iteration(_) => String::new(),
         }
     }
 
-    pub(super) fn write_key(&self, key: &mut String) {
+    pub(super) fn write_key(&self, out: &mut String) {
         match self {
             Callable::Unit(id, statics, fixed) => {
-                key.push_str(&super::statics::key(*id, statics));
+                out.push_str(&key(*id, statics));
                 for (name, fixed) in &**fixed {
-                    key.push_str(&format!(",{name}={fixed:?}"));
+                    out.push_str(&format!(",{name}={fixed:?}"));
                 }
             }
-            other => key.push_str(&other.name()),
+            Callable::Iteration(iteration) => iteration.write_key(out),
+            other => out.push_str(&other.spelling()),
         }
     }
 }

@@ -1,7 +1,8 @@
 //! Device types.
 
 use super::body::Body;
-use super::statics::{Static, Statics, key};
+use super::instance::key;
+use super::statics::{Static, Statics};
 use super::types::PortTy;
 use super::{Checker, Lazy};
 use crate::program::DeclId;

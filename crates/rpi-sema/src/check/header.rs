@@ -2,7 +2,8 @@
 
 use super::Checker;
 use super::body::Body;
-use super::statics::{Static, Statics, display, key};
+use super::instance::{display, key};
+use super::statics::{Static, Statics};
 use super::types::PortTy;
 use crate::hash::Set;
 use crate::program::{DeclId, DeclKind, Lookup, Space};
@@ -13,7 +14,8 @@ use rpi_image::{Role, State};
 use rpi_prims::PrimId;
 use rpi_syntax::Name;
 use rpi_syntax::ast::{
-    CommandDecl, FragmentDecl, NodeDecl, NodeDef, NodeKind, PrimitiveDecl, Signature, VarDecl,
+    CommandDecl, FragmentDecl, Ident, NodeDecl, NodeDef, NodeKind, PrimitiveDecl, Signature,
+    VarDecl,
 };
 use std::rc::Rc;
 
@@ -77,15 +79,47 @@ impl<'a> Checker<'a> {
         header
     }
 
+    /// The ports that a static parameter of `id` has, which is a node: all that is known before one is given.
+    pub(super) fn open_header(
+        &mut self,
+        id: DeclId,
+        statics: &Statics,
+        signature: &'a Signature,
+    ) -> Header {
+        let mut ports = |decls: &'a Option<Vec<VarDecl>>, role| -> Vec<Port> {
+            let decls = decls.as_deref().unwrap_or_default();
+            let types = self.types_in(id, statics, decls);
+            let names = decls.iter().flat_map(|decl| {
+                let has_default = decl.default.is_some();
+                decl.names.iter().map(move |name| (name, has_default))
+            });
+            let ports = names.zip(types);
+            ports
+                .map(|((name, has_default), ty)| wanted_port(name, ty, role, has_default))
+                .collect()
+        };
+        Header {
+            inputs: ports(&signature.inputs, FlowRole::Input),
+            outputs: ports(&signature.outputs, FlowRole::Output),
+            decl: id,
+            statics: Rc::default(),
+            name: signature.name.name.clone(),
+            kind: UnitKind::Node,
+            span: signature.name.span,
+            free_frames: Vec::new(),
+        }
+    }
+
     fn new_header(&mut self, id: DeclId, statics: Rc<Statics>) -> Option<Header> {
         let decl = self.program.decl(id);
         let (kind, module, span) = (kind_of(decl.kind)?, decl.module, decl.span);
-        let name = display(&decl.name, &statics);
+        let params = self.params_of(id);
+        let name = display(self.program, &decl.name, &params, &statics);
         let unit = Unit::new(name.clone(), kind, span);
         let mut body = Body::new(self, module, statics.clone(), unit);
         body.declare_ports(id);
         let unit = body.leave();
-        let params = self.params_of(id).into_iter();
+        let params = params.into_iter();
         let params: Vec<Name> = params.map(|param| param.name().name.clone()).collect();
         let clocks = unit.flows.iter().filter_map(|flow| flow.clock);
         let deciding: Set<FlowId> = clocks.map(|on| on.flow).collect();
@@ -105,6 +139,19 @@ impl<'a> Checker<'a> {
             outputs: ports(&unit.outputs),
             free_frames: unit.free_frames.clone(),
         })
+    }
+}
+
+/// A port as it is declared for a node that is a static parameter.
+fn wanted_port(name: &Ident, ty: Ty, role: FlowRole, has_default: bool) -> Port {
+    Port {
+        name: name.name.clone(),
+        ty,
+        role,
+        has_default,
+        is_static: false,
+        decides: false,
+        span: name.span,
     }
 }
 

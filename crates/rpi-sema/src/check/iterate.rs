@@ -5,6 +5,7 @@ use super::args::Given;
 use super::body::Body;
 use super::callable::Callable;
 use super::report::Wanted;
+use crate::program::Program;
 use crate::ty::{Member, Ty};
 use crate::typed::{Activation, ExprId, Kind, Leaf};
 use rpi_diag::{Code, Finding, Span};
@@ -39,17 +40,26 @@ pub(super) struct Iteration {
 }
 
 impl Iteration {
-    pub(super) fn name(&self) -> String {
-        let callee = self.callee.as_ref().map_or_else(String::new, |callee| {
-            let mut key = String::new();
-            callee.write_key(&mut key);
-            key
-        });
-        format!("{}<<{callee}; {}; {:?}>>", self.name, self.size, self.way)
+    /// What it is called in messages: `map<<f; 3>>`.
+    pub(super) fn name(&self, program: &Program<'_>) -> String {
+        let size = self.size;
+        match (&self.callee, self.way) {
+            (Some(callee), _) => format!("{}<<{}; {size}>>", self.name, callee.name(program)),
+            (None, Way::Count(least, most)) => format!("{}<<{least}; {most}; {size}>>", self.name),
+            (None, _) => format!("{}<<{size}>>", self.name),
+        }
     }
-}
 
-impl Iteration {
+    /// A key that tells it from others.
+    pub(super) fn write_key(&self, key: &mut String) {
+        key.push_str(self.name);
+        key.push_str("<<");
+        if let Some(callee) = &self.callee {
+            callee.write_key(key);
+        }
+        key.push_str(&format!("; {}; {:?}>>", self.size, self.way));
+    }
+
     /// What it goes through, element by element.
     pub(super) fn callee(&self) -> Option<&Callable> {
         self.callee.as_ref()

@@ -7,7 +7,7 @@
 //!
 //! | file | idea |
 //! |---|---|
-//! | `unit.rs`, `header.rs`, `alias.rs`, `statics.rs`, `sizes.rs` | callables, their ports and static arguments |
+//! | `unit.rs`, `header.rs`, `alias.rs`, `statics.rs`, `instance.rs`, `sizes.rs` | callables, their ports and static arguments |
 //! | `assumptions.rs` | what contracts assume, and which they take up |
 //! | `types.rs`, `device.rs`, `consts.rs` | types and constants |
 //! | `body.rs`, `locals.rs`, `order.rs`, `untold.rs`, `statement.rs`, `contract.rs`, `targets.rs`, `definitions.rs`, `automaton.rs` | bodies, their flows and equations |
@@ -48,6 +48,7 @@ mod expr;
 mod foreign;
 mod frames;
 mod header;
+mod instance;
 mod iterate;
 mod locals;
 mod names;

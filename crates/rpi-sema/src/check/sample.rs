@@ -2,12 +2,13 @@
 //! a small number. It never runs, so only what does not depend on the choice is reported: of a `.rpi` declaration, what
 //! is wrong with its names and with types that are known.
 
+use super::callable::Callable;
 use super::statics::{Param, Static, Statics, tells_apart};
 use super::{Checker, Constant};
 use crate::program::{DeclId, DeclKind};
 use crate::ty::{StructTy, Ty};
 use crate::typed::Leaf;
-use rpi_diag::{Code, Finding};
+use rpi_diag::{Code, Finding, Severity};
 use rpi_syntax::Name;
 use rpi_syntax::ast::{StaticParam, StaticParamKind};
 use std::rc::Rc;
@@ -38,12 +39,32 @@ fn is_about_text(finding: &Finding) -> bool {
             | Code::RPI1005
             | Code::RPI1008
             | Code::RPI1009
+            | Code::RPI1010
             | Code::RPI2001
             | Code::RPI2002
             | Code::RPI2003
             | Code::RPI2006
             | Code::RPI3005
     )
+}
+
+/// Says where a size in its words comes from.
+fn says_its_size(finding: Finding) -> Finding {
+    match finding.message.contains(&format!("^{SIZE}")) {
+        true => finding.note(format!(
+            "checked with {SIZE} for each size that is left open"
+        )),
+        false => finding,
+    }
+}
+
+/// What nobody calls is no part of a program of Lustre V6.
+fn weighs_less(finding: Finding) -> Finding {
+    let told = Finding {
+        code: Code::RPI1015,
+        ..finding
+    };
+    told.note("nothing calls it, so the program runs; a call would be refused, whatever it gives")
 }
 
 /// A value of a type that stands for one from outside.
@@ -62,33 +83,62 @@ pub(super) fn value(ty: &Ty) -> Option<Rc<[Leaf]>> {
 }
 
 impl Checker<'_> {
-    /// Checks the nodes that nobody calls and that need static arguments.
+    /// Checks what nobody calls and what needs static arguments; and the nodes that are wanted as such, in any case.
     pub(super) fn check_samples(&mut self) {
         for id in self.program.root().decls.clone() {
-            if self.called.contains(&id) {
+            if self.params_of(id).is_empty() {
                 continue;
             }
             let before = self.findings.len();
-            let (sample, is_told): (_, fn(&Finding) -> bool) = match self.is_lustre(id) {
+            let is_of_kind2 = self.is_of_kind2(id);
+            let (sample, is_told): (_, fn(&Finding) -> bool) = match is_of_kind2 {
                 true => (self.sample(id), is_its_fault),
-                false => (self.unknown(id), is_about_text),
+                false => (Some(self.unknown(id)), is_about_text),
             };
-            if let Some(statics) = sample
-                && let Some(header) = self.header(id, Rc::new(statics))
-            {
-                self.unit(&header, header.span);
-                self.check_queued();
+            if let Some(statics) = sample.map(Rc::new) {
+                self.check_sample(id, statics);
             }
-            let found = self.findings.split_off(before);
-            self.findings.extend(found.into_iter().filter(is_told));
+            let is_text = self.is_lustre(id) && !is_of_kind2;
+            let found = self.findings.split_off(before).into_iter();
+            let found = found.filter(is_told).map(says_its_size);
+            let weighed =
+                found.map(
+                    |finding| match is_text && finding.severity() == Severity::Error {
+                        true => weighs_less(finding),
+                        false => finding,
+                    },
+                );
+            self.findings.extend(weighed);
         }
     }
 
-    /// Static arguments of which as little as possible is known; none if it needs none, or something to call.
-    fn unknown(&mut self, id: DeclId) -> Option<Statics> {
-        let params = self.params_of(id);
+    fn check_sample(&mut self, id: DeclId, statics: Rc<Statics>) {
+        self.check_wanted_nodes(id, &statics);
+        if self.called.contains(&id) {
+            return;
+        }
+        if let Some(header) = self.header(id, statics) {
+            self.unit(&header, header.span);
+            self.check_queued();
+        }
+    }
+
+    /// Whether it is a node of Kind 2, `<<T>>`, whose types are opaque. Those of Lustre V6, `<<type t>>`, are like text
+    /// that is put in.
+    fn is_of_kind2(&self, id: DeclId) -> bool {
+        let of_kind2 = |param: &StaticParam| matches!(&param.kind, StaticParamKind::Type(name) if name.span == param.span);
+        match self.program.decl(id).kind {
+            DeclKind::Node(node) if self.is_lustre(id) => {
+                node.signature.statics.iter().all(of_kind2)
+            }
+            _ => false,
+        }
+    }
+
+    /// Static arguments of which as little as possible is known.
+    fn unknown(&mut self, id: DeclId) -> Statics {
         let mut statics = Statics::new();
-        for param in &params {
+        for param in self.params_of(id) {
             let unknown = match param {
                 Param::Type(_) => Static::Ty(Ty::Unknown),
                 Param::Value(_, def) => {
@@ -98,26 +148,20 @@ impl Checker<'_> {
                         None => Static::Opaque,
                     }
                 }
-                Param::Node(_) => return None,
+                Param::Node(signature) => {
+                    let header = self.open_header(id, &statics, signature);
+                    Static::Callee(Callable::Open(Rc::new(header)), None)
+                }
             };
             statics.insert(param.name().name.clone(), unknown);
         }
-        (!params.is_empty()).then_some(statics)
+        statics
     }
 
-    /// Static arguments for a declaration; none if it needs none, or something to call.
+    /// Types of which nothing is known and a small number for sizes; none if a value of its type cannot be had.
     fn sample(&mut self, id: DeclId) -> Option<Statics> {
-        let DeclKind::Node(node) = self.program.decl(id).kind else {
-            return None;
-        };
-        // Those of Lustre V6, `<<type t>>`, are like text that is put in: nothing can be said of them.
-        let of_kind2 = |param: &StaticParam| matches!(&param.kind, StaticParamKind::Type(name) if name.span == param.span);
-        if !node.signature.statics.iter().all(of_kind2) {
-            return None;
-        }
-        let params = self.params_of(id);
         let mut statics = Statics::new();
-        for param in &params {
+        for param in self.params_of(id) {
             let name = param.name().name.clone();
             let sample = match param {
                 Param::Type(_) => Static::Ty(nothing_known(&name)),
@@ -130,7 +174,7 @@ impl Checker<'_> {
             };
             statics.insert(name, sample);
         }
-        (!params.is_empty()).then_some(statics)
+        Some(statics)
     }
 }
 

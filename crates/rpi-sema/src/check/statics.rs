@@ -15,7 +15,6 @@ use rpi_syntax::ast::{
     StaticParamKind, StaticValue, VarDecl,
 };
 use std::collections::BTreeMap;
-use std::fmt::Write;
 use std::rc::Rc;
 
 /// What a static parameter stands for.
@@ -99,57 +98,19 @@ impl<'a> Checker<'a> {
 
     /// The static parameters of a callable declaration.
     pub(super) fn params_of(&self, id: DeclId) -> Vec<Param<'a>> {
-        match self.program.decl(id).kind {
-            DeclKind::Node(d) => [params(&d.signature.statics), size_params(d)].concat(),
-            DeclKind::Fragment(d) => params(&d.signature.statics),
-            DeclKind::Primitive(d) => params(&d.signature.statics),
-            DeclKind::Command(d) => params(&d.statics),
-            DeclKind::Device(d) => params(&d.statics),
-            _ => Vec::new(),
-        }
+        params_of(self.program.decl(id).kind)
     }
 }
 
-/// A key that tells one choice of static arguments from another.
-pub(super) fn key(id: DeclId, statics: &Statics) -> String {
-    let mut key = format!("{}", id.0);
-    for (name, value) in statics {
-        key.push(';');
-        key.push_str(name);
-        key.push('=');
-        write_key(value, &mut key);
-    }
-    key
-}
-
-fn write_key(value: &Static, key: &mut String) {
-    match value {
-        Static::Ty(ty) => key.push_str(&ty.to_string()),
-        Static::Opaque => key.push('?'),
-        Static::Callee(callable, _) => callable.write_key(key),
-        Static::Value(constant) => {
-            for leaf in &*constant.leaves {
-                let _ = write!(key, "{:x?},", leaf.cells());
-            }
-        }
-    }
-}
-
-/// `Line`, `fill<<3>>`: a name with the static arguments that tell its instances apart.
-pub(super) fn display(name: &Name, statics: &Statics) -> Name {
-    let shown = |value: &Static| match value {
-        Static::Ty(ty) => Some(ty.to_string()),
-        Static::Value(constant) => constant.leaves.first().map(|leaf| match leaf.as_int() {
-            Some(value) => value.to_string(),
-            None => format!("{:?}", leaf.as_bool()),
-        }),
-        Static::Callee(callable, _) => Some(callable.name()),
-        Static::Opaque => None,
-    };
-    let shown: Vec<String> = statics.values().filter_map(shown).collect();
-    match shown.is_empty() {
-        true => name.clone(),
-        false => format!("{name}<<{}>>", shown.join(", ")).into(),
+/// The static parameters of a callable declaration.
+pub(super) fn params_of(kind: DeclKind<'_>) -> Vec<Param<'_>> {
+    match kind {
+        DeclKind::Node(d) => [params(&d.signature.statics), size_params(d)].concat(),
+        DeclKind::Fragment(d) => params(&d.signature.statics),
+        DeclKind::Primitive(d) => params(&d.signature.statics),
+        DeclKind::Command(d) => params(&d.statics),
+        DeclKind::Device(d) => params(&d.statics),
+        _ => Vec::new(),
     }
 }
 
@@ -443,7 +404,12 @@ impl<'a> Checker<'a> {
     }
 
     /// The types of ports in the signature of a declaration, one by one.
-    fn types_in(&mut self, id: DeclId, statics: &Statics, ports: &'a [VarDecl]) -> Vec<Ty> {
+    pub(super) fn types_in(
+        &mut self,
+        id: DeclId,
+        statics: &Statics,
+        ports: &'a [VarDecl],
+    ) -> Vec<Ty> {
         let mut body = self.signature_body(id, &Rc::new(statics.clone()));
         body.in_signature = true;
         let mut types = Vec::new();
@@ -452,6 +418,22 @@ impl<'a> Checker<'a> {
             types.extend(port.names.iter().map(|_| ty.clone()));
         }
         types
+    }
+
+    /// Reports what is wrong with the ports of the nodes that a declaration takes as static parameters.
+    pub(super) fn check_wanted_nodes(&mut self, id: DeclId, statics: &Rc<Statics>) {
+        for param in self.params_of(id) {
+            let Param::Node(signature) = param else {
+                continue;
+            };
+            let mut body = self.signature_body(id, statics);
+            body.in_signature = true;
+            let ports = signature.inputs.iter().chain(&signature.outputs).flatten();
+            for port in ports {
+                body.ty(&port.ty);
+            }
+            body.leave();
+        }
     }
 
     fn ty_among(&mut self, id: DeclId, def: &'a ConstDef, statics: &Rc<Statics>) -> Ty {

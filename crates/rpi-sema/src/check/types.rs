@@ -398,7 +398,7 @@ impl<'a> Checker<'a> {
 
     /// The same with static parameters.
     pub(super) fn type_instance(&mut self, id: DeclId, statics: Rc<Statics>) -> Ty {
-        let key = super::statics::key(id, &statics);
+        let key = super::instance::key(id, &statics);
         match self.types.get(&key) {
             Some(Lazy::Done(ty)) => return ty.clone().unwrap_or(Ty::Unknown),
             Some(Lazy::Busy) => {
@@ -470,7 +470,7 @@ impl<'a> Checker<'a> {
 
 impl<'a> Body<'_, 'a> {
     fn type_meaning(&mut self, def: &'a TypeDef) -> Ty {
-        let name = super::statics::display(&def.name.name, &self.statics);
+        let name = self.type_name(def);
         match def.ty.as_ref().map(|ty| (&ty.kind, ty)) {
             None => Ty::Struct(Rc::new(StructTy {
                 name,
@@ -487,6 +487,12 @@ impl<'a> Body<'_, 'a> {
         }
     }
 
+    /// A type's name with its static arguments.
+    fn type_name(&self, def: &TypeDef) -> Name {
+        let params = super::statics::params(&def.statics);
+        super::instance::display(self.c.program, &def.name.name, &params, &self.statics)
+    }
+
     fn struct_meaning(&mut self, def: &'a TypeDef, fields: &'a [VarDecl]) -> Ty {
         let known = self.fields(fields);
         if !is_workable(&known) {
@@ -498,7 +504,7 @@ impl<'a> Body<'_, 'a> {
             return Ty::Unknown;
         }
         Ty::Struct(Rc::new(StructTy {
-            name: super::statics::display(&def.name.name, &self.statics),
+            name: self.type_name(def),
             fields: known,
             defaults: self.field_defaults(fields),
         }))

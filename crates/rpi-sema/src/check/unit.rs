@@ -3,7 +3,8 @@
 use super::Checker;
 use super::body::Body;
 use super::header::{Header, kind_of};
-use super::statics::{Statics, key};
+use super::instance::key;
+use super::statics::Statics;
 use crate::elab::MAX_DEPTH;
 use crate::program::{DeclId, DeclKind};
 use crate::typed::{ExprId, Kind, Unit, UnitId, UnitKind};
