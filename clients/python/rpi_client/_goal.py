@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import asyncio
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, fields
 from typing import TYPE_CHECKING, Any, AsyncIterator, Sequence
 
 from ._core import RpiError
@@ -30,6 +30,24 @@ class Ending:
     braked: list[str] = field(default_factory=list)
 
 
+    @classmethod
+    def of(cls, told: dict[str, Any]) -> Ending:
+        """From what the server tells; a newer one may tell more."""
+        known = {entry.name for entry in fields(cls)}
+        return cls(**{key: value for key, value in told.items() if key in known})
+
+
+@dataclass(frozen=True)
+class Overruns:
+    """Ticks of the server that ended too late and in which a command took the longest: how many; of the worst how long the command
+    ``took`` and by how much the tick was ``late`` (s), and the ``fragment`` that was at work, empty for the command itself."""
+
+    count: int = 0
+    took: float = 0.0
+    late: float = 0.0
+    fragment: str = ""
+
+
 @dataclass(frozen=True)
 class Feedback:
     """What a command exports, as texts that keep every bit, and where it is in its life."""
@@ -53,21 +71,33 @@ class Session:
         language: str = "rpi",
         period: float = 0.0,
         feedback_period: float = 0.02,
+        on_overrun: str | None = None,
     ) -> Goal:
-        """Loads a command of a program (``language="rpi"``) or a net (``"rpinet"``); periods in s, 0 for the server's tick."""
+        """Loads a command of a program (``language="rpi"``) or a net (``"rpinet"``); periods in s, 0 for the server's tick.
+
+        ``on_overrun`` is what becomes of it if its cycles take too long: ``"count"``, ``"abort:N/M"`` (it ends at the Nth of M
+        cycles) or ``"stop:N/M"`` (everything does); as the server has it unless said.
+        """
         params: dict[str, Any] = {"session": self.name, "text": text, "language": language, "period": period}
         if command is not None:
             params["command"] = command
+        if on_overrun is not None:
+            params["on_overrun"] = on_overrun
         loaded = await self._core.call("command.load", **params)
         goal = Goal(self._core, loaded["command"])
         await self._core.call("watch.command", command=goal.name, period=feedback_period)
         return goal
 
-    async def load_task(self, text: str, *, task: str | None = None, period: float = 0.0) -> Task:
-        """Loads a task of a program, which the server carries out; the period in s, 0 for the server's tick."""
+    async def load_task(
+        self, text: str, *, task: str | None = None, period: float = 0.0, on_overrun: str | None = None
+    ) -> Task:
+        """Loads a task of a program, which the server carries out; the period in s, 0 for the server's tick; ``on_overrun`` as for
+        :meth:`load`, for each of its commands."""
         params: dict[str, Any] = {"session": self.name, "text": text, "period": period}
         if task is not None:
             params["task"] = task
+        if on_overrun is not None:
+            params["on_overrun"] = on_overrun
         loaded = await self._core.call("task.load", **params)
         made = Task(self._core, loaded["task"])
         await self._core.call("watch.task", task=made.name)
@@ -119,6 +149,12 @@ class Goal:
         """Ends it at once; devices stop on their own limits."""
         await self._core.call("command.abort", command=self.name)
 
+    async def overruns(self) -> Overruns:
+        """Its cycles that took too long."""
+        told = (await self._core.call("command.describe", command=self.name)).get("overruns", {})
+        known = {entry.name for entry in fields(Overruns)}
+        return Overruns(**{key: value for key, value in told.items() if key in known and value is not None})
+
     async def unload(self) -> None:
         """Lets go of it."""
         await self._core.call("command.unload", command=self.name)
@@ -144,7 +180,7 @@ class Goal:
         self._state = update.get("state", self._state)
         self._news.put_nowait(Feedback(self._state, dict(self._values)))
         if "ending" in update and not self._ending.done():
-            self._ending.set_result(Ending(**update["ending"]))
+            self._ending.set_result(Ending.of(update["ending"]))
             self._news.put_nowait(None)
         elif self._state == "unloaded" and not self._ending.done():
             self._ending.set_exception(RpiError(-32001, "it was unloaded before it ran", []))

@@ -45,6 +45,9 @@ pub struct Program {
     pub period: f64,
     /// Least time in s between two updates of what it exports.
     pub feedback: f64,
+    /// What becomes of it if its cycles take too long: `count`, `abort:N/M` (it ends at the Nth of M cycles) or `stop:N/M`
+    /// (everything does); as the server has it unless said.
+    pub on_overrun: Option<String>,
 }
 
 impl Program {
@@ -57,6 +60,7 @@ impl Program {
             command: None,
             period: 0.0,
             feedback: 0.02,
+            on_overrun: None,
         }
     }
 }
@@ -85,6 +89,7 @@ impl Session {
             "language": program.language,
             "command": program.command,
             "period": program.period,
+            "on_overrun": program.on_overrun,
         });
         let loaded = self.core.call("command.load", params)?;
         let name = loaded["command"].as_str().unwrap_or_default().to_owned();
@@ -110,6 +115,7 @@ impl Session {
             "text": program.text,
             "task": program.command,
             "period": program.period,
+            "on_overrun": program.on_overrun,
         });
         Task::load(&self.core, params)
     }
@@ -146,7 +152,7 @@ pub struct Ending {
     pub cycles: u64,
     /// What has happened, where it did not end by itself: a fault, or why it was ended by force.
     pub why: Option<String>,
-    /// Where in the program the fault is.
+    /// Where in the program the fault is, or the fragment whose cycles took too long, or what set the device that braked.
     pub place: Option<String>,
     /// The devices that it left moving, which have braked on their own.
     pub braked: Vec<String>,
@@ -218,6 +224,16 @@ impl Goal {
         self.ask("command.abort", &Value::Null)
     }
 
+    /// Its cycles that took too long.
+    ///
+    /// # Errors
+    /// If it is gone, or there is no connection.
+    pub fn overruns(&self) -> Result<Overruns, Error> {
+        let params = json!({"command": self.name});
+        let told = self.core.call("command.describe", params)?;
+        Ok(Overruns::of(&told["overruns"]))
+    }
+
     /// Lets go of it: one that runs is unloaded when it has ended.
     ///
     /// # Errors
@@ -262,6 +278,31 @@ impl Goal {
         while self.next_update().is_some() {}
         let gone = || Err(Error::connection("the control core is gone"));
         self.end.borrow().clone().unwrap_or_else(gone)
+    }
+}
+
+/// Ticks of the server that ended too late and in which a command took the longest. All but the number is of the worst.
+#[derive(Clone, PartialEq, Default, Debug)]
+pub struct Overruns {
+    /// How many there were.
+    pub count: u64,
+    /// How long the command computed, s.
+    pub took: f64,
+    /// By how much the tick ended too late, s.
+    pub late: f64,
+    /// The fragment of the command that was at work; empty for the command itself.
+    pub fragment: String,
+}
+
+impl Overruns {
+    /// From what the server tells, if it tells of any.
+    fn of(told: &Value) -> Overruns {
+        Overruns {
+            count: told["count"].as_u64().unwrap_or_default(),
+            took: told["took"].as_f64().unwrap_or_default(),
+            late: told["late"].as_f64().unwrap_or_default(),
+            fragment: told["fragment"].as_str().unwrap_or_default().to_owned(),
+        }
     }
 }
 

@@ -27,5 +27,5 @@ mod tls;
 
 pub use connection::Core;
 pub use error::Error;
-pub use goal::{Ending, Feedback, Goal, OnLoss, Program, Session};
+pub use goal::{Ending, Feedback, Goal, OnLoss, Overruns, Program, Session};
 pub use task::{Task, TaskEnd};

@@ -5,6 +5,7 @@ use crate::id::RuleId;
 use crate::lifecycle::{Event, Next, State};
 use crate::load::LoadFault;
 use crate::machine::{Machine, Moment, Verdict};
+use crate::overrun::{OnOverrun, Overruns};
 use rpi_device::DeviceBank;
 use rpi_image::hash::result_id;
 use rpi_image::image::{End, EndKind, Image};
@@ -30,6 +31,8 @@ pub struct Command {
     pub(crate) moment: Moment,
     pub(crate) ending: Option<Ending>,
     pub(crate) continuity: Continuity,
+    pub(crate) on_overrun: OnOverrun,
+    pub(crate) overruns: Overruns,
 }
 
 /// An actuator that a command needs.
@@ -128,6 +131,8 @@ impl Command {
             moment: Moment::default(),
             ending: None,
             continuity: Continuity::default(),
+            on_overrun: OnOverrun::default(),
+            overruns: Overruns::default(),
         })
     }
 

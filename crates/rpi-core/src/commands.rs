@@ -60,6 +60,15 @@ pub(crate) struct Entry {
 }
 
 impl Entry {
+    /// The name of what is at this place.
+    pub(crate) fn id(&self, place: usize) -> CommandId {
+        CommandId {
+            // The table has fewer than 2^32 places.
+            place: place as u32,
+            serial: self.serial,
+        }
+    }
+
     /// True if it has not ended and may still do something.
     pub(crate) fn is_live(&self) -> bool {
         self.live && self.command.ending.is_none() && !self.gone

@@ -3,6 +3,7 @@
 use crate::load::{LoadFault, check};
 use crate::ports::{Ports, place};
 use crate::program::{Op, Program, copy};
+use crate::weight::heaviest;
 use rpi_device::{DeviceBank, Jump};
 use rpi_image::CommandFlow;
 use rpi_image::image::{Actuator, Cells, End, EndKind, Fragment, Image, Signal, TRUE};
@@ -47,6 +48,8 @@ pub struct Machine {
     commit: Program,
     /// For each fragment its part of [`Image::init`].
     init: Box<[Cells]>,
+    /// The fragments with the most work, the heaviest first.
+    heaviest: Box<[u32]>,
     ports: Ports,
     cycle: u64,
     clock: Clock,
@@ -74,6 +77,7 @@ impl Machine {
             steps: Program::new(&image, &image.steps),
             commit: Program::new(&image, &image.commit),
             init: image.fragments.iter().map(|f| init_of(&image, f)).collect(),
+            heaviest: heaviest(&image),
             ports,
             cycle: 0,
             clock: Clock {
@@ -284,6 +288,13 @@ impl Machine {
             at = f.parent;
         }
         true
+    }
+
+    /// Of the fragments that were active in this cycle the one with the most work of its own.
+    #[must_use]
+    pub fn busiest(&self) -> u32 {
+        let mut heaviest = self.heaviest.iter().copied();
+        heaviest.find(|f| self.is_active(*f)).unwrap_or(0)
     }
 
     /// Overwrites a flow, or makes it absent: what a test or a replay puts in place of a computed value.

@@ -15,6 +15,9 @@ use rpi_device::DeviceBank;
 pub trait Watch {
     /// A cycle of this command is over: all its flows can be read.
     fn cycle(&mut self, id: CommandId, command: &Command);
+
+    /// This command is evaluated from now on; nothing more once all have been. For whoever has a clock.
+    fn turn(&mut self, _next: Option<CommandId>) {}
 }
 
 /// Nobody looks.
@@ -29,7 +32,7 @@ impl Core {
         let now = self.tick;
         self.tell(bank, wall_ns);
         due(&mut self.entries, now, |c| c.machine.read(bank, &c.moment));
-        due(&mut self.entries, now, |c| c.machine.evaluate(bank));
+        self.evaluate(bank, watch);
         due(&mut self.entries, now, |c| c.machine.commit());
         due(&mut self.entries, now, |c| c.hand_over(bank));
         due(&mut self.entries, now, Command::show);
@@ -66,6 +69,18 @@ impl Core {
                 predecessor: command.moment.predecessor,
             };
         }
+    }
+
+    /// Computes every command that is due, one after the other.
+    fn evaluate(&mut self, bank: &mut dyn DeviceBank, watch: &mut dyn Watch) {
+        for (place, entry) in self.entries.iter_mut().enumerate() {
+            let Some(entry) = entry.as_mut().filter(|e| is_due(e, self.tick)) else {
+                continue;
+            };
+            watch.turn(Some(entry.id(place)));
+            entry.command.machine.evaluate(bank);
+        }
+        watch.turn(None);
     }
 
     fn publish(&self, watch: &mut dyn Watch) {

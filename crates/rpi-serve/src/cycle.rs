@@ -53,6 +53,8 @@ impl Cycle {
         let Some(camera) = &mut self.camera else {
             executive.tick(wall_ns, watch);
             let too_often = self.beat.over(now);
+            let late = self.beat.overrun();
+            let too_often = too_often | late.is_some_and(|late| executive.too_late(late));
             if let Some(why) = reason_to_stop(&self.alarm, too_often) {
                 executive.halt(why);
             }
@@ -60,9 +62,8 @@ impl Cycle {
         };
         camera.tick(executive, wall_ns, watch);
         let too_often = self.beat.over(now);
-        if let Some(late) = self.beat.overrun() {
-            camera.overrun(late);
-        }
+        let late = self.beat.overrun();
+        let too_often = too_often | late.is_some_and(|late| camera.too_late(executive, late));
         if let Some(why) = reason_to_stop(&self.alarm, too_often) {
             camera.halt(executive, why);
         }

@@ -252,6 +252,7 @@ impl Server {
             tick_ns,
             commands: limits.commands,
             requests: REQUESTS,
+            timed: settings.pace == Pace::Real,
             ..Options::default()
         };
         let devices = Taped::new(bank(cell, limits.devices, tick_ns));
@@ -432,6 +433,7 @@ mod tests {
             text: SWING,
             command: None,
             period_ns: 0,
+            on_overrun: None,
         };
         let starter = office.clone();
         let started = move |name: Result<String, _>| {

@@ -6,7 +6,7 @@ use std::path::PathBuf;
 use clap::{Args, Parser, Subcommand, ValueEnum, value_parser};
 use clap_complete::Shell;
 use rpi_driver::Claims;
-use rpi_host::realtime::{OverrunPolicy, RealTime, Wanted};
+use rpi_host::realtime::{OnOverrun, OverrunPolicy, RealTime, Wanted};
 use rpi_host::run::Setting;
 use rpi_serve::OnLoss;
 
@@ -140,6 +140,10 @@ pub(crate) struct ClockArgs {
     /// What happens if a cycle ends when the next one was due already: `catch-up`, `skip`, or `stop:N/M` at the Nth of M cycles.
     #[arg(long, value_name = "POLICY", default_value_t, requires = "real_time")]
     pub(crate) on_overrun: OverrunPolicy,
+    /// What becomes of the command that took the longest in such a cycle: `count`, `abort:N/M` (it ends at the Nth of its M cycles)
+    /// or `stop:N/M` (everything does).
+    #[arg(long, value_name = "POLICY", default_value_t, requires = "real_time")]
+    pub(crate) on_command_overrun: OnOverrun,
     /// Priority of the cycle among the threads of SCHED_FIFO, 1 to 99.
     #[arg(long, value_name = "N", default_value_t = Wanted::default().priority, requires = "real_time", value_parser = value_parser!(u8).range(1..100))]
     pub(crate) priority: u8,
@@ -160,6 +164,7 @@ impl ClockArgs {
                 core: self.core,
             },
             overrun: self.on_overrun,
+            commands: self.on_command_overrun,
             fence: self.fence,
         }
     }

@@ -5,7 +5,7 @@
 
 use std::sync::atomic::{AtomicU64, Ordering, fence};
 
-use rpi_core::Command;
+use rpi_core::{Command, Overrun, Overruns};
 use rpi_image::image::Export;
 
 /// How often a reader tries before it gives up: a write takes less than a microsecond, and there is one per cycle.
@@ -19,6 +19,16 @@ pub struct Board {
     version: AtomicU64,
     /// For each export its presence, then its value.
     cells: Box<[AtomicU64]>,
+    /// Cycles that took too long.
+    late: Worst,
+}
+
+/// How many cycles took too long, and the worst of them; written far less often, under a lock of its own.
+#[derive(Debug, Default)]
+struct Worst {
+    version: AtomicU64,
+    /// How many; then tick, time that it took, time by which it was late, and fragment of the worst.
+    words: [AtomicU64; 5],
 }
 
 impl Board {
@@ -28,15 +38,14 @@ impl Board {
         Board {
             version: AtomicU64::new(0),
             cells: (0..cells).map(|_| AtomicU64::new(0)).collect(),
+            late: Worst::default(),
         }
     }
 
     /// Copies what a command exports after a cycle. Only the cycle's thread writes; allocates nothing.
     pub(super) fn write(&self, command: &Command) {
         let machine = command.machine();
-        let version = self.version.load(Ordering::Relaxed);
-        self.version.store(version + 1, Ordering::Relaxed);
-        fence(Ordering::Release);
+        let version = begin(&self.version);
         let mut cells = self.cells.iter();
         for export in &machine.image().exports {
             let value = machine.value(export.value);
@@ -52,6 +61,38 @@ impl Board {
         self.version.store(version + 2, Ordering::Release);
     }
 
+    /// Notes that a cycle took too long.
+    pub(super) fn note(&self, overruns: &Overruns) {
+        let Some(worst) = overruns.worst else {
+            return;
+        };
+        let version = begin(&self.late.version);
+        let fragment = u64::from(worst.fragment);
+        let words = [worst.tick, worst.took_ns, worst.late_ns, fragment];
+        let words = std::iter::once(overruns.count).chain(words);
+        for (cell, word) in self.late.words.iter().zip(words) {
+            cell.store(word, Ordering::Relaxed);
+        }
+        self.late.version.store(version + 2, Ordering::Release);
+    }
+
+    /// How many cycles took too long, and the worst of them; nothing if none did.
+    #[must_use]
+    pub fn overruns(&self) -> Option<(u64, Overrun)> {
+        let words = read(&self.late.version, &self.late.words)?;
+        let [count, tick, took_ns, late_ns, fragment] = words[..] else {
+            return None;
+        };
+        let fragment = u32::try_from(fragment).unwrap_or(u32::MAX);
+        let worst = Overrun {
+            tick,
+            took_ns,
+            late_ns,
+            fragment,
+        };
+        Some((count, worst))
+    }
+
     /// How many cycles have been written.
     #[must_use]
     pub fn cycles(&self) -> u64 {
@@ -61,20 +102,7 @@ impl Board {
     /// All cells of one cycle; none before the first.
     #[must_use]
     pub fn read(&self) -> Option<Vec<u64>> {
-        for _ in 0..TRIES {
-            let before = self.version.load(Ordering::Acquire);
-            if before == 0 {
-                return None;
-            }
-            let load = |cell: &AtomicU64| cell.load(Ordering::Relaxed);
-            let cells: Vec<u64> = self.cells.iter().map(load).collect();
-            fence(Ordering::Acquire);
-            if before.is_multiple_of(2) && self.version.load(Ordering::Relaxed) == before {
-                return Some(cells);
-            }
-            std::hint::spin_loop();
-        }
-        None
+        read(&self.version, &self.cells)
     }
 
     /// The exports one by one with what was read of them; `None` for an absent value.
@@ -89,6 +117,32 @@ impl Board {
             Some((export, Some(value).filter(|_| *present != 0)))
         })
     }
+}
+
+/// A write begins: the version before it.
+fn begin(version: &AtomicU64) -> u64 {
+    let before = version.load(Ordering::Relaxed);
+    version.store(before + 1, Ordering::Relaxed);
+    fence(Ordering::Release);
+    before
+}
+
+/// All cells of one write; none before the first.
+fn read(version: &AtomicU64, cells: &[AtomicU64]) -> Option<Vec<u64>> {
+    for _ in 0..TRIES {
+        let before = version.load(Ordering::Acquire);
+        if before == 0 {
+            return None;
+        }
+        let load = |cell: &AtomicU64| cell.load(Ordering::Relaxed);
+        let read: Vec<u64> = cells.iter().map(load).collect();
+        fence(Ordering::Acquire);
+        if before.is_multiple_of(2) && version.load(Ordering::Relaxed) == before {
+            return Some(read);
+        }
+        std::hint::spin_loop();
+    }
+    None
 }
 
 fn size(export: &Export) -> usize {

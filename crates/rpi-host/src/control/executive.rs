@@ -6,9 +6,10 @@ use rpi_core::{Command, CommandId, Core, Refused, Watch};
 
 use super::board::Board;
 use super::event::Event;
-use super::plant::Plant;
+use super::plant::{Late, Plant};
 use super::queue::{CycleEnds, Dead, Options, Request};
 use super::subscription::Subscription;
+use crate::realtime::Stopwatch;
 
 /// A control core with its devices, to be ticked by one thread.
 pub struct Executive<P: Plant> {
@@ -22,6 +23,7 @@ pub struct Executive<P: Plant> {
     /// What was last told of each device.
     told: Vec<(i64, bool)>,
     per_tick: usize,
+    stopwatch: Stopwatch,
 }
 
 /// Whose board is at a place, and the board.
@@ -44,6 +46,7 @@ impl<P: Plant> Executive<P> {
             boards: (0..options.commands).map(|_| None).collect(),
             told: vec![(0, false); DEVICES],
             per_tick: options.requests_per_tick.max(1),
+            stopwatch: Stopwatch::new(options.timed),
         }
     }
 
@@ -62,7 +65,9 @@ impl<P: Plant> Executive<P> {
 
     /// One tick in which no request is taken: after everything was stopped nothing starts that was on its way.
     pub fn tick_alone(&mut self, wall_ns: i64, watch: &mut dyn Watch) {
+        self.stopwatch.reset();
         let mut watch = Watching {
+            stopwatch: &mut self.stopwatch,
             tick: self.core.now(),
             subscriptions: &mut self.subscriptions,
             boards: &self.boards,
@@ -85,11 +90,43 @@ impl<P: Plant> Executive<P> {
         &self.core
     }
 
-    /// Tells the core that a command's cycles take too long: it is ended and its devices stop on their own.
-    pub fn overrun(&mut self, command: CommandId) {
-        let why = rpi_core::Why::Overrun;
-        // Who has ended meanwhile takes no more time.
-        let _ = self.core.abort(command, why, &mut self.plant);
+    /// The tick ended so many nanoseconds after the next one was due: that is put down to the command that took the longest,
+    /// which ends if its policy says so. True if all are to be ended.
+    pub fn too_late(&mut self, late_ns: u64) -> bool {
+        let Some((id, took_ns)) = self.stopwatch.longest() else {
+            return false;
+        };
+        let Some(command) = self.core.command(id) else {
+            return false;
+        };
+        let late = Late {
+            command: id,
+            took_ns,
+            late_ns,
+            fragment: command.machine().busiest(),
+        };
+        self.plant.too_late(&late);
+        self.overran(&late)
+    }
+
+    /// Puts a tick that ended too late down to a command, as it was measured here or is on a tape.
+    pub(crate) fn overran(&mut self, late: &Late) -> bool {
+        let (id, times) = (late.command, (late.took_ns, late.late_ns));
+        let stop = self.core.overran(id, times, &mut self.plant);
+        let board = self.boards.get(id.place()).and_then(Option::as_ref);
+        if let (Some((_, board)), Some(command)) =
+            (board.filter(|b| b.0 == id), self.core.command(id))
+        {
+            board.note(command.overruns());
+        }
+        self.tell_notices();
+        stop
+    }
+
+    /// Who took the longest in the latest tick, if that was measured.
+    #[must_use]
+    pub fn longest(&self) -> Option<CommandId> {
+        self.stopwatch.longest().map(|(id, _)| id)
     }
 
     /// Ends all commands between two ticks and drops all rules.
@@ -268,6 +305,7 @@ struct Watching<'a> {
     subscriptions: &'a mut [Option<Box<Subscription>>],
     boards: &'a [Option<(CommandId, Arc<Board>)>],
     samples: &'a mut rtrb::Producer<u64>,
+    stopwatch: &'a mut Stopwatch,
     further: &'a mut dyn Watch,
 }
 
@@ -283,5 +321,10 @@ impl Watch for Watching<'_> {
             board.write(command);
         }
         self.further.cycle(id, command);
+    }
+
+    fn turn(&mut self, next: Option<CommandId>) {
+        self.stopwatch.turn(next);
+        self.further.turn(next);
     }
 }

@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use rpi_core::{CommandId, Continuity, Rule, RuleId, Why};
+use rpi_core::{CommandId, Continuity, OnOverrun, Rule, RuleId, Why};
 use rpi_image::Image;
 
 use super::event::Ticket;
@@ -11,8 +11,8 @@ use super::queue::{Request, Setting};
 /// A request, with all that is needed to make it again.
 #[derive(Clone, Debug)]
 pub enum Asked {
-    /// A command was loaded from this image, with this policy for jumps.
-    Load(CommandId, Arc<Image>, Continuity),
+    /// A command was loaded from this image, with these policies for jumps and for cycles that take too long.
+    Load(CommandId, Arc<Image>, Continuity, OnOverrun),
     /// To start.
     Start(CommandId),
     /// To take off the schedule.
@@ -42,7 +42,7 @@ impl Asked {
         match request {
             Request::Insert(id, command, _) => {
                 let image = Arc::clone(command.machine().image());
-                Asked::Load(*id, image, command.continuity())
+                Asked::Load(*id, image, command.continuity(), command.on_overrun())
             }
             Request::Start(id) => Asked::Start(*id),
             Request::Unschedule(id) => Asked::Unschedule(*id),

@@ -66,7 +66,7 @@ pub use board::Board;
 pub use event::{Event, Rejected, Ticket};
 pub use executive::Executive;
 pub use journal::{Asked, Journal};
-pub use plant::Plant;
+pub use plant::{Late, Plant};
 pub(crate) use queue::{HostEnds, Request};
 pub use queue::{Options, Setting};
 pub use rpi_core::{

@@ -1,5 +1,6 @@
 //! The devices that an executive moves.
 
+use rpi_core::CommandId;
 use rpi_device::DeviceBank;
 use rpi_sim::{Part, SimBank};
 
@@ -16,6 +17,22 @@ pub trait Plant: DeviceBank + Send {
 
     /// Tells place, error code (0 for none) and motion of each device. Called in every tick: bounded, no allocation.
     fn conditions(&self, each: &mut dyn FnMut(usize, i64, bool));
+
+    /// A tick ended too late: for who writes down what has happened.
+    fn too_late(&mut self, _: &Late) {}
+}
+
+/// A tick that ended too late.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub struct Late {
+    /// Who took the longest in it.
+    pub command: CommandId,
+    /// For so many nanoseconds.
+    pub took_ns: u64,
+    /// By so many nanoseconds.
+    pub late_ns: u64,
+    /// Where in the command, as an index into its image's fragments.
+    pub fragment: u32,
 }
 
 impl Plant for SimBank {

@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use rpi_core::{Command, CommandId, Continuity, Rule, RuleId, Why};
+use rpi_core::{Command, CommandId, Continuity, OnOverrun, Rule, RuleId, Why};
 use rtrb::{Consumer, Producer, RingBuffer};
 
 use super::board::Board;
@@ -22,6 +22,10 @@ pub struct Options {
     pub requests_per_tick: usize,
     /// What happens if a command takes over with a jump.
     pub continuity: Continuity,
+    /// What becomes of a command whose cycles take too long.
+    pub on_overrun: OnOverrun,
+    /// Whether it is measured who takes the longest in a tick: where time is real.
+    pub timed: bool,
 }
 
 impl Default for Options {
@@ -32,6 +36,8 @@ impl Default for Options {
             requests: 256,
             requests_per_tick: 16,
             continuity: Continuity::default(),
+            on_overrun: OnOverrun::default(),
+            timed: false,
         }
     }
 }

@@ -4,7 +4,8 @@ use std::collections::BTreeMap;
 use std::sync::Arc;
 
 use rpi_core::{
-    Command, CommandId, Continuity, Ending, Fact, Notice, Places, Rule, RuleId, State, Why,
+    Command, CommandId, Continuity, Ending, Fact, Notice, OnOverrun, Places, Rule, RuleId, State,
+    Why,
 };
 use rpi_device::DeviceBank;
 use rpi_image::image::End;
@@ -53,6 +54,7 @@ pub struct Control<T = rpi_sim::Part> {
     rules: usize,
     most_rules: usize,
     continuity: Continuity,
+    on_overrun: OnOverrun,
     buffer: Vec<u64>,
     samples_lost: u64,
     journal: Option<Journal>,
@@ -74,6 +76,7 @@ impl<T> Control<T> {
             rules: 0,
             most_rules: options.rules(),
             continuity: options.continuity,
+            on_overrun: options.on_overrun,
             buffer: Vec::new(),
             samples_lost: 0,
             journal: None,
@@ -92,6 +95,7 @@ impl<T> Control<T> {
     pub fn load(&mut self, image: Arc<Image>) -> Result<CommandId, Rejected> {
         let mut command = Command::load(image, &mut *self.names).map_err(Rejected::Loading)?;
         command.guard(self.continuity);
+        command.bound_overruns(self.on_overrun);
         self.adopt(Box::new(command))
     }
 

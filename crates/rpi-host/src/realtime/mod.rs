@@ -8,6 +8,7 @@ mod fence;
 mod figures;
 mod grant;
 mod overrun;
+mod stopwatch;
 
 pub use beat::Beat;
 pub use clock::Pace;
@@ -15,6 +16,8 @@ pub use fence::{fence, is_fence_up, rest};
 pub use figures::{Figures, Spread};
 pub use grant::{Grant, Wanted, ask};
 pub use overrun::{OverrunPolicy, Overruns};
+pub use rpi_core::{Often, OnOverrun};
+pub(crate) use stopwatch::Stopwatch;
 
 /// What is asked of the system on real time, and what happens to cycles that take too long there.
 #[derive(Clone, Copy, PartialEq, Eq, Debug, Default)]
@@ -23,6 +26,8 @@ pub struct RealTime {
     pub wanted: Wanted,
     /// After a cycle that ended when the next one was due already.
     pub overrun: OverrunPolicy,
+    /// What becomes of the command that took the longest in such a cycle, where it was loaded without a policy of its own.
+    pub commands: OnOverrun,
     /// Whether the thread that ticks may make no system call but those of the clock: see [`fence()`].
     pub fence: bool,
 }

@@ -3,6 +3,7 @@
 use std::fmt;
 use std::str::FromStr;
 
+use rpi_core::Often;
 use serde::Serialize;
 
 /// What happens then.
@@ -15,42 +16,27 @@ pub enum OverrunPolicy {
     Skip,
     /// It is counted; once so many of the last so many cycles were too long, every command is ended and its devices stop on
     /// their own. Until then late cycles follow at once.
-    Stop {
-        /// So many overruns, at least 1.
-        overruns: u32,
-        /// Of so many cycles, at most 64.
-        of: u32,
-    },
+    Stop(Often),
 }
-
-/// Cycles that an [`OverrunPolicy::Stop`] can look back on.
-const LONGEST: u32 = 64;
 
 impl FromStr for OverrunPolicy {
     type Err = String;
 
     /// `catch-up`, `skip`, `stop` (at the first one), `stop:3/10` (at the third of ten cycles).
     fn from_str(text: &str) -> Result<Self, String> {
-        let counts = match text {
+        match text {
             "catch-up" => return Ok(OverrunPolicy::CatchUp),
             "skip" => return Ok(OverrunPolicy::Skip),
-            "stop" => Some((1, 1)),
-            text => text.strip_prefix("stop:").and_then(counts),
-        };
-        match counts {
-            Some((overruns, of)) if (1..=of).contains(&overruns) && of <= LONGEST => {
-                Ok(OverrunPolicy::Stop { overruns, of })
-            }
-            _ => Err(format!(
-                "expected `catch-up`, `skip`, `stop` or `stop:N/M` with N of M cycles, M at most {LONGEST}"
-            )),
+            _ => {}
         }
+        let often = text.strip_prefix("stop").and_then(Often::after);
+        let most = Often::LONGEST;
+        often.map(OverrunPolicy::Stop).ok_or_else(|| {
+            format!(
+                "expected `catch-up`, `skip`, `stop` or `stop:N/M` with N of M cycles, M at most {most}"
+            )
+        })
     }
-}
-
-fn counts(text: &str) -> Option<(u32, u32)> {
-    let (overruns, of) = text.split_once('/')?;
-    Some((overruns.parse().ok()?, of.parse().ok()?))
 }
 
 impl fmt::Display for OverrunPolicy {
@@ -58,7 +44,7 @@ impl fmt::Display for OverrunPolicy {
         match self {
             OverrunPolicy::CatchUp => f.write_str("catch-up"),
             OverrunPolicy::Skip => f.write_str("skip"),
-            OverrunPolicy::Stop { overruns, of } => write!(f, "stop:{overruns}/{of}"),
+            OverrunPolicy::Stop(often) => write!(f, "stop:{often}"),
         }
     }
 }
@@ -113,13 +99,10 @@ impl Overruns {
                 self.skipped += periods;
                 Verdict::PutOff(periods)
             }
-            OverrunPolicy::Stop { overruns, of } => {
-                let latest = self.history & (u64::MAX >> (LONGEST - of.clamp(1, LONGEST)));
-                match latest.count_ones() >= overruns {
-                    true => Verdict::Stop,
-                    false => Verdict::GoOn,
-                }
-            }
+            OverrunPolicy::Stop(often) => match often.is_reached(self.history) {
+                true => Verdict::Stop,
+                false => Verdict::GoOn,
+            },
         }
     }
 }

@@ -19,10 +19,11 @@ use crate::control::{Asked, Request, Setting, Subscription, Ticket};
 pub(super) fn write(ticket: Ticket, asked: &Asked, names: &Names) -> Value {
     let about = |ask: &str, id: &CommandId| json!({ "ask": ask, "command": id.number(), "name": names.of_command(*id) });
     let mut object = match asked {
-        Asked::Load(id, _, continuity) => {
+        Asked::Load(id, _, continuity, on_overrun) => {
             let mut object = about("load", id);
             object["image"] = json!(names.image_of(*id));
             object["on_jump"] = json!(word_of_policy(*continuity));
+            object["on_overrun"] = json!(on_overrun.to_string());
             object
         }
         Asked::Start(id) => about("start", id),
@@ -111,6 +112,8 @@ impl Maker<'_> {
         // Recordings before servers had one policy for all.
         let own = object["on_jump"].as_str().and_then(policy_by_word);
         command.guard(own.unwrap_or(self.continuity));
+        let on_overrun = object["on_overrun"].as_str().and_then(|p| p.parse().ok());
+        command.bound_overruns(on_overrun.unwrap_or_default());
         Some(Box::new(command))
     }
 }

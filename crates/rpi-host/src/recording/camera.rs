@@ -62,9 +62,10 @@ impl Camera {
         executive.halt(why);
     }
 
-    /// The tick has ended so many nanoseconds after the next one was due.
-    pub fn overrun(&mut self, late_ns: u64) {
+    /// The tick has ended so many nanoseconds after the next one was due: as [`Executive::too_late`].
+    pub fn too_late(&mut self, executive: &mut Executive<Taped<SimBank>>, late_ns: u64) -> bool {
         self.sights.overrun(late_ns);
+        executive.too_late(late_ns)
     }
 
     /// The tick of this number is over: records it.
@@ -99,5 +100,9 @@ impl Watch for Both<'_> {
     fn cycle(&mut self, id: CommandId, command: &Command) {
         self.0.cycle(id, command);
         self.1.cycle(id, command);
+    }
+
+    fn turn(&mut self, next: Option<CommandId>) {
+        self.1.turn(next);
     }
 }

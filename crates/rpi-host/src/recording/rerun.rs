@@ -113,6 +113,10 @@ impl<'a> Again<'a> {
     }
 
     fn halts(&mut self) {
+        while let Some(late) = self.executive.plant().too_late() {
+            // Where everything was to be stopped, that comes next.
+            self.executive.overran(&late);
+        }
         while let Some(why) = self.executive.plant().halted().and_then(told::why_of) {
             self.executive.halt(why);
         }

@@ -16,9 +16,9 @@ use super::file::File;
 use super::json::{self, Object};
 use super::names::{Named, Names};
 use super::{asked, told};
-use crate::control::{Asked, Event, Ticket};
+use crate::control::{Asked, Event, Late, Ticket};
 use crate::run::Channel;
-use crate::tape::{Kind, TapeOut, Tick, entries};
+use crate::tape::{Kind, TapeOut, Tick, entries, late_of};
 
 /// What the host tells.
 pub(super) enum Note {
@@ -137,7 +137,7 @@ impl Scribe {
         let time = self.latest;
         match note {
             Note::Asked(ticket, asked) => {
-                if let Asked::Load(id, image, _) = &asked {
+                if let Asked::Load(id, image, ..) = &asked {
                     self.insert(*id, image)?;
                 }
                 let text = asked::write(ticket, &asked, &self.names).to_string();
@@ -202,7 +202,10 @@ impl Scribe {
         self.file.message(TAPE, time, &bytes)?;
         for late in entries(tick.sights).filter(|e| e.kind == Kind::Overrun) {
             let late = late.words.first().copied().unwrap_or(0);
-            let text = json!({ "event": "overrun", "tick": tick.number, "late_ns": late });
+            let mut text = json!({ "event": "overrun", "tick": tick.number, "late_ns": late });
+            if let Some(late) = entries(tick.exchange).find_map(|e| late_of(&e)) {
+                self.blame(&late, &mut text);
+            }
             self.file
                 .message(EVENTS, time, text.to_string().as_bytes())?;
         }
@@ -210,6 +213,17 @@ impl Scribe {
             self.file.message(&topic, time, text.as_bytes())?;
         }
         Ok(())
+    }
+
+    /// Tells to whom it is put down that a tick ended too late.
+    fn blame(&self, late: &Late, text: &mut Value) {
+        let id = late.command;
+        let image = self.names.image(id);
+        let fragment = image.and_then(|i| i.fragments.get(late.fragment as usize));
+        text["command"] = json!(self.names.of_command(id));
+        text["id"] = json!(id.number());
+        text["took_ns"] = json!(late.took_ns);
+        text["fragment"] = json!(fragment.map(|f| f.path.as_str()));
     }
 
     /// The messages for people and their viewers: by topic, in the order in which they come up.

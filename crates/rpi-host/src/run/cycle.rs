@@ -3,7 +3,7 @@
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 
-use rpi_core::{Command, CommandId, Watch, Why};
+use rpi_core::{Command, CommandId, Overruns, Watch, Why};
 use rpi_device::PortId;
 use rpi_image::Image;
 use rpi_image::image::Signal;
@@ -19,6 +19,9 @@ use crate::tape::{TapeIn, Taped};
 
 /// After the last command the devices get this long to come to rest, seconds.
 const SETTLE: f64 = 10.0;
+
+/// Commands of which it is kept that their cycles took too long.
+const BLAMED: usize = 64;
 
 /// When a run is cut off, in ticks, and how long these are.
 #[derive(Clone, Debug)]
@@ -59,6 +62,8 @@ pub(super) struct Cycle {
     pub(super) halted: Option<Why>,
     /// Where all goes that is recorded.
     tape: Option<TapeIn>,
+    /// The first commands whose cycles took too long.
+    pub(super) overran: Vec<(CommandId, Overruns)>,
 }
 
 /// A device port that is sampled in every tick.
@@ -89,6 +94,7 @@ impl Cycle {
             settling: None,
             halted: None,
             tape,
+            overran: Vec::with_capacity(BLAMED),
         }
     }
 
@@ -103,16 +109,35 @@ impl Cycle {
         }
         if self.settling.is_none() {
             let too_often = self.beat.over(now);
-            if let (Some(sights), Some(late)) = (&mut self.watcher.sights, self.beat.overrun()) {
-                sights.overrun(late);
-            }
-            if too_often {
+            let late = self.beat.overrun();
+            if too_often | late.is_some_and(|late| self.too_late(late)) {
                 self.halt(Why::Overrun);
             }
         }
         self.sample(now);
         self.record((now, wall_ns), true);
         self.now.store(self.executive.now(), Ordering::Release);
+    }
+
+    /// The tick ended so many nanoseconds too late: true if all commands are to be ended for it.
+    fn too_late(&mut self, late_ns: u64) -> bool {
+        if let Some(sights) = &mut self.watcher.sights {
+            sights.overrun(late_ns);
+        }
+        let stop = self.executive.too_late(late_ns);
+        let longest = self.executive.longest();
+        let command = longest.and_then(|id| Some((id, self.executive.core().command(id)?)));
+        let Some((id, command)) = command else {
+            return stop;
+        };
+        let overruns = *command.overruns();
+        let has_room = self.overran.len() < BLAMED;
+        match self.overran.iter_mut().find(|(known, _)| *known == id) {
+            Some((_, known)) => *known = overruns,
+            None if has_room => self.overran.push((id, overruns)),
+            None => {}
+        }
+        stop
     }
 
     /// Whether another tick is wanted: commands run, or devices still come to rest after them. `over` says that no command will

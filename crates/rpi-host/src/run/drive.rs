@@ -147,6 +147,9 @@ fn outcome(
             devices: Vec::new(),
         });
     }
+    for (id, overruns) in &cycle.overran {
+        host.books.overran(*id, overruns);
+    }
     let stopped = cycle.halted.filter(|why| *why != Why::Request);
     Ok(Outcome {
         commands: host

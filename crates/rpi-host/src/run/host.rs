@@ -3,14 +3,14 @@
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
 
-use rpi_core::{CommandId, Ending, LoadFault, Notice, Rule, RuleId};
+use rpi_core::{CommandId, Ending, LoadFault, Notice, Overruns, Rule, RuleId};
 use rpi_device::Jump;
 use rpi_image::Image;
 use rpi_sim::Cell;
 
 use super::end;
 use super::inputs::Set;
-use super::outcome::{CommandEnd, RunEnd};
+use super::outcome::{Blame, CommandEnd, RunEnd};
 use super::plan::Plan;
 use super::samples::{Channel, Drain, Sink};
 use super::task::{NotStarted, Task, Workshop};
@@ -168,6 +168,7 @@ impl<'a> Books<'a> {
             braked: Vec::new(),
             handled: false,
             jump: None,
+            overruns: None,
         };
         self.commands.push((Some(id), end));
     }
@@ -193,6 +194,23 @@ impl<'a> Books<'a> {
         {
             command.braked.push(device.to_owned());
         }
+    }
+
+    /// Cycles of a command took too long.
+    pub(super) fn overran(&mut self, id: CommandId, overruns: &Overruns) {
+        let images = self.images;
+        let (Some(command), Some(worst)) = (self.listed(id), overruns.worst) else {
+            return;
+        };
+        let image = images.iter().find(|image| image.name == command.name);
+        let fragment = image.and_then(|i| i.fragments.get(worst.fragment as usize));
+        command.overruns = Some(Blame {
+            count: overruns.count,
+            tick: worst.tick,
+            took_ns: worst.took_ns,
+            late_ns: worst.late_ns,
+            fragment: fragment.map_or_else(String::new, |f| f.path.clone()),
+        });
     }
 
     /// A branch of its task is for the error by which a command has ended.
@@ -226,6 +244,7 @@ impl<'a> Books<'a> {
             braked: Vec::new(),
             handled: false,
             jump: None,
+            overruns: None,
         };
         self.commands.push((None, end));
     }

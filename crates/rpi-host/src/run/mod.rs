@@ -32,7 +32,7 @@ pub(crate) use sights::Sights;
 pub use end::{fault_text, stop_text};
 pub use inputs::{BadSetting, Setting};
 pub use job::{Failure, Job, Limits, Progress, run};
-pub use outcome::{CommandEnd, DeviceEnd, Outcome, RunEnd, Status, Trouble};
+pub use outcome::{Blame, CommandEnd, DeviceEnd, Outcome, RunEnd, Status, Trouble};
 pub use plan::{Node, Plan};
 pub use samples::{Channel, Several, Sink, Source};
 pub use task::{NotStarted, Task, TaskEnd, Workshop};

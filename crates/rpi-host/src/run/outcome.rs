@@ -75,6 +75,24 @@ pub struct CommandEnd {
     /// What did not join when it took over, if something did not.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub jump: Option<String>,
+    /// Its cycles that took too long, if any did; only on real time.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub overruns: Option<Blame>,
+}
+
+/// Ticks that ended too late and in which a command took the longest.
+#[derive(Clone, PartialEq, Eq, Debug, Serialize)]
+pub struct Blame {
+    /// How many there were.
+    pub count: u64,
+    /// Tick of the worst, from 0.
+    pub tick: u64,
+    /// How long the command computed in it, nanoseconds.
+    pub took_ns: u64,
+    /// By how much the tick ended too late, nanoseconds.
+    pub late_ns: u64,
+    /// The fragment that was at work, by its path; empty for the command itself.
+    pub fragment: String,
 }
 
 /// How a command ended.

@@ -2,7 +2,7 @@
 
 use std::fmt;
 
-use super::outcome::{CommandEnd, DeviceEnd, Outcome, RunEnd, Trouble};
+use super::outcome::{Blame, CommandEnd, DeviceEnd, Outcome, RunEnd, Trouble};
 use crate::realtime::Spread;
 
 impl fmt::Display for Outcome {
@@ -106,9 +106,27 @@ impl Outcome {
                 writeln!(f, "; {cycles} cycles from {from:.3} s on")?;
             }
         }
+        if let Some(blame) = &command.overruns {
+            writeln!(f, "{:width$}  {blame}", "")?;
+        }
         let jump = command.jump.iter();
         jump.into_iter()
             .try_for_each(|jump| writeln!(f, "{:width$}  at the switch the {jump}", ""))
+    }
+}
+
+impl fmt::Display for Blame {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let (took, late) = (time(self.took_ns), time(self.late_ns));
+        let (count, tick) = (self.count, self.tick);
+        write!(
+            f,
+            "took the longest in {count} overruns: {took} in tick {tick}"
+        )?;
+        if !self.fragment.is_empty() {
+            write!(f, ", in {}", self.fragment)?;
+        }
+        write!(f, ", which ended {late} too late")
     }
 }
 

@@ -19,7 +19,7 @@ use super::samples::{Channel, Source, ring};
 use super::sights::Sights;
 use super::task::Task;
 use crate::control::{Control, Executive, Options, open};
-use crate::realtime::Beat;
+use crate::realtime::{Beat, Pace};
 use crate::recording::{Recorder, Wanted};
 use crate::tape::{TapeIn, Taped, tape};
 
@@ -38,11 +38,7 @@ pub(super) fn sides<'a>(
     let flows = flows(job.images, &mut channels);
     let types: Vec<Type> = channels.iter().map(|c| c.ty).collect();
     let (tap, drain) = ring(&types);
-    let options = Options {
-        tick_ns,
-        continuity: job.continuity,
-        ..Options::default()
-    };
+    let options = options(job, tick_ns);
     let (mut control, mut executive) = open(Taped::new(plant), Box::new(names), options);
     let ends = (&mut control, &mut executive);
     let recording =
@@ -82,6 +78,17 @@ pub(super) fn sides<'a>(
         recorder,
     };
     Ok((cycle, host))
+}
+
+/// How large its core is, and what becomes of commands that misbehave.
+fn options(job: &Job<'_>, tick_ns: u64) -> Options {
+    Options {
+        tick_ns,
+        continuity: job.continuity,
+        on_overrun: job.real_time.commands,
+        timed: job.pace == Pace::Real,
+        ..Options::default()
+    }
 }
 
 /// What tasks work with.

@@ -32,10 +32,13 @@ pub(crate) enum Kind {
     Sample = 13,
     /// A tick ended when the next one was due already. Words: by how many nanoseconds.
     Overrun = 14,
+    /// A tick that ended too late is put down to a command. Key: the fragment that was at work; words: number of the command,
+    /// nanoseconds that it took, and by which the tick was late.
+    Blamed = 15,
 }
 
 impl Kind {
-    const ALL: [Kind; 14] = [
+    const ALL: [Kind; 15] = [
         Kind::Read,
         Kind::Check,
         Kind::Error,
@@ -50,6 +53,7 @@ impl Kind {
         Kind::Flow,
         Kind::Sample,
         Kind::Overrun,
+        Kind::Blamed,
     ];
 
     fn of(number: u64) -> Option<Kind> {

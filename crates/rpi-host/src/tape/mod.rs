@@ -20,7 +20,7 @@ mod stage;
 mod taped;
 
 pub(crate) use entry::{Entry, Kind, entries};
-pub(crate) use player::{Mismatch, Player};
+pub(crate) use player::{Mismatch, Player, late_of};
 pub(crate) use ring::{TapeIn, TapeOut, Tick, tape};
 pub(crate) use stage::Stage;
 pub use taped::Taped;

@@ -6,7 +6,7 @@ use std::ops::Range;
 use rpi_device::{DeviceBank, Jump, PortId, PortName, Quantity, Refusal, ResolveError};
 
 use super::entry::{Entry, Kind, split};
-use crate::control::Plant;
+use crate::control::{CommandId, Late, Plant};
 
 /// What was done otherwise than on the tape, in the exchange of a tick.
 #[derive(Clone, PartialEq, Eq, Debug)]
@@ -97,6 +97,15 @@ impl Player {
         Some(why)
     }
 
+    /// To whom it is put down that the tick ended too late, if that comes next.
+    pub(crate) fn too_late(&mut self) -> Option<Late> {
+        let state = self.state.get_mut();
+        let (entry, end) = state.peek()?;
+        let late = late_of(&entry)?;
+        state.at = end;
+        Some(late)
+    }
+
     /// What was done otherwise in this tick, once it is over.
     pub(crate) fn mismatch(&mut self) -> Option<Mismatch> {
         let state = self.state.get_mut();
@@ -124,6 +133,19 @@ impl Player {
         let word = self.answer(kind, key, |entry| entry.words.first().copied());
         word.flatten().unwrap_or(0)
     }
+}
+
+/// What an entry says of a tick that ended too late.
+pub(crate) fn late_of(entry: &Entry<'_>) -> Option<Late> {
+    let (Kind::Blamed, &[command, took_ns, late_ns]) = (entry.kind, entry.words) else {
+        return None;
+    };
+    Some(Late {
+        command: CommandId::from_number(command),
+        took_ns,
+        late_ns,
+        fragment: entry.key,
+    })
 }
 
 fn jump_of(words: &[u64]) -> Option<Jump> {

@@ -7,7 +7,7 @@ use rpi_device::{DeviceBank, Jump, PortId, PortName, Refusal, ResolveError};
 
 use super::entry::Kind;
 use super::stage::Stage;
-use crate::control::Plant;
+use crate::control::{Late, Plant};
 
 /// Devices, and what passed between them and the core in this tick, if somebody wants to know.
 pub struct Taped<P> {
@@ -130,6 +130,11 @@ impl<P: Plant> Plant for Taped<P> {
 
     fn swap(&mut self, place: usize, part: Option<P::Part>) -> Option<P::Part> {
         self.plant.swap(place, part)
+    }
+
+    fn too_late(&mut self, late: &Late) {
+        let words = [late.command.number(), late.took_ns, late.late_ns];
+        self.note(Kind::Blamed, late.fragment, false, &words);
     }
 
     fn step(&mut self) {

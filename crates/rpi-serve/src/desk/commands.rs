@@ -3,6 +3,7 @@
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
+use rpi_core::OnOverrun;
 use rpi_host::control::{
     Adopted, Board, Cause, CommandId, Control, Ending, Rejected, Setting, State, Ticket, Why,
 };
@@ -62,6 +63,8 @@ pub(crate) struct Load<'a> {
     pub(crate) command: Option<&'a str>,
     /// Nanoseconds; 0 for that of the tick.
     pub(crate) period_ns: u64,
+    /// What becomes of it if its cycles take too long, where that is not as usual.
+    pub(crate) on_overrun: Option<OnOverrun>,
 }
 
 impl Desk {
@@ -94,6 +97,7 @@ impl Desk {
                 command: load.command.map(str::to_owned),
             },
             period_ns: self.period(load.period_ns),
+            on_overrun: load.on_overrun.unwrap_or(self.on_overrun),
         };
         let record = Record {
             origin: Some(job.origin.clone()),

@@ -29,6 +29,7 @@ impl Desk {
             text,
             command: None,
             period_ns: 0,
+            on_overrun: None,
         };
         let eval = Eval { reply, take };
         let nobody: Reply = Box::new(|_| ());

@@ -4,7 +4,7 @@ use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::PathBuf;
 use std::sync::{Arc, Mutex, PoisonError};
 
-use rpi_core::{Command, Continuity};
+use rpi_core::{Command, Continuity, OnOverrun};
 use rpi_driver::{Compiled, Input, Program};
 use rpi_image::{Image, Role};
 use rpi_net::Net;
@@ -41,6 +41,8 @@ pub(crate) struct Job {
     pub(crate) session: u64,
     pub(crate) origin: Origin,
     pub(crate) period_ns: u64,
+    /// What becomes of it if its cycles take too long.
+    pub(crate) on_overrun: OnOverrun,
 }
 
 /// What a command is loaded from.
@@ -124,6 +126,7 @@ fn load(
         Language::Rpinet => Continuity::Allow,
         Language::Rpi => Continuity::default(),
     }));
+    command.bound_overruns(job.on_overrun);
     Ok(Loaded {
         command: Box::new(command),
         image,
@@ -219,13 +222,19 @@ fn which(what: &str, known: Vec<&str>) -> Vec<String> {
     }]
 }
 
-/// Every finding that is an error: where, what.
+/// Findings that a client is told at most: a text of megabytes can hold tens of thousands.
+const TOLD: usize = 100;
+
+/// The findings that are errors: where, what.
 fn reasons(compiled: &Compiled) -> Vec<String> {
     let errors = compiled
         .findings
         .iter()
         .filter(|f| f.severity() == rpi_diag::Severity::Error);
-    errors.map(|f| describe(compiled, f)).collect()
+    let count = errors.clone().count();
+    let told = errors.take(TOLD).map(|f| describe(compiled, f));
+    let more = (count > TOLD).then(|| format!("and {} more", count - TOLD));
+    told.chain(more).collect()
 }
 
 fn describe(compiled: &Compiled, finding: &rpi_diag::Finding) -> String {

@@ -26,7 +26,7 @@ use std::collections::BTreeMap;
 use std::fmt;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
-use rpi_core::Continuity;
+use rpi_core::{Continuity, OnOverrun};
 use rpi_host::control::{CommandId, Control, Rejected, RuleId, Ticket};
 use rpi_host::recording::Recorder;
 use rpi_sim::{Cell, SimBank};
@@ -61,6 +61,8 @@ pub(crate) struct Desk {
     pub(crate) tick_ns: u64,
     /// What becomes of a session's commands when its client is gone, where the client does not say.
     on_loss: OnLoss,
+    /// What becomes of a command whose cycles take too long, where its client does not say.
+    on_overrun: OnOverrun,
     control: Control,
     /// Who writes down what happens, if somebody does.
     recorder: Option<Recorder>,
@@ -137,6 +139,7 @@ impl Office {
             limits,
             tick_ns,
             on_loss: settings.on_loss,
+            on_overrun: settings.real_time.map(|r| r.commands).unwrap_or_default(),
             control,
             recorded: recorder.is_some(),
             recorder,

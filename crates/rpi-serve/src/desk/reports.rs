@@ -1,6 +1,8 @@
 //! What the cycle tells, and what follows from it.
 
-use rpi_host::control::{Cause, CommandId, Ending, Event, Notice, Outcome, Refused, State, Ticket};
+use rpi_host::control::{
+    Cause, CommandId, Ending, Event, Notice, Outcome, Refused, State, Ticket, Why,
+};
 
 use rpi_host::recording::{Recorder, Written};
 
@@ -197,6 +199,11 @@ impl Desk {
         }
         if let (Cause::Fault(fault), Some(image)) = (ending.cause, &record.image) {
             record.status.place = image.place_of(fault.cell).map(|p| p.path.clone());
+        }
+        if ending.cause == Cause::Aborted(Why::Overrun) {
+            let worst = record.overruns();
+            let fragment = worst.and_then(|(_, worst)| record.fragment(worst.fragment));
+            record.status.place = fragment.map(str::to_owned);
         }
         let yielded = record.image.as_ref().is_some_and(|i| yields(i, &ending));
         (record.status.ending, record.status.taken_over) = (Some(ending), stopped || yielded);

@@ -37,6 +37,9 @@ impl Shop<'_> {
         let command = Command::load(Arc::clone(image), &mut twin.bank);
         let mut command = command.map_err(Rejected::Loading)?;
         command.guard(self.desk.continuity.unwrap_or_default());
+        let record = self.desk.tasks.get(&self.number);
+        let on_overrun = record.map_or(self.desk.on_overrun, |r| r.on_overrun);
+        command.bound_overruns(on_overrun);
         Ok(Box::new(command))
     }
 }

@@ -1,5 +1,6 @@
 //! Tasks of programs: loaded whole, and carried out beside the cycle as a client would that works ahead.
 
+use rpi_core::OnOverrun;
 use rpi_host::control::{CommandId, Event, State};
 use rpi_host::run::{Plan, Task, TaskEnd};
 
@@ -82,6 +83,8 @@ pub(super) struct TaskRecord {
     /// Bytes that it takes.
     pub(super) bytes: usize,
     pub(super) script: Option<Script>,
+    /// What becomes of its commands if their cycles take too long.
+    pub(super) on_overrun: OnOverrun,
     task: Option<Task<Plan>>,
     pub(super) status: TaskStatus,
     pub(super) watchers: Vec<Box<dyn Sink>>,
@@ -112,11 +115,13 @@ impl Desk {
             Err(why) => return reply(Err(why)),
         };
         let number = self.number();
+        let on_overrun = load.on_overrun.unwrap_or(self.on_overrun);
         let record = TaskRecord {
             session,
             title: shortened(load.title, self.limits.name),
             bytes: load.bytes(),
             script: None,
+            on_overrun,
             task: None,
             status: TaskStatus {
                 phase: TaskPhase::Loading,
@@ -142,6 +147,7 @@ impl Desk {
                 command: load.command.map(str::to_owned),
             },
             period_ns: self.period(load.period_ns),
+            on_overrun,
         };
         self.send(job);
     }

@@ -2,6 +2,7 @@
 
 use std::time::{Duration, Instant};
 
+use rpi_core::Overrun;
 use rpi_host::control::{Board, State};
 use rpi_image::image::Export;
 use rpi_net::literal;
@@ -238,6 +239,18 @@ impl Record {
     /// Its period, nanoseconds.
     pub(crate) fn period_ns(&self) -> u64 {
         self.image.as_ref().map_or(0, |image| image.period_ns)
+    }
+
+    /// How many of its cycles took too long, and the worst of them; nothing if none did.
+    pub(crate) fn overruns(&self) -> Option<(u64, Overrun)> {
+        self.board.as_ref().and_then(|board| board.overruns())
+    }
+
+    /// The path of one of its fragments: empty for the command itself.
+    pub(crate) fn fragment(&self, index: u32) -> Option<&str> {
+        let image = self.image.as_ref()?;
+        let fragment = image.fragments.get(index as usize)?;
+        Some(&fragment.path)
     }
 
     /// Bytes that it takes.

@@ -173,6 +173,7 @@ impl DioFront {
             command: None,
             // A negative or huge period saturates, and is then refused or rounded up.
             period_ns: (seconds.min(3600.0) * 1e9) as u64,
+            on_overrun: None,
         };
         self.may_act([&load.session].into_iter())?;
         let mut desk = self.office.desk();

@@ -3,6 +3,7 @@
 use std::collections::BTreeMap;
 use std::time::Duration;
 
+use rpi_core::OnOverrun;
 use serde_json::{Value, json};
 
 use super::front::{Answer, Call, RpcFront};
@@ -136,8 +137,17 @@ fn description(record: &Record) -> Value {
     let mut told = sink::status(&record.status);
     told["title"] = json!(record.title);
     told["cycles"] = json!(record.cycles());
-    told["period"] = json!(record.period_ns() as f64 * 1e-9);
+    told["period"] = json!(seconds(record.period_ns()));
     told["values"] = sink::values(&record.values());
+    if let Some((count, worst)) = record.overruns() {
+        told["overruns"] = json!({
+            "count": count,
+            "tick": worst.tick,
+            "took": seconds(worst.took_ns),
+            "late": seconds(worst.late_ns),
+            "fragment": record.fragment(worst.fragment),
+        });
+    }
     if let Some(image) = &record.image {
         let port = |key: &str, ty: rpi_image::Type| json!({"key": key, "type": ty.to_string()});
         let inputs = image.inputs.iter().map(|i| port(&i.key, i.value.ty));
@@ -147,6 +157,10 @@ fn description(record: &Record) -> Value {
         told["results"] = json!(crate::desk::results(image));
     }
     told
+}
+
+fn seconds(ns: u64) -> f64 {
+    ns as f64 * 1e-9
 }
 
 /// `command` follows `after`, for all of its regular results or for some.
@@ -322,7 +336,15 @@ impl<'a> Call<'a> {
             text: self.text("text")?,
             command: self.optional(named, Value::as_str)?,
             period_ns: (period.min(3600.0) * 1e9) as u64,
+            on_overrun: self.on_overrun()?,
         })
+    }
+
+    /// What becomes of what is loaded if its cycles take too long.
+    fn on_overrun(&self) -> Result<Option<OnOverrun>, Failure> {
+        let text = self.optional("on_overrun", Value::as_str)?;
+        let policy = text.map(str::parse).transpose();
+        policy.map_err(|why| Failure::Bad(format!("on_overrun: {why}")))
     }
 
     /// Tells what was loaded with the period that it has, and says so if that is another than was asked for.

@@ -199,5 +199,7 @@ fn stats(office: &Office, name: &str) -> Result<String, Failure> {
     xml.leaf("cycles", &[], &record.cycles().to_string());
     xml.leaf("period", &[("unit", "ns")], &record.period_ns().to_string());
     xml.leaf("memory", &[("unit", "bytes")], &record.bytes().to_string());
+    let overruns = record.overruns().map_or(0, |(count, _)| count);
+    xml.leaf("overruns", &[], &overruns.to_string());
     Ok(xml.finish())
 }

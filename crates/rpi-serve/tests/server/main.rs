@@ -11,6 +11,7 @@ mod limits;
 mod native;
 mod nets;
 mod order;
+mod overruns;
 mod owners;
 mod recording;
 mod rules;

@@ -1,0 +1,142 @@
+//! Commands whose cycles take too long: counted with their place in the program, and ended if that is their policy.
+
+use std::fmt::Write as _;
+use std::fs::File;
+use std::io::BufWriter;
+use std::time::{Duration, Instant};
+
+use rpi_host::recording::{Origin, Recording, Wanted, rerun};
+use rpi_serve::{Server, Settings};
+use rpi_sim::Cell;
+use serde_json::{Value, json};
+
+use crate::client::{CELL, Client, PATIENCE, settings};
+use crate::native::call;
+
+/// Cosines one after the other: more than a tick of [`TICK_NS`] can hold.
+const COSINES: usize = 3000;
+const TICK_NS: u64 = 50_000;
+
+/// Computes more than a tick holds in every cycle, in a fragment; exports how many cycles there were.
+fn heavy() -> String {
+    let mut text = "command Heavy ()\nlet\n  n = 1 -> pre n + 1;\n  export n;\n".to_owned();
+    text.push_str("  fragment Busy when n > 0\n  let\n    x0 = real(n);\n");
+    for k in 1..=COSINES {
+        let _ = writeln!(text, "    x{k} = cos(x{});", k - 1);
+    }
+    let _ = write!(
+        text,
+        "    far = x{COSINES} > 2.0;\n  tel\n  finish done when Busy.far ?? false;\ntel\n"
+    );
+    text
+}
+
+fn quick() -> Settings {
+    Settings {
+        tick_ns: TICK_NS,
+        ..settings()
+    }
+}
+
+fn session(client: &mut Client) -> Value {
+    let opened = call(client, 1, "session.open", &json!({"name": "test"}));
+    opened["result"]["session"].clone()
+}
+
+fn load(client: &mut Client, session: &Value, on_overrun: &str) -> Value {
+    let params = json!({"session": session, "text": heavy(), "on_overrun": on_overrun});
+    let loaded = call(client, 2, "command.load", &params);
+    let command = loaded["result"]["command"].clone();
+    assert!(command.is_string(), "{loaded}");
+    command
+}
+
+fn describe(client: &mut Client, command: &Value) -> Value {
+    let told = call(client, 4, "command.describe", &json!({"command": command}));
+    told["result"].clone()
+}
+
+/// Starts a command, and waits until `is_so` holds of what is told of it.
+fn run_until(client: &mut Client, command: &Value, is_so: impl Fn(&Value) -> bool) -> Value {
+    let started = call(client, 3, "command.start", &json!({"command": command}));
+    assert!(started["error"].is_null(), "{started}");
+    let begin = Instant::now();
+    loop {
+        let told = describe(client, command);
+        if is_so(&told) {
+            return told;
+        }
+        assert!(begin.elapsed() < PATIENCE, "{told}");
+        std::thread::sleep(Duration::from_millis(5));
+    }
+}
+
+#[test]
+fn what_takes_too_long_is_counted_with_its_place() {
+    let server = crate::client::server(&quick(), ());
+    let mut client = Client::rpc(server.address());
+    let session = session(&mut client);
+    let heavy = load(&mut client, &session, "count");
+    let often = |told: &Value| told["overruns"]["count"].as_u64() > Some(20);
+    let told = run_until(&mut client, &heavy, often);
+    assert_eq!(told["state"], "running", "counting ends nothing");
+    let overruns = &told["overruns"];
+    assert_eq!(overruns["fragment"], "Busy", "{told}");
+    let took = overruns["took"].as_f64().unwrap();
+    assert!(took > 10e-6 && took < 10.0, "{told}");
+    assert!(overruns["late"].as_f64() > Some(0.0), "{told}");
+}
+
+/// Who takes too long ends, with cause and place; who does not runs on. The same comes out when it is run again.
+#[test]
+fn a_policy_of_its_own_ends_a_command_and_no_other() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("out.mcap");
+    let cell = Cell::parse("cell.toml", CELL).unwrap_or_else(|errors| panic!("{errors}"));
+    let wanted = Wanted {
+        out: Box::new(BufWriter::new(File::create(&path).unwrap())),
+        origin: Origin {
+            cell: CELL.to_owned(),
+            ..Origin::default()
+        },
+    };
+    let server = Server::open_recorded(&cell, &quick(), (), Some(wanted)).unwrap();
+    let mut client = Client::rpc(server.address());
+    let session = session(&mut client);
+    let light = call(
+        &mut client,
+        2,
+        "command.load",
+        &json!({"session": session, "text": "command Light () let n = 1 -> pre n + 1; finish done when n < 0; tel"}),
+    )["result"]["command"]
+        .clone();
+    call(&mut client, 3, "command.start", &json!({"command": light}));
+    let heavy = load(&mut client, &session, "abort:3/5");
+    let told = run_until(&mut client, &heavy, |told| told["state"] == "terminated");
+    let ending = &told["ending"];
+    assert_eq!(ending["cause"], "aborted", "{told}");
+    assert_eq!(ending["why"], "cycles took too long, once too often");
+    assert_eq!(ending["place"], "Busy", "{told}");
+    assert!(ending["cycles"].as_u64() >= Some(3), "{told}");
+    assert_eq!(describe(&mut client, &light)["state"], "running");
+    server.close().unwrap();
+    let bytes = std::fs::read(&path).unwrap();
+    let told = br#""fragment":"Busy""#;
+    assert!(bytes.windows(told.len()).any(|text| text == told));
+    let report = rerun(&Recording::read(&bytes).unwrap()).unwrap();
+    assert!(report.agrees(), "{report}");
+}
+
+#[test]
+fn a_policy_that_is_none_is_refused_with_the_forms() {
+    let server = crate::client::open();
+    let mut client = Client::rpc(server.address());
+    let session = session(&mut client);
+    for bad in [json!("abort:9/3"), json!("dance"), json!(3)] {
+        let params = json!({"session": session, "text": "", "on_overrun": bad});
+        let told = call(&mut client, 2, "command.load", &params);
+        assert_eq!(told["error"]["code"], -32602, "{told}");
+        let message = told["error"]["message"].as_str().unwrap();
+        assert!(message.contains("on_overrun"), "{message}");
+    }
+}
