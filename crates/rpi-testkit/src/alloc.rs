@@ -7,12 +7,15 @@ use std::sync::OnceLock;
 
 pub use assert_no_alloc::AllocDisabler;
 
-/// Installs the allocator that [`no_alloc`] watches. Once per test binary, at the top level.
+/// The system's allocator, trapped and counted: `allocated()` tells how many bytes are held.
+pub type Memory = cap::Cap<AllocDisabler>;
+
+/// Installs the allocator that [`no_alloc`] watches as `MEMORY`. Once per test binary, at the top level.
 #[macro_export]
 macro_rules! trap_allocations {
     () => {
         #[global_allocator]
-        static ALLOCATIONS_ARE_WATCHED: $crate::AllocDisabler = $crate::AllocDisabler;
+        static MEMORY: $crate::Memory = $crate::Memory::new($crate::AllocDisabler, usize::MAX);
     };
 }
 

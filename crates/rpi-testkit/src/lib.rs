@@ -11,10 +11,10 @@ mod process;
 mod shared;
 mod workspace;
 
-pub use alloc::{AllocDisabler, alloc_allowed, no_alloc};
+pub use alloc::{AllocDisabler, Memory, alloc_allowed, no_alloc};
 pub use gz::read_maybe_gz;
 pub use lsp::LspClient;
 pub use messages::{differs, tool_differs};
-pub use process::own_process;
+pub use process::{own_process, resident};
 pub use shared::{report_skip, shared_dir, shared_path};
 pub use workspace::{files_below, workspace_root};

@@ -1,4 +1,4 @@
-//! A test that needs a process of its own, since what it shows ends the process.
+//! Processes: one for a test alone, since what it shows ends the process; what this one holds.
 
 use std::process::{Command, Output};
 
@@ -14,4 +14,13 @@ pub fn own_process(test: &str, variable: &str, case: &str) -> Output {
         .env(variable, case)
         .output()
         .expect("a process for one test")
+}
+
+/// Memory that the system holds for this process, kB; 0 where it does not tell.
+#[must_use]
+pub fn resident() -> u64 {
+    let status = std::fs::read_to_string("/proc/self/status").unwrap_or_default();
+    let line = status.lines().find_map(|line| line.strip_prefix("VmRSS:"));
+    let number = line.and_then(|line| line.split_whitespace().next());
+    number.and_then(|n| n.parse().ok()).unwrap_or(0)
 }

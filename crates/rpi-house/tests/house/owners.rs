@@ -7,7 +7,7 @@ use rpi_house::packages;
 /// Who uses what in the product. nalgebra's types are the one vocabulary that crosses crates, and
 /// libm the one arithmetic; serde and clap are derives that name no type of theirs in an interface.
 const OWNERS: &[(&str, &[&str])] = &[
-    ("cap", &["rpi-fuzz"]),
+    ("cap", &["rpi-fuzz", "rpi-testkit"]),
     ("clap", &["rpi", "rpic"]),
     ("clap_complete", &["rpi", "rpic"]),
     ("clap_mangen", &["rpi", "rpic"]),

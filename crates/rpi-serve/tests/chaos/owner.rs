@@ -13,8 +13,8 @@ use crate::client::Client;
 
 /// What its commands are called.
 pub(crate) const TITLE: &str = "not to be disturbed";
-/// Commands that are loaded ahead: about ten seconds' worth.
-const AHEAD: usize = 12;
+/// Commands that are loaded ahead: about half a minute's worth.
+const AHEAD: usize = 40;
 
 struct Owner {
     client: Client,
@@ -24,10 +24,12 @@ struct Owner {
     made: usize,
     /// What runs, and what follows.
     chain: VecDeque<Value>,
+    /// Commands whose predecessors ran already when they were loaded: those may have stopped instead of handing over.
+    late: usize,
 }
 
-/// Runs one command after the other until it is over.
-pub(crate) fn shuttle(address: SocketAddr, over: &AtomicBool) {
+/// Runs one command after the other until it is over. How many came late?
+pub(crate) fn shuttle(address: SocketAddr, over: &AtomicBool) -> usize {
     let example = rpi_testkit::workspace_root().join("examples/blending/blending.rpi");
     let path = format!("/rpc?token={TOKEN}");
     let mut owner = Owner {
@@ -37,6 +39,7 @@ pub(crate) fn shuttle(address: SocketAddr, over: &AtomicBool) {
         program: std::fs::read_to_string(example).unwrap(),
         made: 0,
         chain: VecDeque::new(),
+        late: 0,
     };
     let opened = owner.call(
         "session.open",
@@ -50,6 +53,7 @@ pub(crate) fn shuttle(address: SocketAddr, over: &AtomicBool) {
         owner.go_on();
         thread::sleep(Duration::from_millis(5));
     }
+    owner.late
 }
 
 impl Owner {
@@ -87,21 +91,26 @@ impl Owner {
             "title": TITLE,
         });
         let command = self.call("command.load", &load)["command"].take();
-        if let Some(before) = self.chain.back() {
+        if let Some(before) = self.chain.back().cloned() {
             let schedule = json!({"command": command, "after": before});
             self.call("command.schedule", &schedule);
+            let waits = ["ready", "scheduled"].map(Value::from);
+            self.late += usize::from(!waits.contains(&self.state(&before)));
         }
         self.chain.push_back(command);
     }
 
     /// Lets go of the command that has ended, if one has.
     fn go_on(&mut self) {
-        let first = json!({"command": self.chain[0]});
-        let told = self.call("command.describe", &first);
-        if told["state"] == "terminated" {
-            self.call("command.unload", &first);
+        let first = self.chain[0].clone();
+        if self.state(&first) == "terminated" {
+            self.call("command.unload", &json!({"command": first}));
             self.chain.pop_front();
             self.extend();
         }
+    }
+
+    fn state(&mut self, command: &Value) -> Value {
+        self.call("command.describe", &json!({"command": command}))["state"].take()
     }
 }

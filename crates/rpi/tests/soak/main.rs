@@ -9,6 +9,7 @@ mod life;
 mod watch;
 
 use life::Life;
+use rpi_testkit::resident;
 
 rpi_testkit::trap_allocations!();
 
@@ -27,12 +28,4 @@ fn arms_are_never_let_go_of() {
     life.come_to_rest();
     life.is_eventful();
     assert!(grown < 4096, "{grown} kB of memory were not given back");
-}
-
-/// Memory that the process holds, in kB; 0 where the system does not tell.
-fn resident() -> u64 {
-    let status = std::fs::read_to_string("/proc/self/status").unwrap_or_default();
-    let line = status.lines().find(|line| line.starts_with("VmRSS:"));
-    let number = line.and_then(|line| line.split_whitespace().nth(1)?.parse().ok());
-    number.unwrap_or(0)
 }
