@@ -76,8 +76,8 @@ pub fn without_calls(flow: &str) -> String {
 /// The types of some ports; one, as most primitives have, lies in place.
 pub type Types = SmallVec<[Type; 1]>;
 
-/// What the in-ports of a primitive read; two, as most have, lie in place.
-pub type Inputs = SmallVec<[Input; 2]>;
+/// What the in-ports of a primitive read; three, as few exceed, lie in place.
+pub type Inputs = SmallVec<[Input; 3]>;
 
 /// A primitive in a net.
 #[derive(Clone, PartialEq, Debug)]

@@ -39,7 +39,7 @@ impl Scope {
 
 /// How many letters of a text are one expression, where these stand close: memory that is reserved and not used costs
 /// nothing.
-const LETTERS_PER_EXPR: usize = 8;
+const LETTERS_PER_EXPR: usize = 5;
 
 impl Body<'_, '_> {
     /// What a name means here: in this block, or else in those around it.

@@ -180,11 +180,16 @@ impl<'u> Elab<'u> {
 
     fn pick(&mut self, condition: &Signal, yes: Next, no: Next, at: At, span: Span) -> Next {
         let state = [condition.clone(), yes.state, no.state];
-        let afresh = [condition.clone(), yes.afresh, no.afresh];
-        Next {
-            state: self.family(Family::Conditional, Scalar::Int, &state, at, span),
-            afresh: self.family(Family::Conditional, Scalar::Bool, &afresh, at, span),
-        }
+        let state = self.family(Family::Conditional, Scalar::Int, &state, at, span);
+        let known = [true, false].map(|value| Signal::Const(Value::bool(value)));
+        let afresh = match [yes.afresh, no.afresh] {
+            branches if branches == known => condition.clone(),
+            [yes, no] => {
+                let afresh = [condition.clone(), yes, no];
+                self.family(Family::Conditional, Scalar::Bool, &afresh, at, span)
+            }
+        };
+        Next { state, afresh }
     }
 
     fn is_state(&mut self, state: &Signal, k: usize, at: At, span: Span) -> Signal {

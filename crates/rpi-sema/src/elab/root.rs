@@ -180,11 +180,16 @@ impl<'u, 'a> Job<'u, 'a> {
 }
 
 impl<'u> Elab<'u> {
-    /// Makes room for the nodes of a large unit at once: most expressions are one at most.
+    /// Makes room for the nodes of a large unit at once: most expressions are one at most, and a state takes a few besides.
     fn make_room(&mut self, unit: &Unit) {
         const LARGE: usize = 10_000;
+        const OF_A_STATE: usize = 4;
+        let blocks = unit.blocks.len();
         if unit.exprs.len() >= LARGE {
-            self.net.nodes.reserve(unit.exprs.len());
+            self.net
+                .nodes
+                .reserve(unit.exprs.len() + OF_A_STATE * blocks);
+            self.net.fragments.reserve(blocks);
         }
     }
 
