@@ -1,6 +1,7 @@
 //! Text to tokens: comments set aside, numbers and texts checked, words settled.
 
 use crate::comments::{Comment, CommentKind, Comments};
+use crate::lexical::Behind;
 use crate::token::{Place, Token};
 use crate::{Mode, blocks, habits, lexical, units, words};
 use logos::Logos;
@@ -183,8 +184,12 @@ impl<'t> Lexer<'t> {
                 .trim_start_matches(|c: char| c.is_ascii_digit() || c == '.')
                 .len();
         let word = self.word_behind_number(&text[digits..]);
-        let finding =
-            lexical::number_runs_into_word(self.span(lexeme), text, digits, word.is_some());
+        let behind = match word {
+            Some(_) => Behind::Keyword,
+            None if lexical::seems_declared(self.text, &text[digits..]) => Behind::Name,
+            None => Behind::Unit,
+        };
+        let finding = lexical::number_runs_into_word(self.span(lexeme), text, digits, behind);
         self.out.findings.push(finding);
         let end = lexeme.start + digits as u32;
         let token = match text[..digits].contains('.') {
@@ -200,8 +205,20 @@ impl<'t> Lexer<'t> {
                     ..lexeme
                 },
             ),
+            None if behind == Behind::Name => self.factor(lexeme, end),
             None => self.unit(&text[digits..], end),
         }
+    }
+
+    /// A name behind a number, as its factor.
+    fn factor(&mut self, lexeme: Lexeme, start: u32) {
+        let star = Lexeme {
+            token: Token::Star,
+            start,
+            end: start,
+        };
+        self.out.lexemes.push(star);
+        self.push(Token::Ident, Lexeme { start, ..lexeme });
     }
 
     /// A unit that lacks its brackets, with them.

@@ -65,24 +65,55 @@ pub(crate) fn open_str(span: Span) -> Finding {
         .fix(Fix::maybe("insert `\"`").insert_after(span, "\""))
 }
 
-/// A number and, right behind it, a unit or a word of the language.
+/// What a word behind a number seems to be.
+#[derive(Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Behind {
+    /// A word of the language.
+    Keyword,
+    /// Something that the text declares or defines.
+    Name,
+    /// A unit.
+    Unit,
+}
+
+/// A number and, right behind it, a word.
 pub(crate) fn number_runs_into_word(
     span: Span,
     text: &str,
     digits: usize,
-    is_keyword: bool,
+    behind: Behind,
 ) -> Finding {
     let (number, word) = text.split_at(digits);
-    let (meant, why) = match is_keyword {
-        true => (format!("{number} {word}"), "a space goes between them"),
-        false => (format!("{number}[{word}]"), "a unit is written in brackets"),
+    let unit = format!("{number}[{word}]");
+    let (meant, why) = match behind {
+        Behind::Keyword => (format!("{number} {word}"), "a space goes between them"),
+        Behind::Name => (
+            format!("{number} * {word}"),
+            "a product is written with `*`",
+        ),
+        Behind::Unit => (unit.clone(), "a unit is written in brackets"),
     };
-    Finding::new(
+    let finding = Finding::new(
         Code::RPI0007,
         format!("the number `{number}` runs into the word `{word}`"),
     )
     .at(span, why)
-    .fix(Fix::maybe(format!("write `{meant}`")).replace(span, meant))
+    .fix(Fix::maybe(format!("write `{meant}`")).replace(span, meant));
+    match behind {
+        Behind::Name => {
+            finding.fix(Fix::maybe(format!("write `{unit}`, a unit")).replace(span, unit))
+        }
+        _ => finding,
+    }
+}
+
+/// Whether a text seems to declare or define a name somewhere: `x: real`, `x, y: real`, `x = ...`.
+pub(crate) fn seems_declared(text: &str, name: &str) -> bool {
+    let is_part = |c: char| c.is_ascii_alphanumeric() || c == '_';
+    text.match_indices(name).any(|(at, _)| {
+        let (before, after) = (&text[..at], &text[at + name.len()..]);
+        !before.ends_with(is_part) && after.trim_start().starts_with([':', ',', '='])
+    })
 }
 
 /// A number that no 64-bit value holds.

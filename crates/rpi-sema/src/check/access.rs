@@ -382,7 +382,7 @@ impl<'a> Body<'_, 'a> {
         self.add(Kind::Part { base, at: from }, ty, span)
     }
 
-    fn known_int(&mut self, id: ExprId) -> Option<i64> {
+    pub(super) fn known_int(&mut self, id: ExprId) -> Option<i64> {
         match &self.unit.expr(id).kind {
             Kind::Literal(value) => value.as_int(),
             Kind::Flow(_) if self.unit.kind != crate::typed::UnitKind::Constant => None,
@@ -401,7 +401,7 @@ impl<'a> Body<'_, 'a> {
         self.fault_with(finding, span)
     }
 
-    fn in_bounds(&mut self, k: i64, n: u32, span: Span) -> Option<u32> {
+    pub(super) fn in_bounds(&mut self, k: i64, n: u32, span: Span) -> Option<u32> {
         let index = u32::try_from(k).ok().filter(|k| *k < n);
         if index.is_none() {
             let finding = Finding::new(Code::RPI2009, format!("there is no element {k}"))

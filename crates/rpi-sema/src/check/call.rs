@@ -61,13 +61,17 @@ impl<'a> Body<'_, 'a> {
         match self.callee(&name.name, name.span) {
             Callee::Nothing(_) => {
                 self.given(&call.args);
-                self.fault(span)
+                self.meant_as_power(call, span);
+                self.meant_as_struct(call, span)
             }
             Callee::Special(special) => self.special(special, call, span),
             Callee::Iterator("condact") if call.callee.statics.is_empty() => {
                 self.special(Special::Condact, call, span)
             }
             Callee::Iterator("condact") => self.condact_of(call, span),
+            Callee::Iterator(name) if call.callee.statics.is_empty() => {
+                self.bare_iterator(name, call, span)
+            }
             Callee::Iterator(name) => {
                 match self.iteration(name, &call.callee.statics, call.callee.span) {
                     Some(iteration) => {

@@ -1,4 +1,4 @@
-//! Composite values: arrays, structs, and values with parts replaced.
+//! Composite values: arrays and structs.
 
 use super::access::leaves;
 use super::body::Body;
@@ -8,7 +8,7 @@ use crate::program::{DeclKind, Lookup, Space};
 use crate::ty::{StructTy, Subst, Ty, fit};
 use crate::typed::{ExprId, Kind};
 use rpi_diag::{Code, Finding, Span};
-use rpi_syntax::ast::{self, Binary, Change, FieldValue, Ident, StaticArg, StructExpr, Update};
+use rpi_syntax::ast::{self, Binary, FieldValue, Ident, StaticArg, StructExpr};
 use std::rc::Rc;
 
 /// The most elements of one array.
@@ -222,24 +222,5 @@ impl<'a> Body<'_, 'a> {
         .at(span, "not all fields are given");
         self.report(finding);
         None
-    }
-
-    /// `(base with [2] = x; .f[1] = y)`
-    pub(super) fn update(&mut self, update: &'a Update, span: Span) -> ExprId {
-        let base = self.expr(&update.base);
-        update
-            .changes
-            .iter()
-            .fold(base, |base, change| self.change(base, change, span))
-    }
-
-    fn change(&mut self, base: ExprId, change: &'a Change, span: Span) -> ExprId {
-        let ty = self.ty_of(base).clone();
-        let value = self.expr(&change.value);
-        let Some((at, part)) = self.path_in(&ty, 0, &change.path) else {
-            return self.fault(span);
-        };
-        self.expect(value, &part, &Wanted::Here);
-        self.add(Kind::Replace { base, at, value }, ty, span)
     }
 }

@@ -14,8 +14,8 @@
 //! | `blocks.rs`, `elements.rs` | blocks of equations, and arrays that are defined element by element |
 //! | `sample.rs` | what needs arguments that nobody gives, checked all the same |
 //! | `bound.rs`, `quantifier.rs`, `data.rs` | names that expressions bring in: quantifiers, conditions of types, alternatives |
-//! | `expr.rs`, `names.rs`, `ops.rs`, `access.rs`, `compose.rs`, `clocked.rs`, `case.rs` | expressions |
-//! | `call.rs`, `callable.rs`, `args.rs`, `applied.rs`, `prim.rs`, `predef.rs`, `special.rs`, `spatial.rs`, `iterate.rs`, `condact.rs` | calls |
+//! | `expr.rs`, `names.rs`, `ops.rs`, `access.rs`, `compose.rs`, `update.rs`, `clocked.rs`, `case.rs` | expressions |
+//! | `call.rs`, `callable.rs`, `args.rs`, `applied.rs`, `prim.rs`, `predef.rs`, `special.rs`, `spatial.rs`, `iterate.rs`, `condact.rs`, `meant.rs` | calls |
 //! | `task.rs` | tasks: steps, branches, results |
 //! | `nesting.rs`, `recursion.rs` | how deep declarations may need one another, and calls without end |
 //! | `dialect.rs` | where other compilers for Lustre read something else |
@@ -51,6 +51,7 @@ mod header;
 mod instance;
 mod iterate;
 mod locals;
+mod meant;
 mod names;
 mod nesting;
 mod ops;
@@ -73,6 +74,7 @@ mod types;
 mod unit;
 mod unknown;
 mod untold;
+mod update;
 mod words;
 
 use crate::elab::Argument;

@@ -181,6 +181,13 @@ impl<'a> Body<'_, 'a> {
                     format!("`{}` can not take `{ty}`", op.spelling()),
                 )
                 .at(self.span_of(operand), format!("this is `{ty}`"));
+                let finding = match &ty {
+                    Ty::Array(_, n) => finding.help(format!(
+                        "element by element it is `map<<{}, {n}>>(a)`",
+                        op.spelling()
+                    )),
+                    _ => finding,
+                };
                 self.fault_with(finding, span)
             }
         }
@@ -209,12 +216,20 @@ impl<'a> Body<'_, 'a> {
             BinaryOp::In => self.is_in(&binary.lhs, &binary.rhs, span),
             op => {
                 let (left, right) = (self.expr(&binary.lhs), self.expr(&binary.rhs));
+                if TESTS.contains(&op) && self.is_unsampled(&binary.lhs, left) {
+                    return self.fault(span);
+                }
                 if is_chained(binary) {
                     return self.add(Kind::Fault, Ty::Bool, span);
                 }
                 self.binary_prim(op, left, right, span)
             }
         }
+    }
+
+    /// Whether the left side is a sampled flow without its clock, as in `x when x > 0.0`: nobody compares it.
+    fn is_unsampled(&self, lhs: &ast::Expr, left: ExprId) -> bool {
+        matches!(lhs.kind, ExprKind::When(_)) && matches!(self.unit.expr(left).kind, Kind::Fault)
     }
 
     /// Whether an expression is the integer 0, written or worked out from what is written.
@@ -274,6 +289,9 @@ impl<'a> Body<'_, 'a> {
             self.is_real_too(left, right);
             let guess = guess_by_number(self.guesses, op, &a, &b);
             let guess = guess.unwrap_or_else(|| binary_guess(op, &a, &b));
+            // Faults on both sides, of arrays for instance, leave nothing to go by.
+            let faulty = !self.inferring && a.is_unknown() && b.is_unknown();
+            let guess = if faulty { Ty::Unknown } else { guess };
             return self.add(Kind::Fault, guess, span);
         }
         let shifts = matches!(op, BinaryOp::ShiftLeft | BinaryOp::ShiftRight) && b == Ty::Int;

@@ -5,7 +5,7 @@ use super::operators::own_if;
 use super::{Habit, Mend, habit};
 use crate::explain::Found;
 use crate::token::Token;
-use rpi_diag::{Fix, Span};
+use rpi_diag::{Code, Finding, Fix, Span};
 
 /// `until if c then S`
 pub(super) fn conditional(found: &Found<'_, '_>) -> Option<Habit> {
@@ -71,6 +71,32 @@ pub(super) fn late_unless(found: &Found<'_, '_>) -> Option<Habit> {
         .also(found.span_at(name), "it belongs behind this name")
         .fix(fix);
     let mend = Mend::Phrase(at..end, Vec::new());
+    Some(Habit { finding, mend })
+}
+
+/// `automaton ... state S let ... tel tel`
+pub(super) fn no_end(found: &Found<'_, '_>) -> Option<Habit> {
+    use Token::{Automaton, End, Eq, Ident, State, Tel};
+    let at = found.fault.at;
+    let goes_on = match found.token(at) {
+        None | Some(Tel) => true,
+        Some(Ident) => found.token(at + 1) == Some(Eq),
+        _ => false,
+    };
+    let before = (0..at).rev();
+    let mut words = before.filter(|at| matches!(found.token(*at), Some(Automaton | End)));
+    let open = words
+        .next()
+        .filter(|at| found.token(*at) == Some(Automaton))?;
+    if !goes_on || !found.expects(End) || !found.expects(State) {
+        return None;
+    }
+    let last = found.span_at(at - 1);
+    let finding = Finding::new(Code::RPI0004, "this automaton has no end")
+        .at(found.span_at(open), "no `end` for this `automaton`")
+        .also(behind(last), "expected `end` here")
+        .fix(Fix::sure("insert `end`").insert_after(last, "\nend"));
+    let mend = Mend::Tokens(vec![found.before_token(at, End)]);
     Some(Habit { finding, mend })
 }
 

@@ -175,6 +175,29 @@ fn one_choice(found: &Found<'_, '_>, range: Range<usize>) -> Option<String> {
     Some(format!("{name} = if {c} then {a} else {b};"))
 }
 
+/// `switch (x) { case 0: y = 1; ... }`, `case x of ... end_case`
+pub(super) fn switched(found: &Found<'_, '_>) -> Option<Habit> {
+    let at = found.structure.phrase(found.fault.at).start;
+    let word = found.written(at).to_owned();
+    let is_word = matches!(&*word, "switch" | "case" | "select");
+    let begins = at.checked_sub(1).and_then(|at| found.token(at));
+    let is_first = matches!(begins, Some(Token::Let | Token::Semi | Token::Tel));
+    if !is_word || !is_first || found.token(at) != Some(Token::Ident) || at == found.fault.at {
+        return None;
+    }
+    let end = block_end(found, at);
+    let finding = habit("a choice among values is a value, not a statement")
+        .at(
+            found.span_at(at),
+            format!("`{word}` is of another language"),
+        )
+        .help("each flow has one equation: `y = if x = 0 then a else if x = 1 then b else c;`");
+    Some(Habit {
+        finding,
+        mend: Mend::Phrase(at..end, defined(found, at..end)),
+    })
+}
+
 /// `for i = 1 to 3 do ... end`, `while c do ... end`
 pub(super) fn repetition(found: &Found<'_, '_>) -> Option<Habit> {
     let at = found.fault.at.checked_sub(1)?;
@@ -244,7 +267,16 @@ fn block_end(found: &Found<'_, '_>, at: usize) -> usize {
     while let Some(token) = found.token(i) {
         let closes = matches!(
             found.written(i),
-            "end" | "endif" | "endfor" | "end_if" | "end_for" | "done" | "endwhile"
+            "end"
+                | "endif"
+                | "endfor"
+                | "end_if"
+                | "end_for"
+                | "end_case"
+                | "endcase"
+                | "endswitch"
+                | "done"
+                | "endwhile"
         );
         let next = i + 1;
         let ends_braces = token == Token::RBrace && found.token(next) != Some(Token::Else);
@@ -261,9 +293,10 @@ fn block_end(found: &Found<'_, '_>, at: usize) -> usize {
 
 /// The names that equations in a stretch of statements seem to define.
 fn defined(found: &Found<'_, '_>, range: Range<usize>) -> Vec<Ident> {
-    use Token::{Else, Eq, Ident as Word, LBrace, Semi, Then};
+    use Token::{Colon, Else, Eq, Ident as Word, LBrace, Semi, Then};
     let begins = |at: usize| {
-        matches!(found.token(at), Some(Then | Else | Semi | LBrace)) || found.written(at) == "do"
+        matches!(found.token(at), Some(Then | Else | Semi | LBrace | Colon))
+            || found.written(at) == "do"
     };
     let is_target = |at: &usize| {
         found.token(*at) == Some(Word) && found.token(at + 1) == Some(Eq) && begins(at - 1)

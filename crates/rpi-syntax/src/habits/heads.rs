@@ -223,6 +223,98 @@ pub(super) fn size_in_brackets(found: &Found<'_, '_>) -> Option<Habit> {
     Some(Habit { finding, mend })
 }
 
+/// `array[3] of int`, `ARRAY [0..2] OF real[m]`
+pub(super) fn array_of(found: &Found<'_, '_>) -> Option<Habit> {
+    use Token::{BoolType, Hat, Ident, IntType, LBracket, Path, RealType};
+    let at = found.fault.at;
+    let open = (at.saturating_sub(3)..=at).find(|at| found.token(*at) == Some(LBracket))?;
+    let (word, close) = (open.checked_sub(1)?, found.structure.partner(open)?);
+    let element = close + 2;
+    let is = |at, word: &str| found.written(at).eq_ignore_ascii_case(word);
+    let is_type = matches!(
+        found.token(element)?,
+        BoolType | IntType | RealType | Ident | Path
+    );
+    if !is(word, "array") || !is(close + 1, "of") || !is_type {
+        return None;
+    }
+    let last = match (
+        found.token(element + 1),
+        found.structure.partner(element + 1),
+    ) {
+        (Some(LBracket), Some(end)) => end,
+        _ => element,
+    };
+    let place = found.span_of(word..last + 1);
+    let finding = habit("the size of an array stands behind the type of its elements")
+        .at(place, "`array ... of` is of another language");
+    let Some(size) = size_between(found, open + 1..close) else {
+        return Some(Habit {
+            finding: finding.help("three integers are `int^3`, counted from 0"),
+            mend: Mend::Usual,
+        });
+    };
+    let meant = format!("{}^{size}", found.text(element..last + 1));
+    let fix = Fix::sure(format!("write `{meant}`")).replace(place, meant);
+    let mut tokens = found.lexemes[element..=last].to_vec();
+    tokens.extend(found.instead(word, &[Hat]).1);
+    tokens.push(found.lexemes[close - 1]);
+    // What `0..2` says is not written as a number anywhere.
+    let mend = match close - open {
+        2 => Mend::Tokens(vec![(word..last + 1, tokens)]),
+        _ => Mend::Usual,
+    };
+    Some(Habit {
+        finding: finding.fix(fix),
+        mend,
+    })
+}
+
+/// `3`, `n`, and 3 for `0..2`.
+fn size_between(found: &Found<'_, '_>, range: std::ops::Range<usize>) -> Option<String> {
+    use Token::{DotDot, Ident, Int};
+    let tokens: Vec<Token> = range.clone().filter_map(|at| found.token(at)).collect();
+    match tokens[..] {
+        [Int | Ident] => Some(found.text(range).to_owned()),
+        [Int, DotDot, Int] if found.written(range.start) == "0" => {
+            let last: u64 = found.written(range.end - 1).parse().ok()?;
+            Some(last.checked_add(1)?.to_string())
+        }
+        _ => None,
+    }
+}
+
+/// `enum { A; B }`
+pub(super) fn enum_by_semi(found: &Found<'_, '_>) -> Option<Habit> {
+    use Token::{Comma, Enum, LBrace, Semi};
+    let at = found.fault.at;
+    let open = found.structure.parent(at)?;
+    let before = open.checked_sub(1).and_then(|at| found.token(at));
+    let is_enum = found.token(open) == Some(LBrace) && before == Some(Enum);
+    if found.token(at) != Some(Semi) || !is_enum || !found.expects(Comma) {
+        return None;
+    }
+    let close = found.structure.partner(open)?;
+    let mut fix = Fix::sure("write `,`");
+    let mut edits = Vec::new();
+    for at in (at..close).filter(|at| found.token(*at) == Some(Semi)) {
+        let is_last = at + 1 == close;
+        fix = fix.replace(found.span_at(at), if is_last { "" } else { "," });
+        edits.push(match is_last {
+            true => (at..at + 1, Vec::new()),
+            false => found.instead(at, &[Comma]),
+        });
+    }
+    let finding = habit("the values of an enum are kept apart by `,`")
+        .at(
+            found.span_at(at),
+            "`;` stands between the fields of a struct",
+        )
+        .fix(fix);
+    let mend = Mend::Tokens(edits);
+    Some(Habit { finding, mend })
+}
+
 /// `int[m]`
 pub(super) fn unit_of_int(found: &Found<'_, '_>) -> Option<Habit> {
     let at = found.fault.at;

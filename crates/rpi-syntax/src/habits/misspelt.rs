@@ -70,6 +70,11 @@ fn meant(
     let finding = Finding::new(Code::RPI0001, message)
         .at(span, format!("did you mean `{meant}`?"))
         .fix(fix(format!("write `{meant}`")).replace(span, meant));
-    let mend = Mend::Tokens(vec![found.instead(at, &[token])]);
+    let mut edits = vec![found.instead(at, &[token])];
+    // Behind the right word it is the name of what follows.
+    if token == Token::Then && found.token(at + 1) == Some(Token::End) {
+        edits.push(found.instead(at + 1, &[Token::Ident]));
+    }
+    let mend = Mend::Tokens(edits);
     Some(Habit { finding, mend })
 }

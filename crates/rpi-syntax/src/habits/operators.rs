@@ -2,6 +2,7 @@
 
 use super::{Habit, Mend, habit};
 use crate::explain::Found;
+use crate::lexical::seems_declared;
 use crate::token::Token;
 use rpi_diag::{Code, Finding, Fix, Span};
 
@@ -179,6 +180,43 @@ pub(super) fn bare_unit(found: &Found<'_, '_>) -> Option<Habit> {
         found.before_token(last, Token::RBracket),
     ]);
     Some(Habit { finding, mend })
+}
+
+/// `3(x + 1)`, `(a + b)(c + d)`, `2 x`
+pub(super) fn product(found: &Found<'_, '_>) -> Option<Habit> {
+    use Token::{Ident, Int, LParen, RParen, Real};
+    let at = found.fault.at;
+    let before = found.token_before()?;
+    let is_number = matches!(before, Int | Real);
+    let is_factor = match found.token(at)? {
+        LParen => is_number || before == RParen && !is_header(found, at - 1),
+        Ident => is_number && seems_declared(found.cx.text, found.written(at)),
+        _ => false,
+    };
+    let gap = found
+        .cx
+        .span(found.lexemes[at - 1].end, found.lexemes[at].start);
+    let same_line = !found.cx.slice(gap.start, gap.end).contains('\n');
+    if !is_factor || !same_line || !found.expects(Token::Star) {
+        return None;
+    }
+    let finding = habit("a product is written with `*`")
+        .at(
+            found.span_at(at),
+            "does not belong to what stands before it",
+        )
+        .fix(Fix::maybe("insert `*`").replace(gap, " * "));
+    let mend = Mend::Tokens(vec![found.before_token(at, Token::Star)]);
+    Some(Habit { finding, mend })
+}
+
+/// Whether the list of arguments of a call ends at a token.
+fn is_header(found: &Found<'_, '_>, close: usize) -> bool {
+    let open = found.structure.partner(close);
+    let before = open
+        .and_then(|open| open.checked_sub(1))
+        .and_then(|at| found.token(at));
+    matches!(before, Some(Token::Ident | Token::Path | Token::RStatic))
 }
 
 /// `P { x: 1.0 }`

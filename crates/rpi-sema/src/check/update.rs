@@ -1,0 +1,141 @@
+//! Values with parts replaced: `(a with [2] = x; .f[i] = y)`.
+//!
+//! An index that is known only while the program runs is looked up in the list of all indices, so that it is checked as
+//! every other index is; each element is then the new one or the old one.
+
+use super::access::leaves;
+use super::body::Body;
+use super::report::Wanted;
+use crate::ty::Ty;
+use crate::typed::{Each, ExprId, Kind, Leaf};
+use rpi_diag::Span;
+use rpi_syntax::ast::{Access, Change, Update};
+use std::rc::Rc;
+
+/// A value, where it goes, and where that is written.
+struct Part<'a> {
+    path: &'a [Access],
+    value: ExprId,
+    span: Span,
+}
+
+impl<'a> Body<'_, 'a> {
+    /// `(base with [2] = x; .f[1] = y)`
+    pub(super) fn update(&mut self, update: &'a Update, span: Span) -> ExprId {
+        let base = self.expr(&update.base);
+        update
+            .changes
+            .iter()
+            .fold(base, |base, change| self.change(base, change, span))
+    }
+
+    fn change(&mut self, base: ExprId, change: &'a Change, span: Span) -> ExprId {
+        let part = Part {
+            path: &change.path,
+            value: self.expr(&change.value),
+            span,
+        };
+        match self.ty_of(base).is_unknown() {
+            true => self.fault(span),
+            false => self
+                .changed(base, &part)
+                .unwrap_or_else(|| self.fault(span)),
+        }
+    }
+
+    /// A value with a part replaced; none after a fault that has been reported.
+    fn changed(&mut self, base: ExprId, part: &Part<'a>) -> Option<ExprId> {
+        let ty = self.ty_of(base).clone();
+        let Some((first, rest)) = part.path.split_first() else {
+            self.expect(part.value, &ty, &Wanted::Here);
+            return Some(part.value);
+        };
+        let inside = Part {
+            path: rest,
+            ..*part
+        };
+        if let (Access::Index(index), Ty::Array(element, n)) = (first, &ty) {
+            let at = self.expr(index);
+            let is_int = self.expect(at, &Ty::Int, &Wanted::Here);
+            return match self.known_int(at) {
+                _ if !is_int => None,
+                Some(k) => {
+                    let k = self.in_bounds(k, *n, index.span)?;
+                    self.replaced(base, k * leaves(element), (**element).clone(), &inside)
+                }
+                None => self.changed_at(base, at, &inside),
+            };
+        }
+        let (at, inner) = self.path_in(&ty, 0, std::slice::from_ref(first))?;
+        self.replaced(base, at, inner, &inside)
+    }
+
+    /// A value whose part at a known place is another.
+    fn replaced(&mut self, base: ExprId, at: u32, inner: Ty, inside: &Part<'a>) -> Option<ExprId> {
+        let ty = self.ty_of(base).clone();
+        let value = match inside.path {
+            [] => {
+                self.expect(inside.value, &inner, &Wanted::Here);
+                inside.value
+            }
+            _ => {
+                let old = self.add(Kind::Part { base, at }, inner, inside.span);
+                self.changed(old, inside)?
+            }
+        };
+        Some(self.add(Kind::Replace { base, at, value }, ty, inside.span))
+    }
+
+    /// An array whose element at an index that changes is another.
+    fn changed_at(&mut self, base: ExprId, at: ExprId, inside: &Part<'a>) -> Option<ExprId> {
+        let span = inside.span;
+        let Ty::Array(element, n) = self.ty_of(base).clone() else {
+            return None;
+        };
+        self.in_bounds(0, n, span)?;
+        let numbers: Vec<ExprId> = (0..n).map(|k| self.number_of(k, span)).collect();
+        let all = self.add_array(
+            Kind::Build(numbers.clone().into()),
+            Rc::new(Ty::Int),
+            n,
+            span,
+        );
+        let index = self.add(
+            Kind::Select {
+                base: all,
+                index: at,
+            },
+            Ty::Int,
+            span,
+        );
+        let old = self.add(Kind::Select { base, index }, (*element).clone(), span);
+        let new = self.changed(old, inside)?;
+        let mut elements = Vec::with_capacity(numbers.len());
+        for (k, number) in (0..n).zip(numbers) {
+            if !self.may_go_on(span) {
+                return None;
+            }
+            let at = k * leaves(&element);
+            let old = self.add(Kind::Part { base, at }, (*element).clone(), span);
+            elements.push(self.either([index, number], [old, new], span));
+        }
+        Some(self.add_array(Kind::Build(elements.into()), element, n, span))
+    }
+
+    /// The second of two values if two integers are equal, else the first. No `if`: the new value is computed once, for
+    /// all elements, and not only where it is chosen.
+    fn either(&mut self, operands: [ExprId; 2], values: [ExprId; 2], span: Span) -> ExprId {
+        let negated = false;
+        let is_it = self.add(Kind::Equal { operands, negated }, Ty::Bool, span);
+        let [one, zero] = [1, 0].map(|k| self.number_of(k, span));
+        let which = Kind::Each(Each::If, [is_it, one, zero].into());
+        let index = self.add(which, Ty::Int, span);
+        let ty = self.ty_of(values[0]).clone();
+        let base = self.add_array(Kind::Build(values.into()), Rc::new(ty.clone()), 2, span);
+        self.add(Kind::Select { base, index }, ty, span)
+    }
+
+    fn number_of(&mut self, k: u32, span: Span) -> ExprId {
+        self.add(Kind::Literal(Leaf::int(i64::from(k))), Ty::Int, span)
+    }
+}
