@@ -33,6 +33,8 @@ pub struct Command {
     pub(crate) continuity: Continuity,
     pub(crate) on_overrun: OnOverrun,
     pub(crate) overruns: Overruns,
+    /// The most that it does in a cycle, in elementary operations.
+    work: u64,
 }
 
 /// An actuator that a command needs.
@@ -123,6 +125,7 @@ impl Command {
         };
         let exports = machine.image().exports.len();
         Ok(Command {
+            work: machine.work(None),
             shown: vec![None; exports].into(),
             machine,
             state: State::Ready,
@@ -134,6 +137,18 @@ impl Command {
             on_overrun: OnOverrun::default(),
             overruns: Overruns::default(),
         })
+    }
+
+    /// The most that it may have to do in a cycle, in elementary operations (a real addition is 1).
+    #[must_use]
+    pub fn work(&self) -> u64 {
+        self.work
+    }
+
+    /// Its primitives never do more than this in a cycle, in elementary operations: as a compiler has shown that knows which fragments
+    /// exclude one another.
+    pub fn bound_work(&mut self, primitives: u64) {
+        self.work = self.machine.work(Some(primitives));
     }
 
     /// Where it is in its life.

@@ -3,7 +3,7 @@
 use crate::load::{LoadFault, check};
 use crate::ports::{Ports, place};
 use crate::program::{Op, Program, copy};
-use crate::weight::heaviest;
+use crate::weight::Weight;
 use rpi_device::{DeviceBank, Jump};
 use rpi_image::CommandFlow;
 use rpi_image::image::{Actuator, Cells, End, EndKind, Fragment, Image, Signal, TRUE};
@@ -48,8 +48,7 @@ pub struct Machine {
     commit: Program,
     /// For each fragment its part of [`Image::init`].
     init: Box<[Cells]>,
-    /// The fragments with the most work, the heaviest first.
-    heaviest: Box<[u32]>,
+    weight: Weight,
     ports: Ports,
     cycle: u64,
     clock: Clock,
@@ -77,7 +76,7 @@ impl Machine {
             steps: Program::new(&image, &image.steps),
             commit: Program::new(&image, &image.commit),
             init: image.fragments.iter().map(|f| init_of(&image, f)).collect(),
-            heaviest: heaviest(&image),
+            weight: Weight::of(&image),
             ports,
             cycle: 0,
             clock: Clock {
@@ -290,10 +289,18 @@ impl Machine {
         true
     }
 
+    /// The most that it may have to do in a cycle, in elementary operations (a real addition is 1), if its primitives do no more than
+    /// `primitives`; nothing is known of them here but their sum.
+    #[must_use]
+    pub fn work(&self, primitives: Option<u64>) -> u64 {
+        let known = primitives.unwrap_or(u64::MAX).min(self.weight.primitives);
+        known.saturating_add(self.weight.around)
+    }
+
     /// Of the fragments that were active in this cycle the one with the most work of its own.
     #[must_use]
     pub fn busiest(&self) -> u32 {
-        let mut heaviest = self.heaviest.iter().copied();
+        let mut heaviest = self.weight.heaviest.iter().copied();
         heaviest.find(|f| self.is_active(*f)).unwrap_or(0)
     }
 

@@ -6,8 +6,8 @@ use std::path::Path;
 use rpi_diag::{Finding, Severity, SourceMap, Span};
 use rpi_image::Image;
 use rpi_lower::{LowerOptions, Plan};
-use rpi_net::Net;
 use rpi_net::passes::analyse;
+use rpi_net::{FragmentId, Net};
 use rpi_sema::elab::Claims;
 use rpi_syntax::Mode;
 
@@ -219,6 +219,15 @@ pub fn lower_to_run(net: &Net, period_ns: u64) -> Result<Image, String> {
     lower(net, &LowerOptions::running(period_ns))
 }
 
+/// As [`lower_to_run`], with a bound on what its primitives do in a cycle, in elementary operations: of fragments that exclude one
+/// another only the most expensive counts.
+///
+/// # Errors
+/// As there.
+pub fn lower_with_work(net: &Net, period_ns: u64) -> Result<(Image, u64), String> {
+    lowered(net, &LowerOptions::running(period_ns))
+}
+
 /// Lowers a checked net to be looked at: every port can be seen.
 ///
 /// # Errors
@@ -228,7 +237,12 @@ pub fn lower_to_look(net: &Net, period_ns: u64) -> Result<Image, String> {
 }
 
 pub(crate) fn lower(net: &Net, options: &LowerOptions<'_>) -> Result<Image, String> {
+    lowered(net, options).map(|(image, _)| image)
+}
+
+fn lowered(net: &Net, options: &LowerOptions<'_>) -> Result<(Image, u64), String> {
     let analysis = analyse(net.clone(), options.may_be_absent).map_err(|v| v.to_string())?;
     let plan = Plan::of(&analysis).ok_or("something in the net depends on itself")?;
-    rpi_lower::lower(&analysis.net, &plan, options)
+    let image = rpi_lower::lower(&analysis.net, &plan, options)?;
+    Ok((image, analysis.work.of(FragmentId::ROOT)))
 }

@@ -27,12 +27,13 @@ mod violation;
 
 pub use compile::{
     Asked, Compiled, Program, compile, compile_example, compile_with, lower_to_look, lower_to_run,
+    lower_with_work,
 };
 pub use doctext::{doc_blocks, doc_links, examples};
 pub use files::{Disk, Files};
 pub use input::{Input, InputError, Kind, read, utf8};
 pub use inspect::{Inspected, inspect};
-pub use machine::{MACHINE, machine_text};
+pub use machine::{MACHINE, machine_text, read_machine};
 pub use modules::{library_modules, library_text};
 pub use node::{Node, NodeCompiled, compile_node};
 pub use period::{parse_period, period_text};

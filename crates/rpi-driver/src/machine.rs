@@ -28,6 +28,17 @@ pub(crate) fn machine(folder: Option<&Path>, files: &dyn Files) -> Machine {
     text.and_then(|text| parse(&text)).unwrap_or_default()
 }
 
+/// The machine that a file describes, as [`machine_text`] writes it.
+///
+/// # Errors
+/// If the file cannot be read, or describes none.
+pub fn read_machine(path: &Path) -> Result<Machine, String> {
+    let name = path.display();
+    let text = std::fs::read_to_string(path).map_err(|e| format!("{name}: {e}"))?;
+    let wanted = "it has to state `ns-per-operation`, above 0, and may state `period-us`; `rpic machine` writes such a file";
+    parse(&text).ok_or_else(|| format!("{name} describes no machine: {wanted}"))
+}
+
 fn parse(text: &str) -> Option<Machine> {
     let profile: Profile = toml::from_str(text).ok()?;
     let period = profile.period_us.map(|us| us.saturating_mul(1000));

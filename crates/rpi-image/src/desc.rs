@@ -23,7 +23,8 @@ pub struct PrimDesc {
     pub state: State,
     /// How the core treats it.
     pub role: Role,
-    /// Bound of its work in one cycle, in elementary operations (a real addition is 1).
+    /// Bound of its work in one cycle, in elementary operations (a real addition is 1); larger arrays and matrices take
+    /// [more](Type::work_factor).
     pub work: u32,
     /// True if a cycle may fault (integer overflow, division by zero).
     pub may_fault: bool,

@@ -97,6 +97,25 @@ impl Type {
             Type::Matrix(r, c) => r.saturating_mul(c),
         }
     }
+
+    /// How often the [work](crate::PrimDesc::work) that a primitive declares it does for a value of this size: it is declared for
+    /// arrays of up to eight elements, through which it goes once, and for matrices of up to six rows and columns, which it
+    /// may multiply or eliminate.
+    #[must_use]
+    pub const fn work_factor(self) -> u64 {
+        let factor = match self {
+            Type::One(_) => 1,
+            Type::Array(_, n) => (n as u64).div_ceil(8),
+            Type::Matrix(r, c) => {
+                let (rows, cols) = (r as u64, c as u64);
+                let longer = if rows > cols { rows } else { cols };
+                rows.saturating_mul(cols)
+                    .saturating_mul(longer)
+                    .div_ceil(216)
+            }
+        };
+        if factor == 0 { 1 } else { factor }
+    }
 }
 
 impl From<Scalar> for Type {

@@ -11,9 +11,10 @@ use std::time::{Duration, Instant};
 
 use rpi_core::{Continuity, Watch};
 use rpi_device::NoDevices;
-use rpi_host::control::{Options, open};
+use rpi_host::control::{Budget, Options, open};
 use rpi_host::realtime::{self, Beat, Grant, Pace, RealTime};
 use rpi_host::recording::{Taped, Wanted, Written, record};
+use rpi_net::passes::Machine;
 use rpi_sim::Cell;
 
 use crate::cycle::Cycle;
@@ -29,6 +30,9 @@ const REST: Duration = Duration::from_secs(5);
 
 /// The thread of the cycle.
 const CYCLE: &str = "rpi-cycle";
+
+/// How much of a tick commands may take together unless said otherwise.
+const SHARE: f64 = 0.8;
 
 /// Requests to the cycle that can be under way at once.
 const REQUESTS: usize = 4096;
@@ -60,6 +64,11 @@ pub struct Settings {
     pub continuity: Option<Continuity>,
     /// What becomes of a session's commands when its client is gone, where the client does not say.
     pub on_loss: OnLoss,
+    /// How much of a tick commands may take together at most, from 0 to 1, by the bounds that the compiler has for them: those beyond
+    /// are refused. The rest is for requests and devices. Without it nobody sees to that.
+    pub share: Option<f64>,
+    /// Time of an elementary operation at worst, nanoseconds: `rpic machine` measures it.
+    pub ns_per_operation: f64,
     /// How much clients may ask for.
     pub limits: Limits,
 }
@@ -78,6 +87,8 @@ impl Default for Settings {
             real_time: None,
             continuity: None,
             on_loss: OnLoss::default(),
+            share: Some(SHARE),
+            ns_per_operation: Machine::default().ns_per_operation,
             limits: Limits::default(),
         }
     }
@@ -150,6 +161,15 @@ impl Settings {
                 no_tls,
             }),
         }
+    }
+
+    /// What commands may take of a tick.
+    fn budget(&self) -> Option<Budget> {
+        let share = self.share?;
+        Some(Budget {
+            ns_per_operation: self.ns_per_operation,
+            granted_ns: (self.tick_ns.max(1) as f64 * share) as u64,
+        })
     }
 
     fn identity(&self) -> Result<Option<Identity>, CannotOpen> {
@@ -253,6 +273,7 @@ impl Server {
             commands: limits.commands,
             requests: REQUESTS,
             timed: settings.pace == Pace::Real,
+            budget: settings.budget(),
             ..Options::default()
         };
         let devices = Taped::new(bank(cell, limits.devices, tick_ns));

@@ -19,7 +19,11 @@ use crate::run::is_recording;
 pub(crate) fn serve(args: &ServeArgs) -> exit::Outcome {
     let (cell, text) = cell(args.cell.as_deref())?;
     let token = args.token_file.as_deref().map(token).transpose()?;
+    let machine = args.machine.as_deref().map(rpi_driver::read_machine);
+    let machine = machine.transpose()?.unwrap_or_default();
     let settings = Settings {
+        share: args.cycle_share.0,
+        ns_per_operation: machine.ns_per_operation,
         listen: args.listen,
         socket: args.socket.clone(),
         token,

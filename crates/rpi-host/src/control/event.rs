@@ -2,6 +2,7 @@
 
 use std::fmt;
 
+use super::admission::TooMuch;
 use rpi_core::{CommandId, LoadFault, Notice, Refused};
 
 /// A request under way.
@@ -46,6 +47,8 @@ pub enum Rejected {
     Full,
     /// More requests or rules are under way than the queue holds; some must be answered first.
     Busy,
+    /// It takes more of a tick than commands may.
+    TooMuch(TooMuch),
     /// It cannot run in this cell: every reason.
     Loading(Vec<LoadFault>),
     /// A value does not fit its input.
@@ -63,12 +66,19 @@ impl fmt::Display for Rejected {
             Rejected::Unknown => f.write_str("there is no such command"),
             Rejected::Full => f.write_str("all places for commands are taken"),
             Rejected::Busy => f.write_str("too many requests are under way"),
+            Rejected::TooMuch(why) => why.fmt(f),
             Rejected::Loading(faults) => {
                 f.write_str("it cannot run in this cell:")?;
                 faults.iter().try_for_each(|fault| write!(f, "\n  {fault}"))
             }
             Rejected::Value { input, .. } => write!(f, "the value does not fit input {input}"),
         }
+    }
+}
+
+impl From<TooMuch> for Rejected {
+    fn from(why: TooMuch) -> Rejected {
+        Rejected::TooMuch(why)
     }
 }
 

@@ -53,6 +53,7 @@
 //! ```
 //! This module must not know where images come from or who asks: no file, no socket, no session.
 
+mod admission;
 mod board;
 mod event;
 mod executive;
@@ -62,6 +63,7 @@ mod queue;
 mod side;
 mod subscription;
 
+pub use admission::{Budget, TooMuch};
 pub use board::Board;
 pub use event::{Event, Rejected, Ticket};
 pub use executive::Executive;

@@ -5,12 +5,13 @@ use std::sync::Arc;
 use rpi_core::{Command, CommandId, Continuity, OnOverrun, Rule, RuleId, Why};
 use rtrb::{Consumer, Producer, RingBuffer};
 
+use super::admission::Budget;
 use super::board::Board;
 use super::event::{Event, Ticket};
 use super::subscription::Subscription;
 
 /// How large a control core is.
-#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+#[derive(Clone, Copy, PartialEq, Debug)]
 pub struct Options {
     /// Length of a tick, nanoseconds.
     pub tick_ns: u64,
@@ -26,6 +27,8 @@ pub struct Options {
     pub on_overrun: OnOverrun,
     /// Whether it is measured who takes the longest in a tick: where time is real.
     pub timed: bool,
+    /// What all commands of a tick may take together, where somebody sees to that.
+    pub budget: Option<Budget>,
 }
 
 impl Default for Options {
@@ -38,6 +41,7 @@ impl Default for Options {
             continuity: Continuity::default(),
             on_overrun: OnOverrun::default(),
             timed: false,
+            budget: None,
         }
     }
 }

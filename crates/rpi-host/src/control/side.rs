@@ -11,6 +11,7 @@ use rpi_device::DeviceBank;
 use rpi_image::image::End;
 use rpi_image::{Image, Scalar, Type};
 
+use super::admission::Admission;
 use super::board::Board;
 use super::event::{Event, Rejected, Ticket};
 use super::journal::{Asked, Journal};
@@ -58,6 +59,7 @@ pub struct Control<T = rpi_sim::Part> {
     buffer: Vec<u64>,
     samples_lost: u64,
     journal: Option<Journal>,
+    admission: Admission,
 }
 
 impl<T> Control<T> {
@@ -80,6 +82,7 @@ impl<T> Control<T> {
             buffer: Vec::new(),
             samples_lost: 0,
             journal: None,
+            admission: Admission::new(options.budget),
         }
     }
 
@@ -123,7 +126,9 @@ impl<T> Control<T> {
         board: Option<Arc<Board>>,
     ) -> Result<(CommandId, Ticket), Rejected> {
         self.has_room()?;
+        self.admission.fits(&command)?;
         let id = self.places.take().ok_or(Rejected::Full)?;
+        self.admission.enter(id, &command);
         let info = Info {
             image: Arc::clone(command.machine().image()),
             state: State::Ready,
@@ -138,9 +143,13 @@ impl<T> Control<T> {
     /// Starts a command: its first cycle is in the tick that takes the request.
     ///
     /// # Errors
-    /// If it is not known or too much is under way; what the cycle has against it comes as the answer.
+    /// If it is not known, too much is under way, or it takes more of a tick than what runs leaves; what the cycle has against
+    /// it comes as the answer.
     pub fn start(&mut self, id: CommandId) -> Result<Ticket, Rejected> {
-        self.ask_about(id, Request::Start(id))
+        self.admission.admit(&[id])?;
+        let ticket = self.ask_about(id, Request::Start(id))?;
+        self.admission.ask(ticket, &[id]);
+        Ok(ticket)
     }
 
     /// Asks a command to end; it sees `cancel`.
@@ -178,13 +187,16 @@ impl<T> Control<T> {
     /// Makes a rule; see [`Rule`] and [`Control::fact`].
     ///
     /// # Errors
-    /// If too many rules or requests are under way; what the cycle has against it comes as the answer.
+    /// If too many rules or requests are under way, or what it starts takes more of a tick than what may run with it leaves; what the
+    /// cycle has against it comes as the answer.
     pub fn schedule(&mut self, rule: Rule) -> Result<(RuleId, Ticket), Rejected> {
         if self.rules >= self.most_rules {
             return Err(Rejected::Busy);
         }
-        let id = self.places.rule();
+        self.admission.admit(rule.starts())?;
+        let (id, start) = (self.places.rule(), rule.starts().to_vec());
         let ticket = self.ask(Request::Schedule(id, Box::new(rule)))?;
+        self.admission.ask(ticket, &start);
         self.rules += 1;
         Ok((id, ticket))
     }
@@ -259,12 +271,14 @@ impl<T> Control<T> {
         }
         let id = self.freed.pop()?;
         self.commands.remove(&id);
+        self.admission.forget(id);
         self.places.give_back(id);
         Some(Event::Freed(id))
     }
 
     fn next_event(&mut self) -> Option<Event> {
         let event = self.ends.events.pop().ok()?;
+        self.admission.hear(&event);
         self.note(&event);
         Some(event)
     }
@@ -313,6 +327,12 @@ impl<T> Control<T> {
         };
         let export = export.and_then(|k| Some(Fact::Export(u32::try_from(k).ok()?)));
         export.or_else(|| Some(Fact::Result(u32::try_from(result?).ok()?)))
+    }
+
+    /// What a command may take of a tick at most, nanoseconds; 0 where nobody sees to that.
+    #[must_use]
+    pub fn bound_ns(&self, id: CommandId) -> u64 {
+        self.admission.bound_ns(id)
     }
 
     fn ask_about(&mut self, id: CommandId, request: Request<T>) -> Result<Ticket, Rejected> {

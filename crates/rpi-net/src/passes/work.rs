@@ -1,9 +1,10 @@
 //! A bound on the work of one cycle (M13): the sum over all primitives, of fragments that exclude each other the largest.
 
 use super::proof::{Background, Effort, Happening, Prover};
-use crate::net::{FragmentId, Net};
+use crate::net::{FragmentId, Input, Net, Node};
 use crate::tree::Tree;
 use rpi_diag::{Code, Finding};
+use rpi_image::{Type, Value};
 
 /// Fragments side by side that are compared with each other; of more, all work is added up.
 const COMPARED: usize = 64;
@@ -26,9 +27,9 @@ impl Work {
             let own: u64 = tree
                 .nodes(id)
                 .iter()
-                .map(|n| u64::from(net.node(*n).desc().work))
+                .map(|n| work_of(net, net.node(*n)))
                 .sum();
-            of[id.index()] = own + children(&mut prover, tree, id, &of);
+            of[id.index()] = own.saturating_add(children(&mut prover, tree, id, &of));
         }
         Work { of }
     }
@@ -37,6 +38,26 @@ impl Work {
     #[must_use]
     pub fn of(&self, fragment: FragmentId) -> u64 {
         self.of.get(fragment.index()).copied().unwrap_or(0)
+    }
+}
+
+/// The bound for a primitive: what it declares, for the largest of the arrays and matrices that it reads and gives.
+fn work_of(net: &Net, node: &Node) -> u64 {
+    let inputs = node.inputs.iter().filter_map(|input| type_of(net, input));
+    let params = node.params.iter().filter_map(Value::ty);
+    let types = inputs.chain(params).chain(node.outputs.iter().copied());
+    let factor = types.map(Type::work_factor).max().unwrap_or(1);
+    u64::from(node.desc().work).saturating_mul(factor)
+}
+
+fn type_of(net: &Net, input: &Input) -> Option<Type> {
+    match input {
+        Input::Open => None,
+        Input::Const(value) => value.ty(),
+        Input::Port(port) => {
+            let node = net.nodes.get(port.node.index())?;
+            node.outputs.get(usize::from(port.port)).copied()
+        }
     }
 }
 

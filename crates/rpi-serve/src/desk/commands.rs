@@ -127,7 +127,9 @@ impl Desk {
     pub(super) fn loaded(&mut self, job: Job, loaded: Result<Made, Vec<String>>) {
         let generation = self.generation();
         let loaded = match loaded {
-            Ok(Made::Task(script)) => return self.task_loaded(job.number, Ok(script)),
+            Ok(Made::Task(script, work)) => {
+                return self.task_loaded(job.number, Ok((script, work)));
+            }
             Ok(Made::Command(loaded)) => Ok(loaded),
             Err(reasons) if job.what == What::Task => {
                 return self.task_loaded(job.number, Err(reasons));
@@ -201,6 +203,11 @@ impl Desk {
         let number = number_of(name, 'n');
         let found = number.and_then(|n| Some((n, self.commands.get(&n)?)));
         found.ok_or_else(|| Failure::Unknown(format!("command {name}")))
+    }
+
+    /// What a command may take of a tick at most, nanoseconds, once it is loaded.
+    pub(crate) fn bound_ns(&self, record: &Record) -> Option<u64> {
+        Some(self.control.bound_ns(record.id?))
     }
 
     /// All commands by their names.

@@ -1,5 +1,6 @@
 //! Loading beside the cycle: from a text to a command, on threads of its own.
 
+use std::cell::RefCell;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::PathBuf;
 use std::sync::{Arc, Mutex, PoisonError};
@@ -58,8 +59,8 @@ pub(crate) struct Origin {
 pub(crate) enum Made {
     /// A command that can run.
     Command(Loaded),
-    /// What a task needs to run.
-    Task(Script),
+    /// What a task needs to run, and the bounds on what the primitives of its commands do.
+    Task(Script, Vec<u64>),
 }
 
 /// What loading has given.
@@ -102,7 +103,7 @@ fn work(jobs: &Queue, continuity: Option<Continuity>, twin: &Mutex<Twin>, done: 
     while let Some(job) = jobs.pop() {
         let loaded = catch_unwind(AssertUnwindSafe(|| match job.what {
             What::Command => load(&job, continuity, twin).map(Made::Command),
-            What::Task => script(&job).map(Made::Task),
+            What::Task => script(&job).map(|(script, work)| Made::Task(script, work)),
         }));
         let loaded =
             loaded.unwrap_or_else(|_| Err(vec!["the compiler broke down at this text".to_owned()]));
@@ -115,7 +116,7 @@ fn load(
     continuity: Option<Continuity>,
     twin: &Mutex<Twin>,
 ) -> Result<Loaded, Vec<String>> {
-    let (image, reasons, taken_over) = image(job)?;
+    let (image, work, reasons, taken_over) = image(job)?;
     let image = Arc::new(image);
     let mut twin = twin.lock().unwrap_or_else(PoisonError::into_inner);
     let generation = twin.generation;
@@ -127,6 +128,7 @@ fn load(
         Language::Rpi => Continuity::default(),
     }));
     command.bound_overruns(job.on_overrun);
+    command.bound_work(work);
     Ok(Loaded {
         command: Box::new(command),
         image,
@@ -136,11 +138,16 @@ fn load(
     })
 }
 
-fn image(job: &Job) -> Result<(Image, Reasons, Vec<String>), Vec<String>> {
+/// The image of a command, the bound on what its primitives do, why its Booleans can be true, and what it takes over.
+type Lowered = (Image, u64, Reasons, Vec<String>);
+
+fn image(job: &Job) -> Result<Lowered, Vec<String>> {
     let compiled = job.origin.compiled()?;
     let net = choose(&compiled, job.origin.command.as_deref())?;
-    let image = rpi_driver::lower_to_run(net, job.period_ns).map_err(|e| vec![e])?;
-    Ok((image, Reasons::of(net), taken_over(&compiled, net)))
+    let lowered = rpi_driver::lower_with_work(net, job.period_ns);
+    let (image, work) = lowered.map_err(|e| vec![e])?;
+    let taken_over = taken_over(&compiled, net);
+    Ok((image, work, Reasons::of(net), taken_over))
 }
 
 /// The inputs of a command that it takes over from the one before it: those that are declared as a flow, under its name.
@@ -151,7 +158,7 @@ fn taken_over(compiled: &Compiled, net: &Net) -> Vec<String> {
 }
 
 /// The task of a program that was asked for, or its only one.
-fn script(job: &Job) -> Result<Script, Vec<String>> {
+fn script(job: &Job) -> Result<(Script, Vec<u64>), Vec<String>> {
     let compiled = job.origin.compiled()?;
     let tasks = &compiled.tasks;
     let task = match job.origin.command.as_deref() {
@@ -160,8 +167,14 @@ fn script(job: &Job) -> Result<Script, Vec<String>> {
     };
     let known = || tasks.iter().map(|task| task.name.as_str());
     let task = task.ok_or_else(|| which("task", known().collect()))?;
-    let lower = |net: &Net| rpi_driver::lower_to_run(net, job.period_ns);
-    Script::of_task(task, compiled.nets(), lower).map_err(|why| vec![why])
+    let bounds = RefCell::new(Vec::new());
+    let lower = |net: &Net| {
+        let (image, work) = rpi_driver::lower_with_work(net, job.period_ns)?;
+        bounds.borrow_mut().push(work);
+        Ok(image)
+    };
+    let script = Script::of_task(task, compiled.nets(), lower).map_err(|why| vec![why])?;
+    Ok((script, bounds.into_inner()))
 }
 
 impl Origin {

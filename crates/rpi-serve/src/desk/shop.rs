@@ -31,7 +31,7 @@ impl Shop<'_> {
     }
 
     /// A command of the task, in memory and guarded.
-    fn make(&self, image: &Arc<Image>) -> Result<Box<Command>, Rejected> {
+    fn make(&self, index: usize, image: &Arc<Image>) -> Result<Box<Command>, Rejected> {
         let twin = self.desk.twin.lock();
         let mut twin = twin.unwrap_or_else(PoisonError::into_inner);
         let command = Command::load(Arc::clone(image), &mut twin.bank);
@@ -40,6 +40,9 @@ impl Shop<'_> {
         let record = self.desk.tasks.get(&self.number);
         let on_overrun = record.map_or(self.desk.on_overrun, |r| r.on_overrun);
         command.bound_overruns(on_overrun);
+        if let Some(work) = record.and_then(|r| r.work.get(index)) {
+            command.bound_work(*work);
+        }
         Ok(Box::new(command))
     }
 }
@@ -51,7 +54,7 @@ impl Workshop for Shop<'_> {
 
     fn load(&mut self, index: usize) -> Result<CommandId, Rejected> {
         let image = self.image(index);
-        let command = self.make(&image)?;
+        let command = self.make(index, &image)?;
         let bytes = command.machine().footprint();
         let adopted: Adopted = self.desk.control.adopt_with_board(command)?;
         let id = adopted.id;

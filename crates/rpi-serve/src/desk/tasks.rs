@@ -83,6 +83,8 @@ pub(super) struct TaskRecord {
     /// Bytes that it takes.
     pub(super) bytes: usize,
     pub(super) script: Option<Script>,
+    /// For each of its images the bound on what its primitives do.
+    pub(super) work: Vec<u64>,
     /// What becomes of its commands if their cycles take too long.
     pub(super) on_overrun: OnOverrun,
     task: Option<Task<Plan>>,
@@ -121,6 +123,7 @@ impl Desk {
             title: shortened(load.title, self.limits.name),
             bytes: load.bytes(),
             script: None,
+            work: Vec::new(),
             on_overrun,
             task: None,
             status: TaskStatus {
@@ -153,13 +156,17 @@ impl Desk {
     }
 
     /// Loading is done: the task can be started, or its owner hears why not.
-    pub(super) fn task_loaded(&mut self, number: u64, loaded: Result<Script, Vec<String>>) {
-        let script = match loaded {
-            Ok(script) => script,
+    pub(super) fn task_loaded(
+        &mut self,
+        number: u64,
+        loaded: Result<(Script, Vec<u64>), Vec<String>>,
+    ) {
+        let (script, work) = match loaded {
+            Ok(loaded) => loaded,
             Err(reasons) => return self.reject_task(number, Failure::Rejected(reasons)),
         };
         if let Some(record) = self.tasks.get_mut(&number) {
-            record.script = Some(script);
+            (record.script, record.work) = (Some(script), work);
             record.status.phase = TaskPhase::Ready;
             answer(record.loading.take(), Ok(format!("t{number}")));
         }

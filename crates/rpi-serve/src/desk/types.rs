@@ -2,7 +2,7 @@
 
 use std::fmt;
 
-use rpi_host::control::{Cause, Ending, Refused, Rejected, State};
+use rpi_host::control::{Cause, Ending, Refused, Rejected, State, TooMuch};
 
 use super::tasks::TaskStatus;
 
@@ -124,6 +124,8 @@ pub(crate) enum Failure {
     Stopped(String),
     /// More than the server grants.
     Limit(&'static str),
+    /// More of a tick than commands may take.
+    TooMuch(TooMuch),
     /// The server has too much to do.
     Busy,
 }
@@ -142,6 +144,7 @@ impl From<Rejected> for Failure {
             Rejected::Unknown => Failure::Unknown("command".to_owned()),
             Rejected::Full => Failure::Limit("commands"),
             Rejected::Busy => Failure::Busy,
+            Rejected::TooMuch(why) => Failure::TooMuch(why),
             Rejected::Loading(faults) => {
                 Failure::Rejected(faults.iter().map(ToString::to_string).collect())
             }
@@ -165,6 +168,14 @@ impl fmt::Display for Failure {
                 )
             }
             Failure::Limit(what) => write!(f, "limit reached: {what}"),
+            Failure::TooMuch(why) => {
+                let alone = why.needed_ns > why.granted_ns;
+                let less = "let it do less in a cycle, measure the machine (`rpic machine`, `rpi serve --machine FILE`) or grant more (`--cycle-share`)";
+                match alone {
+                    true => write!(f, "{why}; {less}"),
+                    false => write!(f, "{why}; end or unschedule others first, {less}"),
+                }
+            }
             Failure::Busy => f.write_str("the server has too much to do, try again"),
         }
     }

@@ -117,6 +117,14 @@ fn code_of(why: &Failure) -> (i64, Value) {
         Failure::Rejected(reasons) => (-32002, json!({"reasons": reasons})),
         Failure::Refused(_) | Failure::InUse(_) | Failure::Held(_) => (-32003, Value::Null),
         Failure::Limit(_) => (-32004, Value::Null),
+        Failure::TooMuch(why) => {
+            let [needed, taken, granted] =
+                [why.needed_ns, why.taken_ns, why.granted_ns].map(|ns| ns as f64 * 1e-9);
+            (
+                -32008,
+                json!({"needed": needed, "taken": taken, "granted": granted}),
+            )
+        }
         Failure::Busy => (-32005, Value::Null),
         Failure::Stopped(_) => (-32006, Value::Null),
         Failure::NotYours(_) => (-32007, Value::Null),

@@ -130,7 +130,11 @@ fn literal(value: &Value) -> String {
 fn describe(front: &mut RpcFront, call: &Call<'_>) -> Answer {
     let desk = front.office.desk();
     let (_, record) = desk.find(call.text("command")?)?;
-    Ok(Some(description(record)))
+    let mut told = description(record);
+    if let Some(bound_ns) = desk.bound_ns(record) {
+        told["bound"] = json!(seconds(bound_ns));
+    }
+    Ok(Some(told))
 }
 
 fn description(record: &Record) -> Value {

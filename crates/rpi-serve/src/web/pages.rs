@@ -199,6 +199,8 @@ fn stats(office: &Office, name: &str) -> Result<String, Failure> {
     xml.leaf("cycles", &[], &record.cycles().to_string());
     xml.leaf("period", &[("unit", "ns")], &record.period_ns().to_string());
     xml.leaf("memory", &[("unit", "bytes")], &record.bytes().to_string());
+    let bound = desk.bound_ns(record).unwrap_or(0);
+    xml.leaf("bound", &[("unit", "ns")], &bound.to_string());
     let overruns = record.overruns().map_or(0, |(count, _)| count);
     xml.leaf("overruns", &[], &overruns.to_string());
     Ok(xml.finish())

@@ -15,4 +15,5 @@ mod overruns;
 mod owners;
 mod recording;
 mod rules;
+mod share;
 mod spec;

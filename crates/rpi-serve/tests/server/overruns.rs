@@ -34,6 +34,7 @@ fn heavy() -> String {
 fn quick() -> Settings {
     Settings {
         tick_ns: TICK_NS,
+        share: None,
         ..settings()
     }
 }
