@@ -120,20 +120,21 @@ impl Machine {
         self.ports.held()
     }
 
-    /// Bytes of memory that it takes: cells, steps and the operand words of its image.
+    /// Bytes of memory that it takes beside its image: cells and steps.
     #[must_use]
-    pub fn footprint(&self) -> usize {
-        let image = &*self.image;
+    pub fn memory(&self) -> usize {
         size_of_val(&*self.cells)
             + size_of_val(&*self.steps.ops)
             + size_of_val(&*self.steps.guards)
             + size_of_val(&*self.commit.ops)
             + size_of_val(&*self.commit.guards)
-            + size_of_val(&*image.code)
-            + size_of_val(&*image.steps)
-            + size_of_val(&*image.commit)
-            + size_of_val(&*image.init)
-            + size_of_val(&*image.origins)
+            + size_of_val(&*self.init)
+    }
+
+    /// Bytes of memory that it takes with its image.
+    #[must_use]
+    pub fn footprint(&self) -> usize {
+        self.memory() + self.image.footprint()
     }
 
     /// The first fault of this cycle.

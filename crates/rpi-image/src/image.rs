@@ -326,6 +326,12 @@ pub struct Place {
     pub text: Option<TextRange>,
 }
 
+impl Place {
+    fn text_len(&self) -> usize {
+        self.path.len() + self.flow.as_ref().map_or(0, String::len)
+    }
+}
+
 /// A range of bytes in a source text; the compiler that made the image knows the files.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub struct TextRange {
@@ -356,6 +362,41 @@ impl Image {
     pub fn place_of(&self, cell: u32) -> Option<&Place> {
         let found = self.origins.binary_search_by_key(&cell, |o| o.0).ok()?;
         self.places.get(self.origins.get(found)?.1 as usize)
+    }
+
+    /// About how many bytes of memory it takes: its lists and the texts in them.
+    #[must_use]
+    pub fn footprint(&self) -> usize {
+        let ports = self.sensors.iter().map(|s| &s.port);
+        let ports = ports.chain(self.actuators.iter().map(|a| &a.port));
+        let ports = ports.chain(self.functions.iter().map(|f| &f.port));
+        let texts = ports.map(|p| p.device.len() + p.port.len()).sum::<usize>()
+            + self.prims.iter().map(|p| p.name.len()).sum::<usize>()
+            + self.fragments.iter().map(|f| f.path.len()).sum::<usize>()
+            + self.inputs.iter().map(|i| i.key.len()).sum::<usize>()
+            + self.exports.iter().map(|e| e.key.len()).sum::<usize>()
+            + self.probes.iter().map(|p| p.port.len()).sum::<usize>()
+            + self.places.iter().map(Place::text_len).sum::<usize>();
+        let parts = self.actuators.iter().map(|a| size_of_val(&*a.inputs));
+        let arguments = self.functions.iter();
+        let arguments = arguments.map(|f| size_of_val(&*f.arguments) + size_of_val(&*f.results));
+        let lists = size_of_val(&*self.init)
+            + size_of_val(&*self.prims)
+            + size_of_val(&*self.code)
+            + size_of_val(&*self.steps)
+            + size_of_val(&*self.commit)
+            + size_of_val(&*self.fragments)
+            + size_of_val(&*self.sensors)
+            + size_of_val(&*self.actuators)
+            + size_of_val(&*self.functions)
+            + size_of_val(&*self.inputs)
+            + size_of_val(&*self.exports)
+            + size_of_val(&*self.flows)
+            + size_of_val(&*self.places)
+            + size_of_val(&*self.origins)
+            + size_of_val(&*self.probes)
+            + size_of_val(&*self.trace);
+        size_of_val(self) + texts + lists + parts.chain(arguments).sum::<usize>()
     }
 
     /// `path.port` of a probe.

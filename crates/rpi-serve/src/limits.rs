@@ -18,10 +18,10 @@ pub struct Limits {
     /// What all rules at a time may say: facts in their conditions, and commands that they stop, cancel and start. The cycle looks
     /// at all of it in each tick.
     pub facts: usize,
-    /// Rules of one session at a time. A rule is of the sessions whose commands it names.
-    pub session_rules: usize,
-    /// What all rules of one session may say.
-    pub session_facts: usize,
+    /// Rules at a time that one client has made, in whichever sessions.
+    pub client_rules: usize,
+    /// What all rules at a time that one client has made may say.
+    pub client_facts: usize,
     /// Cells of memory (8 bytes) that one request may set: numbers, or parts of arrays.
     pub values: usize,
     /// Devices at a time, those of the cell included.
@@ -53,8 +53,8 @@ impl Default for Limits {
             session_commands: 128,
             rules: 1024,
             facts: 4096,
-            session_rules: 512,
-            session_facts: 2048,
+            client_rules: 512,
+            client_facts: 2048,
             values: 4096,
             devices: 64,
             message: 16 << 20,

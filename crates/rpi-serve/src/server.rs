@@ -502,7 +502,8 @@ mod tests {
         desk.watch_devices(Box::new(Deaf));
         desk.watch_session(&session, Box::new(Deaf)).unwrap();
         assert_eq!(desk.watching(), 3);
-        desk.lose_client(&[]);
+        let client = desk.client();
+        desk.lose_client(client, &[]);
         assert_eq!(desk.watching(), 0);
     }
 

@@ -47,6 +47,8 @@ pub enum Rejected {
     Full,
     /// More requests or rules are under way than the queue holds; some must be answered first.
     Busy,
+    /// Whoever wants it has no memory left for it.
+    Memory,
     /// It takes more of a tick than commands may.
     TooMuch(TooMuch),
     /// It cannot run in this cell: every reason.
@@ -66,6 +68,7 @@ impl fmt::Display for Rejected {
             Rejected::Unknown => f.write_str("there is no such command"),
             Rejected::Full => f.write_str("all places for commands are taken"),
             Rejected::Busy => f.write_str("too many requests are under way"),
+            Rejected::Memory => f.write_str("there is no memory left for it"),
             Rejected::TooMuch(why) => why.fmt(f),
             Rejected::Loading(faults) => {
                 f.write_str("it cannot run in this cell:")?;

@@ -5,7 +5,7 @@
 
 use std::collections::VecDeque;
 
-use rpi_host::control::{CommandId, Rejected, Why};
+use rpi_host::control::{CommandId, Rejected, RuleId, Why};
 
 use super::{Desk, Failure, Then};
 
@@ -25,7 +25,15 @@ const RESERVED: usize = 1024;
 
 /// What has found no room yet, in the order in which it came up.
 #[derive(Default)]
-pub(super) struct Owed(VecDeque<(CommandId, Debt)>);
+pub(super) struct Owed(VecDeque<Owing>);
+
+/// To whom something is to be done.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+enum Owing {
+    Command(CommandId, Debt),
+    /// It is dropped.
+    Rule(RuleId),
+}
 
 impl Desk {
     /// Does something to a command that is in the table, as soon as there is room to ask for it.
@@ -36,19 +44,29 @@ impl Desk {
     }
 
     pub(super) fn owe_by_id(&mut self, id: CommandId, debt: Debt) {
-        if !self.owed.0.contains(&(id, debt)) {
-            self.owed.0.push_back((id, debt));
+        self.owe_it(Owing::Command(id, debt));
+    }
+
+    /// Drops a rule as soon as there is room to ask for it.
+    pub(super) fn owe_rule(&mut self, id: RuleId) {
+        self.owe_it(Owing::Rule(id));
+    }
+
+    fn owe_it(&mut self, owing: Owing) {
+        if !self.owed.0.contains(&owing) {
+            self.owed.0.push_back(owing);
         }
         self.pay();
     }
 
     /// Asks for what is owed, as far as there is room.
     pub(super) fn pay(&mut self) {
-        while let Some((id, debt)) = self.owed.0.front().copied() {
-            let asked = match debt {
-                Debt::Cancel => self.control.cancel(id),
-                Debt::Abort(why) => self.control.abort(id, why),
-                Debt::Unload => self.control.unload(id),
+        while let Some(owing) = self.owed.0.front().copied() {
+            let asked = match owing {
+                Owing::Command(id, Debt::Cancel) => self.control.cancel(id),
+                Owing::Command(id, Debt::Abort(why)) => self.control.abort(id, why),
+                Owing::Command(id, Debt::Unload) => self.control.unload(id),
+                Owing::Rule(id) => self.control.withdraw(id),
             };
             if asked == Err(Rejected::Busy) {
                 return;

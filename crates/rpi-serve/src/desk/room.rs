@@ -4,6 +4,7 @@
 use rpi_host::control::State;
 
 use super::owed::Debt;
+use super::types::MEMORY;
 use super::{Desk, Failure, Phase, Record};
 
 /// Who has given up what is only waiting to be freed.
@@ -19,9 +20,10 @@ impl Desk {
         self.fits(session, 1, text)
     }
 
-    /// Makes room for the memory that a command of the table takes, now that it is loaded.
+    /// Makes room for the memory that a command or task of this number takes, now that it is loaded.
     pub(super) fn has_memory(&mut self, number: u64, bytes: usize) -> Result<(), Failure> {
-        let session = self.commands.get(&number).map(|r| r.session);
+        let command = self.commands.get(&number).map(|r| r.session);
+        let session = command.or(self.tasks.get(&number).map(|t| t.session));
         session.map_or(Ok(()), |session| self.fits(session, 0, bytes))
     }
 
@@ -31,7 +33,7 @@ impl Desk {
             let lacks = if count + more > self.limits.session_commands {
                 "commands"
             } else if used.saturating_add(bytes) > self.limits.session_memory {
-                "memory of the session"
+                MEMORY
             } else {
                 return Ok(());
             };

@@ -17,6 +17,8 @@ pub(super) struct RuleRecord {
     cancel: Vec<CommandId>,
     /// What it starts.
     start: Vec<CommandId>,
+    /// Who has made it.
+    maker: Client,
     /// Facts that it asks for and commands that it does something to.
     weight: usize,
     pub(super) watchers: Vec<Box<dyn Sink>>,
@@ -40,12 +42,15 @@ pub(crate) struct Make<'a> {
     pub(crate) stop: &'a [&'a str],
     pub(crate) cancel: &'a [&'a str],
     pub(crate) start: &'a [&'a str],
+    /// Who makes it.
+    pub(crate) maker: Client,
     /// What nothing can start any more is ready again, instead of unloaded.
     pub(crate) keep: bool,
 }
 
-/// What rules may say in all.
+/// What rules may say in all, and those of one client.
 const SAID: &str = "facts and commands in all rules";
+const SAID_BY_ONE: &str = "facts and commands in all rules of one client";
 
 /// Rules that are over and still remembered, for those who ask late.
 const REMEMBERED: usize = 4096;
@@ -98,17 +103,51 @@ impl Desk {
         }
     }
 
-    /// Fails if there are too many rules, or they say too much: the cycle looks at all of them.
+    /// Fails if there are too many rules, or they say too much, in all or of this client: the cycle looks at all of them.
     fn has_room_for(&self, rule: &RuleRecord) -> Result<(), Failure> {
+        let limits = &self.limits;
+        let of_one = |r: &RuleRecord| r.maker == rule.maker;
+        let bounds = [
+            (
+                self.rules_of(of_one),
+                limits.client_rules,
+                limits.client_facts,
+                "rules of one client",
+                SAID_BY_ONE,
+            ),
+            (
+                self.rules_of(|_| true),
+                limits.rules,
+                limits.facts,
+                "rules",
+                SAID,
+            ),
+        ];
+        for ((count, said), most, most_said, rules, facts) in bounds {
+            if count >= most {
+                return Err(Failure::Limit(rules));
+            }
+            if said + rule.weight > most_said {
+                return Err(Failure::Limit(facts));
+            }
+        }
+        Ok(())
+    }
+
+    /// How many rules of these there are that may still fire, and how much they say.
+    fn rules_of(&self, are: impl Fn(&RuleRecord) -> bool) -> (usize, usize) {
         let active = self.rules.values().filter(|r| r.state == RuleState::Active);
-        let (count, weight) = active.fold((0, rule.weight), |(n, w), r| (n + 1, w + r.weight));
-        if count >= self.limits.rules {
-            return Err(Failure::Limit("rules"));
-        }
-        match weight > self.limits.facts {
-            true => Err(Failure::Limit(SAID)),
-            false => Ok(()),
-        }
+        let these = active.filter(|r| are(r));
+        these.fold((0, 0), |(n, said), r| (n + 1, said + r.weight))
+    }
+
+    /// A client is gone: of its rules those that do nothing would only have told it something.
+    pub(super) fn drop_idle_rules(&mut self, client: Client) {
+        let own = self.rules.iter().filter(|(_, r)| r.maker == client);
+        let idle =
+            own.filter(|(_, r)| r.state == RuleState::Active && r.acts_on().next().is_none());
+        let idle: Vec<RuleId> = idle.map(|(id, _)| *id).collect();
+        idle.into_iter().for_each(|id| self.owe_rule(id));
     }
 
     fn rule(&self, make: &Make<'_>) -> Result<(Rule, RuleRecord), Failure> {
@@ -128,6 +167,7 @@ impl Desk {
         rule = start.iter().copied().fold(rule, Rule::start);
         let record = RuleRecord {
             state: RuleState::Active,
+            maker: make.maker,
             weight: make.when.facts() + stop.len() + cancel.len() + start.len(),
             stop,
             cancel,

@@ -103,7 +103,8 @@ impl Desk {
     }
 
     /// A client is gone: its sessions have nobody, and nobody tells it anything.
-    pub(crate) fn lose_client(&mut self, sessions: &[String]) {
+    pub(crate) fn lose_client(&mut self, client: Client, sessions: &[String]) {
+        self.drop_idle_rules(client);
         sessions.iter().for_each(|name| self.lose_session(name));
         self.forget_deaf();
     }

@@ -55,7 +55,10 @@ impl Workshop for Shop<'_> {
     fn load(&mut self, index: usize) -> Result<CommandId, Rejected> {
         let image = self.image(index);
         let command = self.make(index, &image)?;
-        let bytes = command.machine().footprint();
+        // Its image is the task's, and counted there.
+        let bytes = command.machine().memory();
+        let room = self.desk.has_memory(self.number, bytes);
+        room.map_err(|_| Rejected::Memory)?;
         let adopted: Adopted = self.desk.control.adopt_with_board(command)?;
         let id = adopted.id;
         let session = self.record().map_or(0, |record| record.session);

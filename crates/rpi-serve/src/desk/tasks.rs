@@ -165,8 +165,13 @@ impl Desk {
             Ok(loaded) => loaded,
             Err(reasons) => return self.reject_task(number, Failure::Rejected(reasons)),
         };
+        let bytes = script.images.iter().map(|image| image.footprint()).sum();
+        if let Err(why) = self.has_memory(number, bytes) {
+            return self.reject_task(number, why);
+        }
         if let Some(record) = self.tasks.get_mut(&number) {
             (record.script, record.work) = (Some(script), work);
+            record.bytes += bytes;
             record.status.phase = TaskPhase::Ready;
             answer(record.loading.take(), Ok(format!("t{number}")));
         }

@@ -130,6 +130,9 @@ pub(crate) enum Failure {
     Busy,
 }
 
+/// The limit on what a session's commands and tasks take.
+pub(super) const MEMORY: &str = "memory of the session";
+
 /// As much of what somebody calls something as is kept: `most` bytes.
 pub(super) fn shortened(name: &str, most: usize) -> String {
     name[..name.floor_char_boundary(most)].to_owned()
@@ -144,6 +147,7 @@ impl From<Rejected> for Failure {
             Rejected::Unknown => Failure::Unknown("command".to_owned()),
             Rejected::Full => Failure::Limit("commands"),
             Rejected::Busy => Failure::Busy,
+            Rejected::Memory => Failure::Limit(MEMORY),
             Rejected::TooMuch(why) => Failure::TooMuch(why),
             Rejected::Loading(faults) => {
                 Failure::Rejected(faults.iter().map(ToString::to_string).collect())

@@ -87,7 +87,7 @@ impl Front for DioFront {
 impl Drop for DioFront {
     fn drop(&mut self) {
         self.out.end();
-        self.office.desk().lose_client(&self.sessions);
+        self.office.desk().lose_client(self.client, &self.sessions);
     }
 }
 
@@ -202,6 +202,7 @@ impl DioFront {
             stop: &texts(message, 1)?,
             cancel: &texts(message, 2)?,
             start: &texts(message, 3)?,
+            maker: self.client,
             // Whoever loaded a net also unloads it.
             keep: true,
         };

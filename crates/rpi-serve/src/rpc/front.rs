@@ -55,7 +55,7 @@ impl Front for RpcFront {
 impl Drop for RpcFront {
     fn drop(&mut self) {
         self.out.end();
-        self.office.desk().lose_client(&self.sessions);
+        self.office.desk().lose_client(self.client, &self.sessions);
     }
 }
 

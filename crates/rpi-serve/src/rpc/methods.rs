@@ -185,6 +185,7 @@ fn schedule(front: &mut RpcFront, call: &Call<'_>) -> Answer {
         stop: &[],
         cancel: &[],
         start: &[call.text("command")?],
+        maker: front.client,
         keep: call.flag("keep")?,
     };
     front.may_act(make.start)?;
@@ -202,6 +203,7 @@ fn make_rule(front: &mut RpcFront, call: &Call<'_>) -> Answer {
         stop: &call.texts("stop")?,
         cancel: &call.texts("cancel")?,
         start: &call.texts("start")?,
+        maker: front.client,
         keep: call.flag("keep")?,
     };
     front.office.desk().may_say(&make)?;

@@ -76,6 +76,39 @@ fn rules_say_only_so_much_in_all() {
     assert_eq!(refused["error"]["code"], -32004, "{refused}");
 }
 
+/// One client cannot use up what there is for all; what it leaves behind when it goes is dropped.
+#[test]
+fn rules_are_counted_by_client() {
+    let server = with(Limits {
+        client_rules: 3,
+        client_facts: 50,
+        ..Limits::default()
+    });
+    let (mut one, mut other) = (Owner::new(&server), Owner::new(&server));
+    let count = one.load(COUNT, "count", "rpi");
+    let even = format!("{}.even", count.as_str().unwrap());
+    let idle = json!({"when": even});
+    for _ in 0..3 {
+        assert!(one.ask("rule.make", &idle)["result"]["rule"].is_string());
+    }
+    let refused = one.ask("rule.make", &idle);
+    assert_eq!(refused["error"]["code"], -32004, "{refused}");
+    let message = refused["error"]["message"].as_str().unwrap();
+    assert!(message.contains("rules of one client"), "{message}");
+    let made = other.ask("rule.make", &idle);
+    let rule = json!({"rule": made["result"]["rule"]});
+    let long = json!({"when": vec![even; 60].join(" & ")});
+    let refused = other.ask("rule.make", &long);
+    let message = refused["error"]["message"].as_str().unwrap();
+    assert!(message.contains("in all rules of one client"), "{message}");
+    assert!(rule["rule"].is_string(), "the other has its own: {made}");
+    one.ask("watch.rule", &rule);
+    drop(other);
+    one.client.wait("the end of the rule", |text| {
+        text.contains("\"dropped\"").then_some(())
+    });
+}
+
 #[test]
 fn a_client_watches_only_so_much() {
     let server = with(Limits {

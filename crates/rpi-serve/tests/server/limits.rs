@@ -5,9 +5,11 @@ use std::net::TcpStream;
 use std::time::{Duration, Instant};
 
 use rpi_serve::{Limits, Server, Settings};
+use serde_json::json;
 
 use crate::client::{Client, PATIENCE, get, post, server, settings};
 use crate::nets::ECHO;
+use crate::rules::Owner;
 
 fn with(limits: Limits) -> Server {
     server(
@@ -28,12 +30,12 @@ fn session(server: &Server) -> (Client, String) {
 #[test]
 fn the_memory_of_a_session_is_its_own() {
     let server = with(Limits {
-        session_memory: 3 * ECHO.len(),
+        session_memory: 20_000,
         ..Limits::default()
     });
     let ((mut one, first), (mut two, second)) = (session(&server), session(&server));
     let load = |session: &str| format!("nene(\"{ECHO}\",\"{session}\",\"\",0,1)");
-    let refused = (0..10).find_map(|_| one.ask(&load(&first)).err());
+    let refused = (0..100).find_map(|_| one.ask(&load(&first)).err());
     assert!(refused.unwrap().contains("memory of the session"));
     assert!(two.ask(&load(&second)).is_ok(), "the other has its own");
 }
@@ -100,4 +102,48 @@ fn connections_are_counted_and_come_free_again() {
         assert!(begin.elapsed() < PATIENCE, "no place comes free");
         std::thread::sleep(Duration::from_millis(10));
     }
+}
+
+/// The images of a task are kept for as long as it is there: they count, and so does each command that it has loaded.
+#[test]
+fn the_code_of_a_task_is_memory_of_its_session() {
+    use std::fmt::Write as _;
+    let mut text = "command Long () let n = 1 -> pre n + 1; x0 = real(n);\n".to_owned();
+    for k in 1..=2000 {
+        let _ = writeln!(text, "x{k} = cos(x{});", k - 1);
+    }
+    text.push_str("finish done when x2000 > 2.0; tel\ntask Once () let Long(); tel\n");
+    let load = |memory: usize| {
+        let server = with(Limits {
+            session_memory: memory,
+            ..Limits::default()
+        });
+        let mut owner = Owner::new(&server);
+        let load = json!({"session": owner.session, "text": text});
+        let loaded = owner.ask("task.load", &load);
+        (server, owner, loaded)
+    };
+    let (_server, _, refused) = load(text.len() + 10_000);
+    assert_eq!(refused["error"]["code"], -32004, "{refused}");
+    let message = refused["error"]["message"].as_str().unwrap();
+    assert!(message.contains("memory of the session"), "{message}");
+    // Room for the images, and none for a command.
+    let most = (1..40).map(|k| text.len() + k * 10_000);
+    let task_only = most.map(load).find_map(|(server, owner, loaded)| {
+        let task = loaded["result"]["task"].clone();
+        task.is_string().then_some((server, owner, task))
+    });
+    let (_server, mut owner, task) = task_only.expect("it fits into 400 kB");
+    let task = json!({"task": task});
+    owner.ask("task.start", &task);
+    let begin = Instant::now();
+    let told = loop {
+        let told = owner.ask("task.describe", &task)["result"].clone();
+        if told["state"] == "failed" {
+            break told;
+        }
+        assert!(begin.elapsed() < PATIENCE, "{told}");
+    };
+    let trouble = told["trouble"].as_str().unwrap();
+    assert!(trouble.contains("no memory left"), "{trouble}");
 }

@@ -108,7 +108,10 @@ fn those_that_take_turns_at_an_arm_count_once() {
     let mut scene = Scene::new(&settings());
     let count = count_for(&mut scene, 0.6);
     let text = cosines(count)
-        .replace("Cosines ()", "Cosines (arm: Arm)")
+        .replace(
+            "command Cosines ()",
+            "use motion;\ncommand Cosines (arm: Arm)",
+        )
         .replace("finish done", "arm.joints = arm.position; finish done");
     let loaded = [(); 2].map(|()| scene.load(&text, "rpi")["result"]["command"].clone());
     let [first, second] = loaded;
