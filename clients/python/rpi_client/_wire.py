@@ -13,6 +13,9 @@ from urllib.parse import urlsplit
 #: A message may not be longer (bytes): what the server grants.
 LONGEST = 16 << 20
 
+#: What a server says when it lets nobody in, at most (bytes).
+_WORDS = 1000
+
 _GUID = b"258EAFA5-E914-47DA-95CA-C5AB0DC85B11"
 _TEXT, _CLOSE, _PING, _PONG, _MORE = 0x1, 0x8, 0x9, 0xA, 0x0
 
@@ -77,7 +80,9 @@ class WebSocket:
             raise ConnectionError("the server hung up") from cut
         accept = base64.b64encode(hashlib.sha1(key + _GUID).digest()).decode()
         if " 101 " not in answer.split("\r\n", 1)[0] or accept not in answer:
-            raise ConnectionError(answer.split("\r\n", 1)[0])
+            words = (await self._reader.read(_WORDS)).decode(errors="replace").strip()
+            status = answer.split("\r\n", 1)[0].removeprefix("HTTP/1.1 ")
+            raise ConnectionError(f"{status}: {words}" if words else status)
 
     async def send(self, text: str) -> None:
         await self._send(_TEXT, text.encode())
@@ -127,6 +132,10 @@ class WebSocket:
 async def open_wire(address: str, token: str | None, tls: ssl.SSLContext | None) -> Wire:
     """Opens a connection to ``ws://host:port``, ``wss://host:port``, or else to the Unix socket of that path."""
     url = urlsplit(address)
+    if "://" in address and url.scheme not in ("ws", "wss"):
+        raise ValueError(f"{address} is neither ws://host:port nor wss://host:port, nor the path of a Unix socket")
+    if token is not None and not token.isprintable():
+        raise ValueError("a token of printable characters is needed")
     if url.scheme not in ("ws", "wss"):
         return Lines(*await asyncio.open_unix_connection(address, limit=LONGEST))
     context = (tls or ssl.create_default_context()) if url.scheme == "wss" else None

@@ -156,8 +156,15 @@ class ClientTest(unittest.IsolatedAsyncioTestCase):
             file.write("secret\n")
         self.serve("--tls-cert", cert, "--tls-key", key, "--token-file", token)
         trust, address = ssl.create_default_context(cafile=cert), f"wss://localhost:{self.port}"
-        with self.assertRaises(ConnectionError):
+        with self.assertRaisesRegex(ConnectionError, "401 Unauthorized: the token is wrong"):
             await connect(address, token="wrong", tls=trust)
+        with self.assertRaisesRegex(ConnectionError, "a token is needed"):
+            await connect(address, tls=trust)
+        with self.assertRaisesRegex(ConnectionError, "this port speaks TLS only"):
+            await connect(f"ws://localhost:{self.port}", token="secret")
+        for bad in (f"http://localhost:{self.port}", f"tcp://localhost:{self.port}"):
+            with self.assertRaises(ValueError):
+                await connect(bad)
         with self.assertRaises(ssl.SSLError):
             await connect(address, token="secret")
         async with await connect(address, token="secret", tls=trust) as core:

@@ -9,6 +9,7 @@ use std::time::Duration;
 
 use serde_json::{Value, json};
 use tungstenite::client::IntoClientRequest;
+use tungstenite::handshake::{HandshakeError, HandshakeRole};
 use tungstenite::http::HeaderValue;
 use tungstenite::{Message, WebSocket};
 
@@ -75,7 +76,9 @@ impl Core {
             let shown = shown.map_err(Error::connection)?;
             request.headers_mut().insert("Authorization", shown);
         }
-        let (socket, _) = tungstenite::client(request, stream).map_err(Error::connection)?;
+        let patience = options.set_read_timeout(Some(PATIENCE));
+        patience.map_err(Error::connection)?;
+        let (socket, _) = tungstenite::client(request, stream).map_err(not_let_in)?;
         let turn = options.set_read_timeout(Some(TURN));
         turn.map_err(Error::connection)?;
         let (orders, todo) = channel();
@@ -126,6 +129,25 @@ impl Core {
     pub(crate) fn listen(&self, command: &str, listener: Listener) -> Result<(), Error> {
         let order = Order::Listen(command.to_owned(), listener);
         self.0.send(order).map_err(Error::connection)
+    }
+}
+
+/// How long a server may take to answer when it is called.
+const PATIENCE: Duration = Duration::from_secs(10);
+
+/// Why the server does not let us in, in its own words if it has some.
+fn not_let_in<R: HandshakeRole>(why: HandshakeError<R>) -> Error {
+    let why = match why {
+        HandshakeError::Interrupted(_) => return Error::connection("it does not answer"),
+        HandshakeError::Failure(why) => why,
+    };
+    match why {
+        tungstenite::Error::Http(answer) => {
+            let words = answer.body().as_deref().unwrap_or_default();
+            let words = String::from_utf8_lossy(words);
+            Error::connection(format!("{}: {}", answer.status(), words.trim()))
+        }
+        other => Error::connection(other),
     }
 }
 

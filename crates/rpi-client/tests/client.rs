@@ -264,7 +264,10 @@ fn a_session_belongs_to_its_client() {
 fn reasons_tokens_and_lost_connections_are_errors() {
     let server = server(Some("secret"));
     let address = server.address().to_string();
-    assert!(Core::connect(&address, Some("wrong")).is_err());
+    let why = Core::connect(&address, Some("wrong")).unwrap_err();
+    assert!(why.to_string().ends_with("the token is wrong"), "{why}");
+    let why = Core::connect(&address, None).unwrap_err();
+    assert!(why.to_string().contains("a token is needed"), "{why}");
     let core = Core::connect(&address, Some("secret")).unwrap();
     let session = core.open_session("test", OnLoss::Abort).unwrap();
     let broken = session.load(&Program::rpi(

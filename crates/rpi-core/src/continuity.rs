@@ -1,7 +1,7 @@
 //! The guard at a switch: whether the first set-points of who takes over join those of who went before.
 
 use crate::command::Command;
-use crate::ports::place;
+use rpi_image::image::Actuator;
 use rpi_prims::FaultCode;
 
 /// What happens if a set-point of a command that takes over does not join those before it within the limits of its device:
@@ -37,7 +37,7 @@ impl Command {
 
     /// Makes a set-point that does not join the fault of this cycle, unless that is allowed.
     pub(crate) fn watch_switch(&mut self) {
-        let jump = self.machine.jump().map(place);
+        let jump = self.machine.jump().map(Actuator::cell);
         if let Some(cell) = jump.filter(|_| self.continuity != Continuity::Allow) {
             self.machine.fail(FaultCode::Discontinuity, cell);
         }

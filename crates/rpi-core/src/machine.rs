@@ -1,7 +1,7 @@
 //! One image running: memory, and the phases of a cycle.
 
 use crate::load::{LoadFault, check};
-use crate::ports::{Ports, place};
+use crate::ports::Ports;
 use crate::program::{Op, Program, copy};
 use crate::weight::Weight;
 use rpi_device::{DeviceBank, Jump};
@@ -216,7 +216,7 @@ impl Machine {
     pub(crate) fn lose_control(&mut self) {
         let (code, actuator) = self.ports.loss();
         let actuator = actuator.and_then(|k| self.image.actuators.get(k));
-        self.fail(code, actuator.map_or(0, place));
+        self.fail(code, actuator.map_or(0, Actuator::cell));
     }
 
     /// Lets the first set-points be held against those of who went before.

@@ -159,7 +159,7 @@ impl Ports {
         let mut refusal = cx.devices.check(set.port, value);
         if held.iter().any(|h| h.claimed) {
             refusal = refusal.and(Refusal::CONCURRENT_ACCESS);
-            cx.fault(FaultCode::ConcurrentAccess, place(actuator));
+            cx.fault(FaultCode::ConcurrentAccess, actuator.cell());
         }
         let accepted = refusal == Refusal::NONE;
         for h in held.iter_mut() {
@@ -241,14 +241,6 @@ impl Ports {
             }
         }
     }
-}
-
-/// The cell by which messages find an actuator: its first answer, or else its first input.
-pub(crate) fn place(actuator: &Actuator) -> u32 {
-    let answer = actuator.answers.first().map(|a| a.1);
-    answer
-        .or(actuator.inputs.first().map(|c| c.at))
-        .unwrap_or(0)
 }
 
 fn total(parts: &[Cells]) -> usize {

@@ -231,6 +231,16 @@ pub struct Actuator {
     pub answers: Vec<(Answer, u32)>,
 }
 
+impl Actuator {
+    /// The cell by which its node is found among the places.
+    #[must_use]
+    pub fn cell(&self) -> u32 {
+        let answer = self.answers.first().map(|answer| answer.1);
+        let input = self.inputs.first().map(|input| input.at);
+        answer.or(input).unwrap_or(0)
+    }
+}
+
 /// A function of a device, called by [`Step::Call`].
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub struct Function {
@@ -362,6 +372,14 @@ impl Image {
     pub fn place_of(&self, cell: u32) -> Option<&Place> {
         let found = self.origins.binary_search_by_key(&cell, |o| o.0).ok()?;
         self.places.get(self.origins.get(found)?.1 as usize)
+    }
+
+    /// The place of the first node that sets this device.
+    #[must_use]
+    pub fn place_of_device(&self, device: &str) -> Option<&Place> {
+        let mut actuators = self.actuators.iter();
+        let actuator = actuators.find(|a| a.port.device == device)?;
+        self.place_of(actuator.cell())
     }
 
     /// About how many bytes of memory it takes: its lists and the texts in them.

@@ -44,7 +44,8 @@ pub(crate) fn serve(args: &ServeArgs) -> exit::Outcome {
         .grants()
         .iter()
         .for_each(|grant| eprintln!("{grant}"));
-    eprintln!("serving at {}", server.address());
+    let scheme = args.tls_cert.as_ref().map_or("ws", |_| "wss");
+    eprintln!("serving at {scheme}://{}", server.address());
     let mut records = true;
     while server.runs() && !interrupted.load(Ordering::Relaxed) {
         if emergency.swap(false, Ordering::Relaxed) {

@@ -178,9 +178,16 @@ impl Desk {
     /// A command has left something moving, which brakes on its own.
     fn braked(&mut self, id: CommandId, resource: u32) {
         let device = self.devices.name(resource);
-        if let Some(record) = self.record_of(id)
-            && !record.status.braked.contains(&device)
+        let Some(record) = self.record_of(id) else {
+            return;
+        };
+        if record.status.place.is_none()
+            && let Some(image) = &record.image
         {
+            let place = image.place_of_device(&device);
+            record.status.place = place.map(|p| p.path.clone());
+        }
+        if !record.status.braked.contains(&device) {
             record.status.braked.push(device);
         }
     }

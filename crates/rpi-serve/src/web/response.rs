@@ -50,10 +50,15 @@ impl Response {
     pub(crate) fn send(&self, stream: &mut dyn Write) -> io::Result<()> {
         let reason = REASONS.iter().find(|(status, _)| *status == self.status);
         let reason = reason.map_or("", |(_, reason)| reason);
+        // What a client has to show belongs to this answer (RFC 9110, section 15.5.2).
+        let challenge = match self.status {
+            401 => "WWW-Authenticate: Bearer\r\n",
+            _ => "",
+        };
         write!(
             stream,
             "HTTP/1.1 {} {reason}\r\nContent-Type: {}\r\nContent-Length: {}\r\nConnection: close\r\n\
-             X-Content-Type-Options: nosniff\r\n\r\n{}",
+             {challenge}X-Content-Type-Options: nosniff\r\n\r\n{}",
             self.status,
             self.kind,
             self.body.len(),

@@ -12,18 +12,21 @@ pub(crate) struct Guard {
 }
 
 impl Guard {
-    /// True if a request shows the token, in the header `Authorization: Bearer ...` (RFC 6750) or as `?token=...`.
-    pub(crate) fn knows(&self, head: &Head) -> bool {
-        let Some(token) = &self.token else {
-            return true;
-        };
+    /// What a request lacks to come in, if it does: it shows the token in the header `Authorization: Bearer ...` (RFC 6750) or as
+    /// `?token=...`.
+    pub(crate) fn lacks(&self, head: &Head) -> Option<&'static str> {
+        let token = self.token.as_ref()?;
         let shown = head.header("authorization");
         let shown = shown.and_then(|value| value.strip_prefix("Bearer "));
         let asked = head
             .query
             .split('&')
             .find_map(|part| part.strip_prefix("token="));
-        shown.or(asked).is_some_and(|shown| same(shown, token))
+        match shown.or(asked) {
+            None => Some("a token is needed: `Authorization: Bearer TOKEN`, or `?token=TOKEN`"),
+            Some(shown) if !same(shown, token) => Some("the token is wrong"),
+            Some(_) => None,
+        }
     }
 
     /// True unless a browser asks on behalf of a page from elsewhere: such pages may not drive robots. Without a token, the server's
@@ -78,8 +81,9 @@ mod tests {
         let guard = Guard {
             token: Some("secret".into()),
         };
-        assert!(guard.knows(&head("/rpc", "Authorization: Bearer secret")));
-        assert!(guard.knows(&head("/rpc?token=secret", "X: y")));
+        let knows = |head: &Head| guard.lacks(head).is_none();
+        assert!(knows(&head("/rpc", "Authorization: Bearer secret")));
+        assert!(knows(&head("/rpc?token=secret", "X: y")));
         for wrong in [
             "Bearer secrets",
             "Bearer secre",
@@ -88,12 +92,12 @@ mod tests {
             "Bearer ",
         ] {
             assert!(
-                !guard.knows(&head("/rpc", &format!("Authorization: {wrong}"))),
+                !knows(&head("/rpc", &format!("Authorization: {wrong}"))),
                 "{wrong}"
             );
         }
-        assert!(!guard.knows(&head("/rpc", "X: y")));
-        assert!(Guard::default().knows(&head("/", "X: y")));
+        assert!(!knows(&head("/rpc", "X: y")));
+        assert!(Guard::default().lacks(&head("/", "X: y")).is_none());
     }
 
     #[test]

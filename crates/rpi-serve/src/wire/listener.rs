@@ -5,13 +5,13 @@ use std::net::{TcpListener, TcpStream};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 use std::thread;
-use std::time::Duration;
+use std::time::{Duration, Instant};
 
 use tungstenite::handshake::derive_accept_key;
 
 use super::chat::{self, Front, Stream, TURN};
 use super::guard::Guard;
-use super::head::Head;
+use super::head::{Head, is_pause};
 use super::outbox::{Outbox, outbox};
 use super::tls::Identity;
 use crate::desk::Office;
@@ -55,11 +55,7 @@ impl Reception {
         if ready.is_ok() {
             self.admit(move |reception| match &reception.identity {
                 None => reception.serve(Box::new(stream)),
-                Some(identity) => {
-                    if let Ok(stream) = identity.secure(stream) {
-                        reception.serve(Box::new(stream));
-                    }
-                }
+                Some(identity) => reception.serve_secure(identity, stream),
             });
         }
     }
@@ -78,6 +74,23 @@ impl Reception {
                 let _place = place;
                 serve(&reception);
             });
+    }
+
+    /// Serves who speaks TLS; tells others that they should.
+    fn serve_secure(&self, identity: &Identity, mut stream: TcpStream) {
+        match begins_tls(&stream, self.limits.patience) {
+            Ok(true) => {
+                if let Ok(stream) = identity.secure(stream) {
+                    self.serve(Box::new(stream));
+                }
+            }
+            Ok(false) => {
+                // What came is read first: a connection that is closed before is reset, and the answer with it.
+                let _ = Head::read(&mut stream, self.limits.patience);
+                let _ = web::Response::refused(400, PLAIN).send(&mut stream);
+            }
+            Err(_) => {}
+        }
     }
 
     fn serve(&self, mut stream: Box<dyn Stream>) {
@@ -99,8 +112,8 @@ impl Reception {
                 "pages from elsewhere may not come in",
             ));
         }
-        let known = self.guard.knows(head);
-        (!known).then(|| web::Response::refused(401, "a token is needed"))
+        let lacking = self.guard.lacks(head)?;
+        Some(web::Response::refused(401, lacking))
     }
 
     fn answer(&self, stream: &mut dyn Stream, head: &Head) -> io::Result<()> {
@@ -144,6 +157,26 @@ impl Reception {
             "/DirectIO" => Some(Box::new(DioFront::new(self.office.clone(), out))),
             "/rpc" => Some(Box::new(RpcFront::new(self.office.clone(), out))),
             _ => None,
+        }
+    }
+}
+
+/// What who does not speak TLS is told.
+const PLAIN: &str = "this port speaks TLS only: https:// or wss://";
+
+/// The first byte of what a TLS client says: a record of a handshake (RFC 8446, section 5.1).
+const HANDSHAKE: u8 = 22;
+
+/// Whether the client begins to shake hands for TLS; nothing is taken from the stream.
+fn begins_tls(stream: &TcpStream, patience: Duration) -> io::Result<bool> {
+    let begin = Instant::now();
+    let mut first = [0];
+    loop {
+        match stream.peek(&mut first) {
+            Ok(0) => return Err(io::ErrorKind::UnexpectedEof.into()),
+            Ok(_) => return Ok(first[0] == HANDSHAKE),
+            Err(e) if is_pause(&e) && begin.elapsed() < patience => {}
+            Err(e) => return Err(e),
         }
     }
 }

@@ -6,7 +6,7 @@ use std::path::Path;
 use std::sync::Arc;
 
 use rustls::crypto::ring::default_provider;
-use rustls::pki_types::pem::PemObject;
+use rustls::pki_types::pem::{self, PemObject};
 use rustls::pki_types::{CertificateDer, PrivateKeyDer};
 use rustls::{ServerConfig, ServerConnection, StreamOwned};
 
@@ -26,7 +26,10 @@ impl Identity {
         if chain.is_empty() {
             return Err(of(certificates, &"it holds no certificate"));
         }
-        let secret = PrivateKeyDer::from_pem_file(key).map_err(|why| of(key, &why))?;
+        let secret = PrivateKeyDer::from_pem_file(key).map_err(|why| match why {
+            pem::Error::NoItemsFound => of(key, &"it holds no private key"),
+            why => of(key, &why),
+        })?;
         let config = ServerConfig::builder_with_provider(Arc::new(default_provider()))
             .with_safe_default_protocol_versions()
             .and_then(|config| config.with_no_client_auth().with_single_cert(chain, secret));

@@ -53,8 +53,16 @@ fn wrong_tokens_and_pages_from_elsewhere_are_turned_away() {
             &format!("GET /nets HTTP/1.1\r\nHost: cell\r\n{header}\r\n\r\n"),
         )
     };
-    assert!(ask("X: y").starts_with("HTTP/1.1 401"));
-    assert!(ask("Authorization: Bearer close sesame").starts_with("HTTP/1.1 401"));
+    let lacking = ask("X: y");
+    assert!(lacking.starts_with("HTTP/1.1 401"), "{lacking}");
+    assert!(
+        lacking.contains("WWW-Authenticate: Bearer\r\n"),
+        "{lacking}"
+    );
+    assert!(lacking.contains("a token is needed"), "{lacking}");
+    let wrong = ask("Authorization: Bearer close sesame");
+    assert!(wrong.starts_with("HTTP/1.1 401"), "{wrong}");
+    assert!(wrong.contains("the token is wrong"), "{wrong}");
     assert!(ask("Authorization: Bearer open sesame").starts_with("HTTP/1.1 200"));
     let stranger = "Authorization: Bearer open sesame\r\nOrigin: http://elsewhere";
     assert!(ask(stranger).starts_with("HTTP/1.1 403"));

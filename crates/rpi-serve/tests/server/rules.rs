@@ -193,6 +193,16 @@ fn an_emergency_stop_brakes_what_moves() {
     });
     assert_eq!(ending["why"], "emergency stop", "{ending}");
     assert_eq!(ending["braked"], json!(["arm"]), "{ending}");
+    let told = owner.ask("command.describe", &json!({"command": swing}));
+    let told = &told["result"];
+    assert_eq!(told["state"], "terminated", "{told}");
+    assert_eq!(told["ending"], ending, "whoever asks later hears the same");
+    assert_eq!(ending["cause"], "aborted", "{ending}");
+    let place = ending["place"].as_str().unwrap_or_default();
+    assert!(place.contains("arm"), "what has moved it: {ending}");
+    let idle = other.ask("command.describe", &json!({"command": net}));
+    assert_eq!(idle["result"]["state"], "ready", "{idle}");
+    assert!(idle["result"]["ending"].is_null(), "{idle}");
     let state = owner.ask("emergency.state", &json!({}));
     assert_eq!(state["result"], json!({"stopped": true, "by": "the guard"}));
     let refused = other.ask("command.start", &json!({"command": net}));
