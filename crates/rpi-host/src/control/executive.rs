@@ -90,10 +90,11 @@ impl<P: Plant> Executive<P> {
         &self.core
     }
 
-    /// The tick ended so many nanoseconds after the next one was due: that is put down to the command that took the longest,
-    /// which ends if its policy says so. True if all are to be ended.
-    pub fn too_late(&mut self, late_ns: u64) -> bool {
-        let Some((id, took_ns)) = self.stopwatch.longest() else {
+    /// The tick ended so many nanoseconds after the next one was due, and was so many longer than a period: that is put down to the
+    /// command that took the longest, unless it would have been too long without it; it ends if its policy says so. True if
+    /// all are to be ended.
+    pub fn too_late(&mut self, (late_ns, excess_ns): (u64, u64)) -> bool {
+        let Some((id, took_ns)) = self.blamed(excess_ns) else {
             return false;
         };
         let Some(command) = self.core.command(id) else {
@@ -123,10 +124,12 @@ impl<P: Plant> Executive<P> {
         stop
     }
 
-    /// Who took the longest in the latest tick, if that was measured.
+    /// Without whom the latest tick would not have been so many nanoseconds longer than a period, and how many it took, if that was
+    /// measured.
     #[must_use]
-    pub fn longest(&self) -> Option<CommandId> {
-        self.stopwatch.longest().map(|(id, _)| id)
+    pub fn blamed(&self, excess_ns: u64) -> Option<(CommandId, u64)> {
+        let longest = self.stopwatch.longest();
+        longest.filter(|(_, took)| excess_ns > 0 && *took >= excess_ns)
     }
 
     /// Ends all commands between two ticks and drops all rules.

@@ -13,6 +13,8 @@ pub struct Beat {
     policy: OverrunPolicy,
     /// By how much the latest tick ended too late, nanoseconds.
     over: u64,
+    /// By how much it was longer than a period itself, however late it began, nanoseconds.
+    excess: u64,
     /// How late the present tick began, nanoseconds, and when.
     late: u64,
     begin: Instant,
@@ -27,6 +29,7 @@ impl Beat {
             meter: Meter::new(pace == Pace::Real),
             policy,
             over: 0,
+            excess: 0,
             late: 0,
             begin: Instant::now(),
         }
@@ -50,7 +53,7 @@ impl Beat {
         let took = u64::try_from(self.begin.elapsed().as_nanos()).unwrap_or(u64::MAX);
         self.meter.record(took, self.late);
         let over = self.clock.overrun(self.late, took);
-        self.over = over;
+        (self.over, self.excess) = (over, took.saturating_sub(self.clock.tick_ns()));
         let overruns = &mut self.meter.overruns;
         match overruns.judge(tick, over, self.clock.tick_ns(), self.policy) {
             Verdict::GoOn => false,
@@ -62,10 +65,11 @@ impl Beat {
         }
     }
 
-    /// By how many nanoseconds the latest tick ended after the next one was due, if it did.
+    /// By how many nanoseconds the latest tick ended after the next one was due, if it did, and by how many it was longer than a
+    /// period itself: 0 where it only began too late.
     #[must_use]
-    pub fn overrun(&self) -> Option<u64> {
-        Some(self.over).filter(|over| *over > 0)
+    pub fn overrun(&self) -> Option<(u64, u64)> {
+        Some((self.over, self.excess)).filter(|(over, _)| *over > 0)
     }
 
     /// What was measured so far.

@@ -62,10 +62,14 @@ impl Camera {
         executive.halt(why);
     }
 
-    /// The tick has ended so many nanoseconds after the next one was due: as [`Executive::too_late`].
-    pub fn too_late(&mut self, executive: &mut Executive<Taped<SimBank>>, late_ns: u64) -> bool {
-        self.sights.overrun(late_ns);
-        executive.too_late(late_ns)
+    /// The tick has ended too late: as [`Executive::too_late`].
+    pub fn too_late(
+        &mut self,
+        executive: &mut Executive<Taped<SimBank>>,
+        late: (u64, u64),
+    ) -> bool {
+        self.sights.overrun(late.0);
+        executive.too_late(late)
     }
 
     /// The tick of this number is over: records it.

@@ -119,14 +119,14 @@ impl Cycle {
         self.now.store(self.executive.now(), Ordering::Release);
     }
 
-    /// The tick ended so many nanoseconds too late: true if all commands are to be ended for it.
-    fn too_late(&mut self, late_ns: u64) -> bool {
+    /// The tick ended so many nanoseconds too late, and was so many longer than a period: true if all commands are to be ended for it.
+    fn too_late(&mut self, (late_ns, excess_ns): (u64, u64)) -> bool {
         if let Some(sights) = &mut self.watcher.sights {
             sights.overrun(late_ns);
         }
-        let stop = self.executive.too_late(late_ns);
-        let longest = self.executive.longest();
-        let command = longest.and_then(|id| Some((id, self.executive.core().command(id)?)));
+        let stop = self.executive.too_late((late_ns, excess_ns));
+        let blamed = self.executive.blamed(excess_ns);
+        let command = blamed.and_then(|(id, _)| Some((id, self.executive.core().command(id)?)));
         let Some((id, command)) = command else {
             return stop;
         };

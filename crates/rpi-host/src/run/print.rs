@@ -121,7 +121,7 @@ impl fmt::Display for Blame {
         let (count, tick) = (self.count, self.tick);
         write!(
             f,
-            "took the longest in {count} overruns: {took} in tick {tick}"
+            "took too long in {count} ticks, the longest {took} in tick {tick}"
         )?;
         if !self.fragment.is_empty() {
             write!(f, ", in {}", self.fragment)?;
