@@ -96,6 +96,7 @@ codes! {
     RPI1013 Note "value that is left open";
     RPI1014 Error "parts that do not belong together";
     RPI1015 Warning "fault in what nobody calls";
+    RPI1016 Warning "module that nothing uses";
     RPI1101 Error "unknown primitive";
     RPI1102 Warning "unknown in-port";
     RPI1103 Error "unknown parameter";
@@ -188,7 +189,7 @@ impl Code {
 
     /// Whether it is about text that does nothing, which editors show faded.
     pub fn is_about_needless_text(self) -> bool {
-        matches!(self, Code::RPI3002 | Code::RPI3101)
+        matches!(self, Code::RPI1016 | Code::RPI3002 | Code::RPI3101)
     }
 
     /// How much it weighs.

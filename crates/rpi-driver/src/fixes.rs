@@ -15,8 +15,9 @@ const PLAIN: &[&str] = &["0.0 -> ", "0 -> ", "false -> "];
 /// literals is left to the writer.
 pub(crate) fn typed(findings: &mut [Finding], checked: &Checked) {
     let places = Places::of(checked);
-    let fixes = findings.iter_mut().flat_map(|finding| &mut finding.fixes);
-    fixes.for_each(|fix| type_fix(fix, &places));
+    for finding in findings {
+        finding.fixes.retain_mut(|fix| type_fix(fix, &places));
+    }
 }
 
 /// The expressions of a program by their places, put in order when one is looked for.
@@ -63,14 +64,15 @@ pub(crate) fn of_the_program(findings: &mut [Finding], sources: &SourceMap) {
     }
 }
 
-fn type_fix(fix: &mut Fix, places: &Places<'_>) {
+/// False where a first value cannot be written.
+fn type_fix(fix: &mut Fix, places: &Places<'_>) -> bool {
     for pair in fix.edits.chunks_mut(2) {
         if let [before, after] = pair {
             bare_name(before, after, places);
         }
     }
-    let insertions = fix.edits.iter_mut().filter(|edit| edit.span.is_empty());
-    insertions.for_each(|edit| type_edit(edit, places));
+    let mut insertions = fix.edits.iter_mut().filter(|edit| edit.span.is_empty());
+    insertions.all(|edit| type_edit(edit, places).is_some())
 }
 
 /// `pre x` for `pre (x)`, where what is delayed is nothing but a name.
@@ -86,19 +88,19 @@ fn bare_name(before: &mut Edit, after: &mut Edit, places: &Places<'_>) {
     }
 }
 
-fn type_edit(edit: &mut Edit, places: &Places<'_>) {
+/// None where there is no way to write the first value that it begins with.
+fn type_edit(edit: &mut Edit, places: &Places<'_>) -> Option<()> {
     let (open, rest) = match edit.text.strip_prefix('(') {
         Some(rest) => ("(", rest),
         None => ("", edit.text.as_str()),
     };
-    let Some(behind) = PLAIN.iter().find_map(|plain| rest.strip_prefix(plain)) else {
-        return;
-    };
-    let Some(ty) = type_at(edit.span, places) else {
-        return;
-    };
-    let first = neutral(ty).map_or_else(String::new, |value| format!("{value} -> "));
-    edit.text = format!("{open}{first}{behind}");
+    let begins = |plain: &&str| rest.strip_prefix(*plain);
+    if let Some(behind) = PLAIN.iter().find_map(begins)
+        && let Some(ty) = type_at(edit.span, places)
+    {
+        edit.text = format!("{open}{} -> {behind}", neutral(ty)?);
+    }
+    Some(())
 }
 
 /// The type of the shortest expression that begins at a place, as far as its type is known.
@@ -116,6 +118,20 @@ fn neutral(ty: &Ty) -> Option<String> {
         Ty::Real(dim) if *ty == Ty::REAL || dim.is_plain() => Some("0.0".to_owned()),
         Ty::Real(dim) => Some(format!("0[{dim}]")),
         Ty::Enum(values) => values.values.first().map(ToString::to_string),
+        Ty::Array(element, n) => Some(format!("{}^{n}", neutral(element)?)),
+        // What an instance was made for is not part of its name.
+        Ty::Struct(of) if !of.name.contains('<') => {
+            let fields = of.fields.iter();
+            let fields = fields.map(|field| {
+                Some(format!(
+                    "{} = {}",
+                    field.name.as_ref()?,
+                    neutral(&field.ty)?
+                ))
+            });
+            let fields: Option<Vec<String>> = fields.collect();
+            Some(format!("{} {{{}}}", of.name, fields?.join("; ")))
+        }
         _ => None,
     }
 }

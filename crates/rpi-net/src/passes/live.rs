@@ -1,5 +1,6 @@
 //! What has an effect outside the net, and which flows of a program have none.
 
+use super::idle;
 use crate::net::{Activation, Driver, FragmentId, Input, Net, NodeId, Restart, without_calls};
 use rpi_diag::{Code, Finding, Span};
 use rpi_image::Role;
@@ -110,7 +111,7 @@ pub(crate) fn check(net: &Net, live: &[bool]) -> Vec<Finding> {
         .filter(|(span, name)| !span.is_none() && !name.starts_with('_'))
         .collect();
     if dead.is_empty() {
-        return Vec::new();
+        return idle::check(net, live, &used);
     }
     let elsewhere = net.nodes.iter().zip(&used).filter(|(_, used)| **used);
     let mut elsewhere: Vec<Span> = elsewhere.map(|(node, _)| node.origin.span).collect();
@@ -118,20 +119,26 @@ pub(crate) fn check(net: &Net, live: &[bool]) -> Vec<Finding> {
     dead.retain(|(span, _)| elsewhere.binary_search(span).is_err());
     let mut reported: BTreeSet<Span> = BTreeSet::new();
     dead.retain(|(span, _)| reported.insert(*span));
-    dead.into_iter().map(finding).collect()
+    let dead = dead.into_iter().map(finding);
+    dead.chain(idle::check(net, live, &used)).collect()
 }
 
 /// For each node whether it is live, read by another or given out by a fragment.
 fn used(net: &Net, live: &[bool]) -> Vec<bool> {
     let mut used = live.to_vec();
     let read = net.nodes.iter().flat_map(|node| &node.inputs);
-    let given = net.fragments.iter();
-    let given = given.flat_map(|f| f.inputs.iter().chain(&f.outputs));
-    let given = given.map(|port| &port.source);
-    for port in read.chain(given).filter_map(Input::port) {
+    for port in read.filter_map(Input::port) {
         used[port.node.index()] = true;
     }
+    given(net).for_each(|id| used[id.index()] = true);
     used
+}
+
+/// The nodes that fragments take in or give out.
+pub(super) fn given(net: &Net) -> impl Iterator<Item = NodeId> + '_ {
+    let ports = net.fragments.iter();
+    let ports = ports.flat_map(|f| f.inputs.iter().chain(&f.outputs));
+    ports.filter_map(|port| Some(port.source.port()?.node))
 }
 
 fn finding((span, name): (Span, &str)) -> Finding {

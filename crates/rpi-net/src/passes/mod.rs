@@ -8,6 +8,7 @@ mod conjunction;
 pub mod dependencies;
 mod ends;
 pub mod hoist;
+mod idle;
 pub mod live;
 pub mod presence;
 mod proof;

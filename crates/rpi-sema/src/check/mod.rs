@@ -154,6 +154,11 @@ pub fn check(program: &Program<'_>) -> Checked {
             .retain(|finding| !sample::may_be_its_fault(finding));
     }
     only_what_is_wrong(&mut checker.findings);
+    // What has a fault may have been meant to use it.
+    let is_fault = |finding: &Finding| finding.severity() == Severity::Error;
+    if !checker.findings.iter().any(is_fault) {
+        checker.findings.extend(program.needless_uses());
+    }
     let root = program
         .root()
         .decls

@@ -1,11 +1,14 @@
 //! From parsed files to the table of declarations.
 
-use super::{Decl, DeclId, DeclKind, Extent, Library, Module, ModuleId, Program, Source, Space};
+use super::{
+    Decl, DeclId, DeclKind, Extent, Library, Module, ModuleId, Program, Source, Space, Use,
+};
 use crate::check::no_module;
 use crate::hash::Map;
 use rpi_diag::{Code, Finding, Span};
 use rpi_syntax::ast::{Doc, File, Ident, Item, ItemKind, TypeDef, TypeKind};
 use rpi_syntax::{Mode, Name};
+use std::cell::Cell;
 
 impl<'a> Program<'a> {
     /// The table of a program's declarations, and what is wrong with their names. The first source is the module that
@@ -173,13 +176,19 @@ impl<'a> Collector<'a> {
 
     fn uses(&mut self, id: ModuleId, file: &File, sources: &[Source<'_>]) {
         let uses = file.items.iter().filter_map(|item| match &item.kind {
-            ItemKind::Use(names) => Some(names),
+            ItemKind::Use(names) => Some((names, item.span)),
             _ => None,
         });
-        for name in uses.flatten() {
+        let uses = uses.flat_map(|(names, phrase)| names.iter().map(move |name| (name, phrase)));
+        for (name, phrase) in uses {
             let found = sources.iter().position(|source| source.name == name.name);
             match found.and_then(|k| u32::try_from(k).ok()).map(ModuleId) {
-                Some(used) => self.modules[id.0 as usize].uses.push(used),
+                Some(module) => self.modules[id.0 as usize].uses.push(Use {
+                    module,
+                    name: name.span,
+                    phrase,
+                    found: Cell::new(false),
+                }),
                 None => self.no_module(id, name, sources),
             }
         }

@@ -1,6 +1,7 @@
 //! Finding a declaration by name.
 
-use super::{DeclId, Module, ModuleId, Program, Space};
+use super::{DeclId, Module, ModuleId, Program, Space, Use};
+use rpi_diag::{Code, Finding, Fix, Span};
 use rpi_syntax::{Mode, Name};
 
 /// What a name finds.
@@ -40,11 +41,44 @@ impl Program<'_> {
     }
 
     fn imported(&self, module: &Module, name: &Name) -> Lookup {
-        let names = |id: &ModuleId| self.module(*id).names.get(name).copied();
-        let found: Vec<DeclId> = module.uses.iter().filter_map(names).collect();
-        match found.first() {
+        let mut uses = module.uses.iter();
+        let found = uses.find_map(|used| Some((used, self.module(used.module).names.get(name)?)));
+        match found {
             None => self.implied(module, name),
-            Some(first) => Lookup::Found(*first),
+            Some((used, id)) => {
+                used.found.set(true);
+                Lookup::Found(*id)
+            }
+        }
+    }
+
+    /// A warning for each module that the first one says to use and in which no name has been found so far.
+    pub(crate) fn needless_uses(&self) -> impl Iterator<Item = Finding> + '_ {
+        let uses = self.root().uses.iter();
+        let needless = uses.filter(|used| !used.found.get());
+        needless.map(|used| {
+            let name = &self.module(used.module).name;
+            let finding = Finding::new(Code::RPI1016, format!("nothing uses the module `{name}`"))
+                .at(used.name, "none of its names stands in this module");
+            finding.fix(Fix::sure("delete it").replace(self.needless_text(used), ""))
+        })
+    }
+
+    /// What goes away with a module that is not used: the whole phrase, or its name and the comma beside it.
+    fn needless_text(&self, used: &Use) -> Span {
+        let uses = self.root().uses.iter();
+        let beside: Vec<&Use> = uses.filter(|other| other.phrase == used.phrase).collect();
+        let at = beside.iter().position(|other| other.name == used.name);
+        match (at, &beside[..]) {
+            (Some(0), [_, next, ..]) => Span {
+                end: next.name.start,
+                ..used.name
+            },
+            (Some(at), [_, _, ..]) => Span {
+                start: beside[at - 1].name.end,
+                ..used.name
+            },
+            _ => used.phrase,
         }
     }
 
@@ -59,8 +93,8 @@ impl Program<'_> {
     /// The modules in which names are looked for that a module does not declare itself, in this order.
     pub fn used_by(&self, module: ModuleId) -> impl Iterator<Item = ModuleId> + '_ {
         let module = self.module(module);
-        let used = module.uses.iter().chain(self.implicit_of(module));
-        used.copied()
+        let used = module.uses.iter().map(|used| used.module);
+        used.chain(self.implicit_of(module).iter().copied())
     }
 
     /// The modules that a module uses without saying so; Lustre has none.
@@ -75,10 +109,13 @@ impl Program<'_> {
         let Some((first, rest)) = name.split_once("::") else {
             return Lookup::Missing;
         };
-        let used = module.uses.iter().chain(self.implicit_of(module));
-        let mut used = used.map(|id| self.module(*id));
-        let of_module = used.find(|m| m.name == first);
-        let found = of_module.and_then(|m| m.names.get(rest));
+        let is_it = |id: ModuleId| self.module(id).name == first;
+        let used = module.uses.iter().find(|used| is_it(used.module));
+        used.inspect(|used| used.found.set(true));
+        let mut implicit = self.implicit_of(module).iter().copied();
+        let used = used.map(|used| used.module);
+        let of_module = used.or_else(|| implicit.find(|id| is_it(*id)));
+        let found = of_module.and_then(|id| self.module(id).names.get(rest));
         found.map_or(Lookup::Missing, |id| Lookup::Found(*id))
     }
 
@@ -88,7 +125,8 @@ impl Program<'_> {
         from: ModuleId,
         fits: impl Fn(DeclId) -> bool,
     ) -> impl Iterator<Item = &str> {
-        let own = std::iter::once(from).chain(self.module(from).uses.iter().copied());
+        let own =
+            std::iter::once(from).chain(self.module(from).uses.iter().map(|used| used.module));
         let implicit = self.implicit_of(self.module(from));
         let modules = own
             .chain(implicit.iter().copied())

@@ -18,6 +18,7 @@ use rpi_syntax::ast::{
     ItemKind, NodeDecl, NodeKind, PrimitiveDecl, TaskDecl, TestDecl, TypeDef,
 };
 use rpi_syntax::{Mode, Name};
+use std::cell::Cell;
 
 /// The texts of one module, parsed.
 #[derive(Clone, Debug)]
@@ -117,6 +118,17 @@ impl DeclKind<'_> {
     }
 }
 
+/// A module that another one says to use.
+#[derive(Debug)]
+struct Use {
+    module: ModuleId,
+    /// Where its name stands, and the whole phrase.
+    name: Span,
+    phrase: Span,
+    /// Whether a name has been found in it.
+    found: Cell<bool>,
+}
+
 /// A module.
 #[derive(Debug)]
 pub struct Module {
@@ -127,7 +139,7 @@ pub struct Module {
     /// Its declarations in text order.
     pub decls: Vec<DeclId>,
     /// The modules that it uses, in text order.
-    uses: Vec<ModuleId>,
+    uses: Vec<Use>,
     /// Whether it says to use a module that is not there, so that names may be missing for that alone.
     pub lacks_use: bool,
     names: Map<Name, DeclId>,

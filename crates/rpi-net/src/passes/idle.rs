@@ -1,0 +1,104 @@
+//! Flows that only they themselves read: a counter that nobody looks at, two delays that hand each other their values.
+
+use super::live;
+use crate::net::{Input, Net, NodeId, without_calls};
+use rpi_diag::{Code, Finding, Span};
+use std::collections::BTreeMap;
+
+/// A warning for each group of named flows that nothing outside of the group reads; `live` and `used` are as in
+/// [`live`].
+pub(super) fn check(net: &Net, live: &[bool], used: &[bool]) -> Vec<Finding> {
+    let may_be = |at: usize| used[at] && !live[at];
+    if !(0..net.nodes.len()).any(may_be) {
+        return Vec::new();
+    }
+    let idle = idle(net, live, used);
+    let others = net.node_ids().filter(|id| !idle[id.index()]);
+    let others = others.filter(|id| !net.node(*id).inputs.is_empty());
+    let mut elsewhere: Vec<Span> = others.map(|id| net.node(id).origin.span).collect();
+    elsewhere.sort_unstable();
+    let mut told: BTreeMap<Vec<Span>, Vec<&str>> = BTreeMap::new();
+    for group in groups(net, &idle) {
+        let mut flows: Vec<(Span, &str)> = group.iter().filter_map(|id| flow(net, *id)).collect();
+        flows.sort_unstable();
+        flows.dedup();
+        let is_elsewhere = |span: &Span| elsewhere.binary_search(span).is_ok();
+        if !flows.is_empty() && !flows.iter().any(|(span, _)| is_elsewhere(span)) {
+            let (places, names) = flows.into_iter().unzip();
+            told.insert(places, names);
+        }
+    }
+    told.iter()
+        .map(|(places, names)| finding(places, names))
+        .collect()
+}
+
+/// The flow of the program that a node computes, unless it is meant to stay.
+fn flow(net: &Net, id: NodeId) -> Option<(Span, &str)> {
+    let origin = &net.node(id).origin;
+    let name = origin.flow.as_deref()?;
+    (!origin.span.is_none() && !name.starts_with('_')).then_some((origin.span, name))
+}
+
+/// For each node whether it is read, and from nowhere a way leads from it to what nobody reads, or to an effect.
+fn idle(net: &Net, live: &[bool], used: &[bool]) -> Vec<bool> {
+    // Constants, and whether it is the first cycle, are shared: they connect nothing.
+    let may_be = net.nodes.iter().zip(live);
+    let may_be = may_be.map(|(node, live)| !live && !node.inputs.is_empty());
+    let mut idle: Vec<bool> = may_be.collect();
+    let unread = net.node_ids().filter(|id| !used[id.index()]);
+    let mut open: Vec<NodeId> = unread.chain(live::given(net)).collect();
+    while let Some(id) = open.pop() {
+        if std::mem::replace(&mut idle[id.index()], false) {
+            open.extend(sources(net, id));
+        }
+    }
+    idle
+}
+
+fn sources(net: &Net, id: NodeId) -> impl Iterator<Item = NodeId> + '_ {
+    let ports = net.node(id).inputs.iter().filter_map(Input::port);
+    ports.map(|port| port.node)
+}
+
+/// The idle nodes, together with those that they read or are read by.
+fn groups(net: &Net, idle: &[bool]) -> Vec<Vec<NodeId>> {
+    let members = || net.node_ids().filter(|id| idle[id.index()]);
+    let mut beside: BTreeMap<NodeId, Vec<NodeId>> = members().map(|id| (id, Vec::new())).collect();
+    for id in members() {
+        for source in sources(net, id).filter(|id| idle[id.index()]) {
+            beside.entry(id).or_default().push(source);
+            beside.entry(source).or_default().push(id);
+        }
+    }
+    let mut groups = Vec::new();
+    while let Some((first, next)) = beside.pop_first() {
+        let (mut group, mut open) = (vec![first], next);
+        while let Some(id) = open.pop() {
+            if let Some(next) = beside.remove(&id) {
+                group.push(id);
+                open.extend(next);
+            }
+        }
+        groups.push(group);
+    }
+    groups
+}
+
+fn finding(places: &[Span], names: &[&str]) -> Finding {
+    let mut quoted: Vec<String> = names
+        .iter()
+        .map(|n| format!("`{}`", without_calls(n)))
+        .collect();
+    quoted.dedup();
+    let message = match &quoted[..] {
+        [one] => format!("nothing but {one} itself uses {one}"),
+        many => format!("nothing but one another uses {}", many.join(", ")),
+    };
+    let finding = Finding::new(Code::RPI3101, message)
+        .help("delete it, or let its name begin with `_` if it shall stay");
+    let places = places.iter();
+    places.fold(finding, |finding, place| {
+        finding.at(*place, "computed here")
+    })
+}
