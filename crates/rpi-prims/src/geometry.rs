@@ -74,6 +74,11 @@ pub fn slerp(from: Rotation, to: Rotation, amount: f64) -> Rotation {
     from * exp(log(from.inverse() * to) * amount)
 }
 
+/// Whether two rotations are the same: each has two quaternions, `q` and `-q`.
+pub fn is_same(a: Rotation, b: Rotation) -> bool {
+    a.coords == b.coords || a.coords == -b.coords
+}
+
 /// Length of a vector.
 #[must_use]
 pub fn norm(v: Vector) -> f64 {

@@ -6,27 +6,12 @@ use super::names::plain_name;
 use super::report::{Wanted, listed, no_member};
 use super::types::is_foreign;
 use crate::program::{DeclKind, Lookup};
-use crate::ty::{DevicePortTy, DeviceTy, Geometry, Subst, Ty};
+use crate::ty::{DevicePortTy, DeviceTy, Subst, Ty};
 use crate::typed::{BlockId, ExprId, FlowId, Kind, Leaf, Place};
-use crate::units::{Base, Dim};
 use rpi_diag::{Code, Finding, Fix, Span};
-use rpi_image::Scalar;
 use rpi_syntax::Name;
 use rpi_syntax::ast::{self, Access, ExprKind, Field, Ident, Index, Slice, SliceOf};
 use std::rc::Rc;
-
-/// Parts of spatial values: whose, name, primitive that takes it apart, which of its out-ports.
-pub(super) const SPATIAL_PARTS: &[(Scalar, &str, &str, u32)] = &[
-    (Scalar::Vector, "x", "World::VectorToXYZ", 0),
-    (Scalar::Vector, "y", "World::VectorToXYZ", 1),
-    (Scalar::Vector, "z", "World::VectorToXYZ", 2),
-    (Scalar::Pose, "position", "World::FrameToPosRot", 0),
-    (Scalar::Pose, "rotation", "World::FrameToPosRot", 1),
-    (Scalar::Twist, "linear", "World::TwistToVelocities", 0),
-    (Scalar::Twist, "angular", "World::TwistToVelocities", 1),
-    (Scalar::Wrench, "force", "Rpi::WrenchToParts", 0),
-    (Scalar::Wrench, "torque", "Rpi::WrenchToParts", 1),
-];
 
 /// A range of an array's elements that is known when the program is checked.
 struct Range {
@@ -50,27 +35,6 @@ fn ports(device: &DeviceTy, actuators: bool) -> String {
         .iter()
         .filter(|port| port.is_actuator == actuators);
     listed(ports.map(|port| port.name.as_str()))
-}
-
-/// A part that values of a spatial type do not have.
-fn no_spatial_part(scalar: Scalar, field: &Ident) -> Finding {
-    let names = || {
-        SPATIAL_PARTS
-            .iter()
-            .filter(|row| row.0 == scalar)
-            .map(|row| row.1)
-    };
-    let near = rpi_diag::suggest(&field.name, names());
-    let unlike = near.is_none();
-    let finding = no_member(&format!("a `{scalar}`"), &field.name, field.span, near);
-    match (scalar, field.name.as_str()) {
-        (Scalar::Pose, "x" | "y" | "z") => {
-            let meant = format!("position.{}", field.name);
-            finding.fix(Fix::sure(format!("write `{meant}`")).replace(field.span, meant))
-        }
-        _ if unlike => finding.help(format!("it has {}", listed(names()))),
-        _ => finding,
-    }
 }
 
 /// The outputs to choose from, where it is a call that has them.
@@ -168,9 +132,7 @@ impl<'a> Body<'_, 'a> {
         match self.ty_of(base).clone() {
             Ty::Unknown => self.fault(span),
             Ty::Device(device) => self.sensor(base, &device, field, span),
-            Ty::Spatial(scalar, geometry) => {
-                self.spatial_part(base, scalar, &geometry, field, span)
-            }
+            Ty::Spatial(..) => self.spatial_part(base, field, span),
             ty => match member_of(&ty, &field.name) {
                 Some((at, ty)) => self.add(Kind::Part { base, at }, ty, span),
                 None => {
@@ -182,32 +144,6 @@ impl<'a> Body<'_, 'a> {
                 }
             },
         }
-    }
-
-    fn spatial_part(
-        &mut self,
-        base: ExprId,
-        scalar: Scalar,
-        geometry: &Rc<Geometry>,
-        field: &Ident,
-        span: Span,
-    ) -> ExprId {
-        let row = SPATIAL_PARTS
-            .iter()
-            .find(|row| row.0 == scalar && field.name == row.1);
-        let Some((_, _, prim, port)) = row else {
-            return self.fault_with(no_spatial_part(scalar, field), span);
-        };
-        let parts = self.prim_of(prim, &[base], span);
-        let ty = part_type(scalar, geometry, &field.name);
-        self.add(
-            Kind::Part {
-                base: parts,
-                at: *port,
-            },
-            ty,
-            span,
-        )
     }
 
     fn sensor(&mut self, base: ExprId, device: &Rc<DeviceTy>, field: &Ident, span: Span) -> ExprId {
@@ -521,34 +457,4 @@ pub(super) fn member_of(ty: &Ty, name: &str) -> Option<(u32, Ty)> {
         .position(|m| m.name.as_deref() == Some(name))?;
     let before = members[..index].iter().map(|m| leaves(&m.ty));
     Some((before.sum(), members[index].ty.clone()))
-}
-
-/// What a part of a spatial value keeps of its geometry.
-fn part_type(scalar: Scalar, geometry: &Rc<Geometry>, field: &str) -> Ty {
-    let in_frame = geometry.in_frame.clone();
-    let vector = |dim| {
-        let in_frame = in_frame.clone();
-        Ty::Spatial(
-            Scalar::Vector,
-            Rc::new(Geometry {
-                dim,
-                of: None,
-                in_frame,
-            }),
-        )
-    };
-    let speed = |dim: Dim| dim.over(Dim::TIME);
-    let force = || {
-        let acceleration = Dim::LENGTH.over(Dim::TIME)?.over(Dim::TIME)?;
-        Dim::base(Base::Mass).times(acceleration)
-    };
-    match (scalar, field) {
-        (Scalar::Vector, _) => Ty::Real(geometry.dim.unwrap_or(Dim::ONE)),
-        (_, "rotation") => Ty::Spatial(Scalar::Rotation, geometry.clone()),
-        (_, "linear") => vector(speed(Dim::LENGTH)),
-        (_, "angular") => vector(speed(Dim::ANGLE)),
-        (_, "force") => vector(force()),
-        (_, "torque") => vector(force().and_then(|force| force.times(Dim::LENGTH))),
-        _ => vector(Some(Dim::LENGTH)),
-    }
 }

@@ -90,6 +90,9 @@ impl<'a> Body<'_, 'a> {
 
     /// `T{x = 1; y = 2}`, `T{s with x = 1}`
     pub(super) fn structure(&mut self, value: &'a StructExpr, span: Span) -> ExprId {
+        if let Some(spatial) = self.spatial_named(value) {
+            return self.spatial_value(spatial, value, span);
+        }
         if let Some(generic) = self.generic_struct(value) {
             return self.inferred_struct(generic, value, span);
         }

@@ -56,6 +56,7 @@ mod names;
 mod nesting;
 mod ops;
 mod order;
+mod parts;
 mod predef;
 mod prim;
 mod quantifier;

@@ -184,6 +184,12 @@ impl<'a> Body<'_, 'a> {
         found
     }
 
+    /// Whether a name stands for no type but the one that is there without a declaration.
+    pub(super) fn is_undeclared_type(&self, name: &Name) -> bool {
+        let found = self.c.program.lookup_in(Space::Type, self.module, name);
+        !self.statics.contains_key(name) && matches!(found, Lookup::Missing)
+    }
+
     fn declared_ty(&mut self, id: DeclId, named: &'a NamedType) -> Ty {
         let decl = self.c.program.decl(id);
         match decl.kind {

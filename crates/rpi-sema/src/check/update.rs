@@ -66,6 +66,11 @@ impl<'a> Body<'_, 'a> {
                 None => self.changed_at(base, at, &inside),
             };
         }
+        if let (Access::Field(field), Ty::Spatial(..)) = (first, &ty) {
+            let old = self.member(base, field);
+            let new = self.changed(old, &inside)?;
+            return Some(self.with_part(base, field, new, part.span));
+        }
         let (at, inner) = self.path_in(&ty, 0, std::slice::from_ref(first))?;
         self.replaced(base, at, inner, &inside)
     }

@@ -1,7 +1,7 @@
 //! Names that are there without a declaration, as others list them: editors, documentation.
 
-use super::access::SPATIAL_PARTS;
 use super::names::PREDECLARED;
+use super::parts::SPATIAL_PARTS;
 use crate::ty::Ty;
 use rpi_image::Scalar;
 

@@ -88,3 +88,17 @@ fn type_name(scalar: Scalar) -> &'static str {
         other => other.name(),
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_value_type_has_every_operation() {
+        for (family, ..) in NAMES {
+            for scalar in Scalar::ALL {
+                assert!(member(*family, scalar).is_some(), "{family:?} of {scalar}");
+            }
+        }
+    }
+}

@@ -16,6 +16,11 @@ pub(in crate::catalogue) const ALL: &[Prim] = &[
     WRENCH_ADD,
     WRENCH_TO_PARTS,
     WRENCH_FROM_PARTS,
+    VECTOR_EQUALS,
+    ROTATION_EQUALS,
+    FRAME_EQUALS,
+    TWIST_EQUALS,
+    WRENCH_EQUALS,
 ];
 
 primitive! {
@@ -106,4 +111,49 @@ primitive! {
     out { outValue: Wrench }
     presence strict work 6;
     pure |(force, torque): (Vector, Vector)| (Wrench { force, torque },)
+}
+
+primitive! {
+    /// True if both vectors have the same components.
+    VECTOR_EQUALS = "Rpi::VectorEquals";
+    in { inFirst: Vector; inSecond: Vector }
+    out { outValue: bool }
+    presence strict work 3;
+    pure |(a, b): (Vector, Vector)| (a == b,)
+}
+
+primitive! {
+    /// True if both are the same rotation.
+    ROTATION_EQUALS = "Rpi::RotationEquals";
+    in { inFirst: Rotation; inSecond: Rotation }
+    out { outValue: bool }
+    presence strict work 8;
+    pure |(a, b): (Rotation, Rotation)| (geometry::is_same(a, b),)
+}
+
+primitive! {
+    /// True if both poses have the same position and the same orientation.
+    FRAME_EQUALS = "Rpi::FrameEquals";
+    in { inFirst: Pose; inSecond: Pose }
+    out { outValue: bool }
+    presence strict work 11;
+    pure |(a, b): (Pose, Pose)| (a.translation.vector == b.translation.vector && geometry::is_same(a.rotation, b.rotation),)
+}
+
+primitive! {
+    /// True if both velocities have the same components.
+    TWIST_EQUALS = "Rpi::TwistEquals";
+    in { inFirst: Twist; inSecond: Twist }
+    out { outValue: bool }
+    presence strict work 6;
+    pure |(a, b): (Twist, Twist)| (a.linear == b.linear && a.angular == b.angular,)
+}
+
+primitive! {
+    /// True if both wrenches have the same components.
+    WRENCH_EQUALS = "Rpi::WrenchEquals";
+    in { inFirst: Wrench; inSecond: Wrench }
+    out { outValue: bool }
+    presence strict work 6;
+    pure |(a, b): (Wrench, Wrench)| (a.force == b.force && a.torque == b.torque,)
 }

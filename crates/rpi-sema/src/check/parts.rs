@@ -1,0 +1,252 @@
+//! Spatial values and their parts: read by name, put together (`Pose{position = p; rotation = r}`), replaced
+//! (`Pose{p with position = q}`, `(p with .position.z = 0[m])`).
+
+use super::body::Body;
+use super::report::{Wanted, listed, no_member};
+use crate::ty::{Geometry, Ty, join};
+use crate::typed::{ExprId, Kind};
+use crate::units::{Base, Dim};
+use rpi_diag::{Code, Finding, Fix, Span};
+use rpi_image::Scalar;
+use rpi_syntax::ast::{FieldValue, Ident, StructExpr};
+use std::rc::Rc;
+
+/// Parts of spatial values: whose, name, primitive that takes it apart, which of its out-ports.
+pub(super) const SPATIAL_PARTS: &[(Scalar, &str, &str, u32)] = &[
+    (Scalar::Vector, "x", "World::VectorToXYZ", 0),
+    (Scalar::Vector, "y", "World::VectorToXYZ", 1),
+    (Scalar::Vector, "z", "World::VectorToXYZ", 2),
+    (Scalar::Pose, "position", "World::FrameToPosRot", 0),
+    (Scalar::Pose, "rotation", "World::FrameToPosRot", 1),
+    (Scalar::Twist, "linear", "World::TwistToVelocities", 0),
+    (Scalar::Twist, "angular", "World::TwistToVelocities", 1),
+    (Scalar::Wrench, "force", "Rpi::WrenchToParts", 0),
+    (Scalar::Wrench, "torque", "Rpi::WrenchToParts", 1),
+];
+
+/// Primitives that put a spatial value together; their in-ports are its parts in the order of [`SPATIAL_PARTS`].
+const WHOLES: &[(Scalar, &str)] = &[
+    (Scalar::Vector, "World::VectorFromXYZ"),
+    (Scalar::Pose, "World::FrameFromPosRot"),
+    (Scalar::Twist, "World::TwistFromVelocities"),
+    (Scalar::Wrench, "Rpi::WrenchFromParts"),
+];
+
+/// The names of the parts of a spatial type; a rotation has none.
+fn names_of(scalar: Scalar) -> impl Iterator<Item = &'static str> {
+    let rows = SPATIAL_PARTS.iter().filter(move |row| row.0 == scalar);
+    rows.map(|row| row.1)
+}
+
+impl<'a> Body<'_, 'a> {
+    /// A part of a spatial value by name.
+    pub(super) fn spatial_part(&mut self, base: ExprId, field: &Ident, span: Span) -> ExprId {
+        let Ty::Spatial(scalar, geometry) = self.ty_of(base).clone() else {
+            return self.fault(span);
+        };
+        let named = |row: &&(Scalar, &str, &str, u32)| row.0 == scalar && field.name == row.1;
+        let Some((_, _, prim, port)) = SPATIAL_PARTS.iter().find(named) else {
+            return self.fault_with(no_part(scalar, field, Use::Path), span);
+        };
+        let base = self.prim_of(prim, &[base], span);
+        let ty = part_type(scalar, &geometry, &field.name);
+        self.add(Kind::Part { base, at: *port }, ty, span)
+    }
+
+    /// The spatial type that a name stands for where a value is put together.
+    pub(super) fn spatial_named(&self, value: &StructExpr) -> Option<Scalar> {
+        let is_it = |row: &&(Scalar, &str)| row.0.name() == value.ty.name.as_str();
+        let (scalar, _) = WHOLES.iter().find(is_it)?;
+        self.is_undeclared_type(&value.ty.name).then_some(*scalar)
+    }
+
+    /// `Pose{position = p; rotation = r}`, `Pose{p with rotation = r}`
+    pub(super) fn spatial_value(
+        &mut self,
+        scalar: Scalar,
+        value: &'a StructExpr,
+        span: Span,
+    ) -> ExprId {
+        let dim = self.components(scalar, &value.statics);
+        let wanted = Ty::Spatial(
+            scalar,
+            Rc::new(Geometry {
+                dim,
+                ..Geometry::default()
+            }),
+        );
+        let base = value.base.as_ref().map(|base| self.expr(base));
+        let given: Vec<(&FieldValue, ExprId)> = value
+            .fields
+            .iter()
+            .map(|field| (field, self.expr(&field.value)))
+            .collect();
+        if base.is_some_and(|base| !self.expect(base, &wanted, &Wanted::Here)) {
+            return self.fault(span);
+        }
+        let known = base.map_or(wanted, |base| self.ty_of(base).clone());
+        let Some(parts) = self.parts_given(scalar, &given, base, span) else {
+            return self.add(Kind::Fault, known, span);
+        };
+        self.made_of(&known, &parts, span)
+    }
+
+    /// The parts in their order: those that are given, and those of the base; reports what is missing or too much.
+    fn parts_given(
+        &mut self,
+        scalar: Scalar,
+        given: &[(&FieldValue, ExprId)],
+        base: Option<ExprId>,
+        span: Span,
+    ) -> Option<Vec<ExprId>> {
+        let before = self.findings.len();
+        let mut left_out = Vec::new();
+        let mut parts = Vec::new();
+        for name in names_of(scalar) {
+            let mut named = given.iter().filter(|(field, _)| field.field.name == name);
+            let part = named.next().map(|(_, id)| *id);
+            if let (Some(first), Some((again, _))) = (part, named.next()) {
+                let first = self.span_of(first);
+                let finding = crate::program::twice(&again.field.name, again.field.span, first);
+                self.report(finding);
+            }
+            match (part, base) {
+                (Some(part), _) => parts.push(part),
+                (None, Some(base)) => parts.push(self.part_of_base(base, name, span)),
+                (None, None) => left_out.push(name),
+            }
+        }
+        for (field, _) in given {
+            if names_of(scalar).all(|name| field.field.name != name) {
+                self.report(no_part(scalar, &field.field, Use::Literal));
+            }
+        }
+        if !left_out.is_empty() && self.findings.len() == before {
+            let message = format!("{} of `{scalar}` left out", listed(left_out));
+            self.report(Finding::new(Code::RPI1010, message).at(span, "not all parts are given"));
+        }
+        (self.findings.len() == before).then_some(parts)
+    }
+
+    fn part_of_base(&mut self, base: ExprId, name: &str, span: Span) -> ExprId {
+        let name = name.into();
+        self.spatial_part(base, &Ident { name, span }, span)
+    }
+
+    /// A spatial value of which something is known, made of all its parts. Units and frames of the parts must fit
+    /// together; what they tell is known of the whole.
+    fn made_of(&mut self, known: &Ty, parts: &[ExprId], span: Span) -> ExprId {
+        let Ty::Spatial(scalar, geometry) = known else {
+            return self.fault(span);
+        };
+        let mut geometry = (**geometry).clone();
+        let mut wanted = Wanted::Here;
+        for (part, name) in parts.iter().zip(names_of(*scalar)) {
+            if let (Ty::Real(dim), None) = (self.ty_of(*part), geometry.dim) {
+                geometry.dim = Some(*dim);
+            }
+            let expected = part_type(*scalar, &Rc::new(geometry.clone()), name);
+            if !self.expect(*part, &expected, &wanted) {
+                return self.add(Kind::Fault, known.clone(), span);
+            }
+            wanted = Wanted::By(
+                self.span_of(*part),
+                format!("this is `{}`", self.ty_of(*part)),
+            );
+            if let Ok(Ty::Spatial(_, of)) = join(&expected, self.ty_of(*part)) {
+                geometry.of = geometry.of.or_else(|| of.of.clone());
+                geometry.in_frame = geometry.in_frame.or_else(|| of.in_frame.clone());
+            }
+        }
+        let whole = WHOLES.iter().find(|row| row.0 == *scalar);
+        let whole = whole.and_then(|row| rpi_prims::PrimId::of(row.1));
+        match whole {
+            Some(prim) => {
+                let ty = Ty::Spatial(*scalar, Rc::new(geometry));
+                self.prim_typed(prim, parts, ty, span)
+            }
+            None => self.fault(span),
+        }
+    }
+
+    /// A spatial value with the part of this name replaced; the part must be one.
+    pub(super) fn with_part(
+        &mut self,
+        base: ExprId,
+        field: &Ident,
+        new: ExprId,
+        span: Span,
+    ) -> ExprId {
+        let known = self.ty_of(base).clone();
+        let Ty::Spatial(scalar, _) = known else {
+            return self.fault(span);
+        };
+        let mut parts = Vec::new();
+        for name in names_of(scalar) {
+            parts.push(match field.name == name {
+                true => new,
+                false => self.part_of_base(base, name, span),
+            });
+        }
+        self.made_of(&known, &parts, span)
+    }
+}
+
+/// Where a part is named.
+#[derive(Clone, Copy, PartialEq)]
+enum Use {
+    /// `p.x`, `(p with .x = ..)`
+    Path,
+    /// `Pose{x = ..}`
+    Literal,
+}
+
+/// A part that values of a spatial type do not have.
+fn no_part(scalar: Scalar, field: &Ident, at: Use) -> Finding {
+    let near = rpi_diag::suggest(&field.name, names_of(scalar));
+    let unlike = near.is_none();
+    let finding = no_member(&format!("a `{scalar}`"), &field.name, field.span, near);
+    match (scalar, field.name.as_str(), at) {
+        (Scalar::Pose, "x" | "y" | "z", Use::Path) => {
+            let meant = format!("position.{}", field.name);
+            finding.fix(Fix::sure(format!("write `{meant}`")).replace(field.span, meant))
+        }
+        (Scalar::Pose, "x" | "y" | "z", Use::Literal) => finding.help(format!(
+            "a coordinate alone is replaced by `(p with .position.{} = ..)`",
+            field.name
+        )),
+        (Scalar::Rotation, ..) => finding.help("an orientation has no parts that are read by name"),
+        _ if unlike => finding.help(format!("it has {}", listed(names_of(scalar)))),
+        _ => finding,
+    }
+}
+
+/// What a part of a spatial value keeps of its geometry.
+fn part_type(scalar: Scalar, geometry: &Rc<Geometry>, field: &str) -> Ty {
+    let in_frame = geometry.in_frame.clone();
+    let vector = |dim| {
+        let in_frame = in_frame.clone();
+        Ty::Spatial(
+            Scalar::Vector,
+            Rc::new(Geometry {
+                dim,
+                of: None,
+                in_frame,
+            }),
+        )
+    };
+    let speed = |dim: Dim| dim.over(Dim::TIME);
+    let force = || {
+        let acceleration = Dim::LENGTH.over(Dim::TIME)?.over(Dim::TIME)?;
+        Dim::base(Base::Mass).times(acceleration)
+    };
+    match (scalar, field) {
+        (Scalar::Vector, _) => Ty::Real(geometry.dim.unwrap_or(Dim::ONE)),
+        (_, "rotation") => Ty::Spatial(Scalar::Rotation, geometry.clone()),
+        (_, "linear") => vector(speed(Dim::LENGTH)),
+        (_, "angular") => vector(speed(Dim::ANGLE)),
+        (_, "force") => vector(force()),
+        (_, "torque") => vector(force().and_then(|force| force.times(Dim::LENGTH))),
+        _ => vector(Some(Dim::LENGTH)),
+    }
+}
