@@ -4,7 +4,7 @@
 
 use std::os::unix::process::ExitStatusExt;
 use std::process::ExitStatus;
-use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
+use std::sync::atomic::AtomicU64;
 use std::thread;
 
 use rpi_host::realtime::{Pace, RealTime};
@@ -101,12 +101,9 @@ fn traffic(around_tick: Around) {
     if refused {
         std::process::exit(NO_FENCE);
     }
-    let over = AtomicBool::new(false);
-    thread::scope(|scope| {
-        scope.spawn(|| owner::shuttle(scene.address, &over));
+    owner::beside(scene.address, || {
         digest.wait(1);
         good_and_bad(&scene);
-        over.store(true, Ordering::Relaxed);
     });
     let written = server.close().unwrap().unwrap();
     assert!(written.ticks > 0, "{written:?}");

@@ -12,9 +12,9 @@ use crate::rogues::{dio, rpc};
 /// A set-point that the arm refuses.
 const FAR: &str = "{far=Core::DoubleValue(Value='10.0'),\
     a=RobotArm::JointPosition(inPosition=far.outValue,Robot='arm',Axis='1')}";
-/// Two commands, the second of which can follow the first.
+/// Two commands, the second of which can follow the first, and runs until it is cancelled.
 const PROGRAM: &str = "command First () let finish done when time >= 0.02[s]; tel
-    command Second () let finish done when time >= 0.05[s]; finish stopped when cancel; tel";
+    command Second () let finish stopped when cancel; tel";
 
 /// Loads, starts, schedules, rules, takeovers, cancels, aborts, values, subscriptions, faults, unloads, devices that come and go.
 pub(crate) fn all_requests(scene: &Scene, round: u64) {

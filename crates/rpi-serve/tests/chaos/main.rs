@@ -17,9 +17,9 @@ mod rogues;
 use std::fs::File;
 use std::io::BufWriter;
 use std::net::SocketAddr;
-use std::panic::{AssertUnwindSafe, catch_unwind, resume_unwind};
+use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::PathBuf;
-use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
+use std::sync::atomic::{AtomicU64, Ordering};
 use std::thread;
 use std::time::{Duration, Instant};
 
@@ -103,18 +103,11 @@ fn run(pace: Pace, clients: impl FnOnce(&Scene, &Digest)) -> Vec<u64> {
         ..settings()
     };
     let (server, scene) = open(&folder, settings, digest.clone(), false);
-    let over = AtomicBool::new(false);
-    thread::scope(|scope| {
-        let owner = scope.spawn(|| owner::shuttle(scene.address, &over));
-        let done = catch_unwind(AssertUnwindSafe(|| clients(&scene, &digest)));
-        over.store(true, Ordering::Relaxed);
-        let late = owner.join().unwrap();
-        assert_eq!(
-            late, 0,
-            "commands came too late for their predecessors: the machine has too much else to do"
-        );
-        done.unwrap_or_else(|failed| resume_unwind(failed));
-    });
+    let ((), late) = owner::beside(scene.address, || clients(&scene, &digest));
+    assert_eq!(
+        late, 0,
+        "commands came too late for their predecessors: the machine has too much else to do"
+    );
     drop(server);
     digest.marks()
 }

@@ -2,6 +2,7 @@
 
 use std::collections::VecDeque;
 use std::net::SocketAddr;
+use std::panic::{AssertUnwindSafe, catch_unwind, resume_unwind};
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::thread;
 use std::time::Duration;
@@ -28,8 +29,20 @@ struct Owner {
     late: usize,
 }
 
+/// Whatever is done beside the owner's commands, and how many of these came late.
+pub(crate) fn beside<T>(address: SocketAddr, clients: impl FnOnce() -> T) -> (T, usize) {
+    let over = AtomicBool::new(false);
+    thread::scope(|scope| {
+        let owner = scope.spawn(|| shuttle(address, &over));
+        let done = catch_unwind(AssertUnwindSafe(clients));
+        over.store(true, Ordering::Relaxed);
+        let late = owner.join().unwrap();
+        (done.unwrap_or_else(|failed| resume_unwind(failed)), late)
+    })
+}
+
 /// Runs one command after the other until it is over. How many came late?
-pub(crate) fn shuttle(address: SocketAddr, over: &AtomicBool) -> usize {
+fn shuttle(address: SocketAddr, over: &AtomicBool) -> usize {
     let example = rpi_testkit::workspace_root().join("examples/blending/blending.rpi");
     let path = format!("/rpc?token={TOKEN}");
     let mut owner = Owner {
