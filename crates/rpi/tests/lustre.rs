@@ -176,7 +176,8 @@ fn what_is_emitted_as_lustre_gives_the_same_bits() {
             let same = other.is_some_and(|other| {
                 cells.len() == other.len() && cells.iter().zip(other).all(is_same)
             });
-            if !same || status != Some(0) {
+            let reads_all = !err.contains("RPI3101");
+            if !same || !reads_all || status != Some(0) {
                 wrong.push(format!("{path}: {name}: {cells:?}, {other:?}\n{text}{err}"));
                 break;
             }

@@ -15,10 +15,12 @@
 //! | `flows.rs` | what a reader sees of a flow, and when fragments are active |
 //! | `equations.rs` | one primitive at a time |
 //! | `outputs.rs` | what goes out, and how a command ends |
+//! | `needed.rs` | what of all that is read |
 
 mod equations;
 mod flows;
 mod names;
+mod needed;
 mod operators;
 mod outputs;
 mod value;
@@ -26,6 +28,7 @@ mod value;
 use crate::Column;
 use crate::passes::Analysis;
 use flows::Writer;
+use needed::needed;
 use rpi_diag::Finding;
 use std::fmt::Write as _;
 
@@ -74,7 +77,9 @@ pub fn write(analysis: &Analysis, boundary: &Boundary<'_>, period_ns: u64) -> Lu
 }
 
 impl Writer<'_> {
-    fn finish(self) -> Lustre {
+    fn finish(mut self) -> Lustre {
+        let others = [&self.assumptions[..], &self.claims[..]].concat();
+        (self.locals, self.equations) = needed(self.locals, self.equations, &others);
         let mut text = String::new();
         let _ = writeln!(text, "node {} (", self.title);
         put_list(&mut text, &self.inputs);

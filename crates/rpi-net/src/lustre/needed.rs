@@ -1,0 +1,61 @@
+//! What of the text matters: local flows that nothing reads are left out, with what only they read.
+
+use std::collections::{HashMap, HashSet};
+
+/// The equations that define outputs, and those of the local flows which these and `others` need, one after the other;
+/// then the local flows that are left. Each equation defines one flow: `name = value`.
+pub(super) fn needed(
+    locals: Vec<String>,
+    equations: Vec<String>,
+    others: &[String],
+) -> (Vec<String>, Vec<String>) {
+    let names: HashSet<&str> = locals.iter().filter_map(|local| first(local)).collect();
+    let defined = equations.iter().filter_map(|equation| first(equation));
+    let place: HashMap<&str, usize> = defined.zip(0..).collect();
+    let is_root = |equation: &&String| first(equation).is_none_or(|name| !names.contains(name));
+    let mut open: Vec<&str> = equations
+        .iter()
+        .filter(is_root)
+        .flat_map(|e| words(e))
+        .collect();
+    open.extend(others.iter().flat_map(|other| words(other)));
+    let mut read: HashSet<&str> = HashSet::new();
+    while let Some(word) = open.pop() {
+        if let Some(at) = place.get(word)
+            && read.insert(word)
+        {
+            open.extend(words(&equations[*at]));
+        }
+    }
+    let is_read =
+        |text: &String| first(text).is_none_or(|name| read.contains(name) || !names.contains(name));
+    let kept = [&locals, &equations].map(|texts| {
+        texts
+            .iter()
+            .map(|text| is_read(text))
+            .collect::<Vec<bool>>()
+    });
+    let [of_locals, of_equations] = kept;
+    (
+        filtered(locals, &of_locals),
+        filtered(equations, &of_equations),
+    )
+}
+
+fn filtered(texts: Vec<String>, kept: &[bool]) -> Vec<String> {
+    let texts = texts.into_iter().zip(kept);
+    texts
+        .filter(|(_, kept)| **kept)
+        .map(|(text, _)| text)
+        .collect()
+}
+
+/// Names in a text, and numbers.
+fn words(text: &str) -> impl Iterator<Item = &str> {
+    let words = text.split(|c: char| !c.is_alphanumeric() && c != '_');
+    words.filter(|word| !word.is_empty())
+}
+
+fn first(text: &str) -> Option<&str> {
+    words(text).next()
+}
