@@ -246,7 +246,7 @@ pub(crate) struct ServeArgs {
     /// refused. `off` for no limit.
     #[arg(long, value_name = "PERCENT", value_parser = share, default_value = "80")]
     pub(crate) cycle_share: Share,
-    /// What `rpic machine` has measured here, for these bounds; a careful guess of 10 ns an operation without it.
+    /// What `rpic machine` has measured here, for these bounds: the worst; 2.5 ns an operation without it.
     #[arg(long, value_name = "FILE")]
     pub(crate) machine: Option<PathBuf>,
     #[command(flatten)]
