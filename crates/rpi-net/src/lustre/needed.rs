@@ -2,8 +2,8 @@
 
 use std::collections::{HashMap, HashSet};
 
-/// The equations that define outputs, and those of the local flows which these and `others` need, one after the other;
-/// then the local flows that are left. Each equation defines one flow: `name = value`.
+/// The local flows and the equations that are left: those that define outputs, and what these and `others` read, by whatever steps.
+/// Each equation defines one flow: `name = value`.
 pub(super) fn needed(
     locals: Vec<String>,
     equations: Vec<String>,
@@ -29,13 +29,8 @@ pub(super) fn needed(
     }
     let is_read =
         |text: &String| first(text).is_none_or(|name| read.contains(name) || !names.contains(name));
-    let kept = [&locals, &equations].map(|texts| {
-        texts
-            .iter()
-            .map(|text| is_read(text))
-            .collect::<Vec<bool>>()
-    });
-    let [of_locals, of_equations] = kept;
+    let kept = |texts: &[String]| texts.iter().map(is_read).collect::<Vec<bool>>();
+    let (of_locals, of_equations) = (kept(&locals), kept(&equations));
     (
         filtered(locals, &of_locals),
         filtered(equations, &of_equations),
