@@ -3,6 +3,7 @@
 use super::live;
 use crate::net::{Input, Net, NodeId, without_calls};
 use rpi_diag::{Code, Finding, Span};
+use rpi_image::Role;
 use std::collections::BTreeMap;
 
 /// A warning for each group of named flows that nothing outside of the group reads; `live` and `used` are as in
@@ -18,7 +19,10 @@ pub(super) fn check(net: &Net, live: &[bool], used: &[bool]) -> Vec<Finding> {
     let mut elsewhere: Vec<Span> = others.map(|id| net.node(id).origin.span).collect();
     elsewhere.sort_unstable();
     let mut told: BTreeMap<Vec<Span>, Vec<&str>> = BTreeMap::new();
-    for group in groups(net, &idle) {
+    // A ring without a delay is told as such.
+    let is_delay = |id: &NodeId| net.node(*id).desc().role == Role::Delay;
+    let groups = groups(net, &idle).into_iter();
+    for group in groups.filter(|group| group.iter().any(is_delay)) {
         let mut flows: Vec<(Span, &str)> = group.iter().filter_map(|id| flow(net, *id)).collect();
         flows.sort_unstable();
         flows.dedup();

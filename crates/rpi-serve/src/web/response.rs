@@ -55,15 +55,16 @@ impl Response {
             401 => "WWW-Authenticate: Bearer\r\n",
             _ => "",
         };
-        write!(
-            stream,
+        let text = format!(
             "HTTP/1.1 {} {reason}\r\nContent-Type: {}\r\nContent-Length: {}\r\nConnection: close\r\n\
              {challenge}X-Content-Type-Options: nosniff\r\n\r\n{}",
             self.status,
             self.kind,
             self.body.len(),
             self.body
-        )?;
+        );
+        // In one piece: who reads the head may have no patience for more.
+        stream.write_all(text.as_bytes())?;
         stream.flush()
     }
 }

@@ -41,7 +41,8 @@ const TOKEN: &str = "a-secret";
 const LONGEST: u64 = 120;
 /// Bad clients at a time.
 const ROGUES: u64 = 3;
-/// What held memory may grow by, bytes, however long it takes.
+/// What held memory may grow by, bytes, however long it takes: the latest lines of the journal and what has become of the latest few
+/// thousand rules are remembered.
 const GROWTH: usize = 1 << 20;
 
 /// The server under attack.
