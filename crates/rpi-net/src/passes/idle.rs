@@ -89,19 +89,30 @@ fn groups(net: &Net, idle: &[bool]) -> Vec<Vec<NodeId>> {
     groups
 }
 
+/// Flows of a group that are named.
+const NAMED: usize = 8;
+
 fn finding(places: &[Span], names: &[&str]) -> Finding {
     let mut quoted: Vec<String> = names
         .iter()
+        .take(NAMED)
         .map(|n| format!("`{}`", without_calls(n)))
         .collect();
     quoted.dedup();
     let message = match &quoted[..] {
         [one] => format!("nothing but {one} itself uses {one}"),
+        many if names.len() > NAMED => {
+            let more = names.len() - NAMED;
+            format!(
+                "nothing but one another uses {} and {more} more",
+                many.join(", ")
+            )
+        }
         many => format!("nothing but one another uses {}", many.join(", ")),
     };
     let finding = Finding::new(Code::RPI3101, message)
         .help("delete it, or let its name begin with `_` if it shall stay");
-    let places = places.iter();
+    let places = places.iter().take(NAMED);
     places.fold(finding, |finding, place| {
         finding.at(*place, "computed here")
     })
