@@ -14,13 +14,13 @@ use rpi_image::{Role, Value};
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum Reader {
     /// An in-port of a node, by index.
-    Input(NodeId, usize),
+    Input(NodeId, u32),
     /// The activation of a fragment.
     Activation(FragmentId),
     /// The restart condition of a fragment.
     Restart(FragmentId),
     /// A declared in-port of a fragment, by index.
-    InPort(FragmentId, usize),
+    InPort(FragmentId, u32),
 }
 
 /// One link that makes an item wait for another.
@@ -78,7 +78,7 @@ impl Dependencies {
 fn links(net: &Net) -> impl Iterator<Item = (Reader, FragmentId, PortRef)> + '_ {
     let nodes = net.node_ids().flat_map(move |id| {
         let node = net.node(id);
-        let inputs = node.inputs.iter().enumerate();
+        let inputs = (0..).zip(&node.inputs);
         inputs.filter_map(move |(k, input)| {
             Some((Reader::Input(id, k), node.fragment, input.port()?))
         })
@@ -100,7 +100,7 @@ fn border_links(net: &Net, id: FragmentId) -> impl Iterator<Item = (Reader, Port
         Restart::Every(condition) => Some((Reader::Restart(id), condition)),
         Restart::Never | Restart::OnActivation => None,
     };
-    let ports = fragment.inputs.iter().enumerate();
+    let ports = (0..).zip(&fragment.inputs);
     let ports = ports.filter_map(move |(k, p)| Some((Reader::InPort(id, k), p.source.port()?)));
     activation.into_iter().chain(restart).chain(ports)
 }

@@ -78,8 +78,10 @@ fn outside(net: &mut Net, level: FragmentId, port: PortRef) -> PortRef {
 
 fn redirect(net: &mut Net, reader: Reader, to: PortRef) {
     match reader {
-        Reader::Input(id, k) => net.nodes[id.index()].inputs[k] = Input::Port(to),
-        Reader::InPort(id, k) => net.fragments[id.index()].inputs[k].source = Input::Port(to),
+        Reader::Input(id, k) => net.nodes[id.index()].inputs[k as usize] = Input::Port(to),
+        Reader::InPort(id, k) => {
+            net.fragments[id.index()].inputs[k as usize].source = Input::Port(to)
+        }
         Reader::Restart(id) => net.fragments[id.index()].restart = Restart::Every(to),
         Reader::Activation(id) => {
             if let Activation::When { condition, .. } = &mut net.fragments[id.index()].activation {

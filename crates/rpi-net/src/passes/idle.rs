@@ -2,6 +2,7 @@
 
 use super::live;
 use crate::net::{Input, Net, NodeId, without_calls};
+use petgraph::unionfind::UnionFind;
 use rpi_diag::{Code, Finding, Span};
 use rpi_image::Role;
 use std::collections::BTreeMap;
@@ -19,10 +20,7 @@ pub(super) fn check(net: &Net, live: &[bool], used: &[bool]) -> Vec<Finding> {
     let mut elsewhere: Vec<Span> = others.map(|id| net.node(id).origin.span).collect();
     elsewhere.sort_unstable();
     let mut told: BTreeMap<Vec<Span>, Vec<&str>> = BTreeMap::new();
-    // A ring without a delay is told as such.
-    let is_delay = |id: &NodeId| net.node(*id).desc().role == Role::Delay;
-    let groups = groups(net, &idle).into_iter();
-    for group in groups.filter(|group| group.iter().any(is_delay)) {
+    for group in groups(net, &idle) {
         let mut flows: Vec<(Span, &str)> = group.iter().filter_map(|id| flow(net, *id)).collect();
         flows.sort_unstable();
         flows.dedup();
@@ -65,28 +63,26 @@ fn sources(net: &Net, id: NodeId) -> impl Iterator<Item = NodeId> + '_ {
     ports.map(|port| port.node)
 }
 
-/// The idle nodes, together with those that they read or are read by.
+/// The idle nodes, together with those that they read or are read by. Without the groups in which nothing is delayed:
+/// a ring without a delay is told as such.
 fn groups(net: &Net, idle: &[bool]) -> Vec<Vec<NodeId>> {
+    let mut joined: UnionFind<u32> = UnionFind::new(idle.len());
     let members = || net.node_ids().filter(|id| idle[id.index()]);
-    let mut beside: BTreeMap<NodeId, Vec<NodeId>> = members().map(|id| (id, Vec::new())).collect();
     for id in members() {
         for source in sources(net, id).filter(|id| idle[id.index()]) {
-            beside.entry(id).or_default().push(source);
-            beside.entry(source).or_default().push(id);
+            joined.union(id.0, source.0);
         }
     }
-    let mut groups = Vec::new();
-    while let Some((first, next)) = beside.pop_first() {
-        let (mut group, mut open) = (vec![first], next);
-        while let Some(id) = open.pop() {
-            if let Some(next) = beside.remove(&id) {
-                group.push(id);
-                open.extend(next);
-            }
+    let is_delay = |id: &NodeId| net.node(*id).desc().role == Role::Delay;
+    let delays = members().filter(is_delay);
+    let mut groups: BTreeMap<u32, Vec<NodeId>> =
+        delays.map(|id| (joined.find(id.0), Vec::new())).collect();
+    for id in members() {
+        if let Some(group) = groups.get_mut(&joined.find(id.0)) {
+            group.push(id);
         }
-        groups.push(group);
     }
-    groups
+    groups.into_values().collect()
 }
 
 /// Flows of a group that are named.

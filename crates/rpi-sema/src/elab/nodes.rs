@@ -252,6 +252,13 @@ impl Elab<'_> {
         }
     }
 
+    /// Makes room for as many more aliases.
+    pub(super) fn expect_aliases(&mut self, more: usize) {
+        self.aliases.reserve(more);
+        self.alias_types.reserve(more);
+        self.settling.reserve(more);
+    }
+
     /// A new alias for a flow of a machine type.
     pub(super) fn new_alias(&mut self, scalar: Scalar) -> PortRef {
         self.aliases.push(None);

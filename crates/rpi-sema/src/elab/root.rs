@@ -190,6 +190,7 @@ impl<'u> Elab<'u> {
                 .nodes
                 .reserve(unit.exprs.len() + OF_A_STATE * blocks);
             self.net.fragments.reserve(blocks);
+            self.expect_aliases(unit.flows.len());
         }
     }
 

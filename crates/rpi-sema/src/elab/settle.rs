@@ -5,6 +5,7 @@ use super::{At, Elab};
 use rpi_diag::Span;
 use rpi_image::Value;
 use rpi_net::{Activation, Driver, FragmentId, Input, PortRef, Restart};
+use smallvec::{SmallVec, smallvec};
 
 impl Elab<'_> {
     /// Replaces all aliases.
@@ -39,7 +40,7 @@ impl Elab<'_> {
     /// Follows an alias to what it stands for. Aliases that stand for each other are a dependency cycle without any
     /// primitive in it: one is put in, so that the net shows the cycle.
     fn settle_alias(&mut self, alias: usize) {
-        let mut chain = vec![alias];
+        let mut chain: SmallVec<[usize; 4]> = smallvec![alias];
         self.settling[alias] = true;
         let end = loop {
             let last = chain[chain.len() - 1];
