@@ -7,8 +7,8 @@
 use mimalloc::MiMalloc;
 use rpi_bench::clock::{process_ns, timed};
 use rpi_bench::program::{FAULTY, SOUND, Shape};
-use rpi_bench::resident::resident;
 use rpi_bench::table::Table;
+use rpi_testkit::resident;
 use std::path::Path;
 use std::process::Command;
 

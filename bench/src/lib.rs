@@ -8,7 +8,6 @@ pub mod clock;
 pub mod generate;
 pub mod program;
 pub mod puppet;
-pub mod resident;
 pub mod rng;
 pub mod table;
 pub mod twin;

@@ -2,11 +2,12 @@
 
 use crate::{MS, scratch};
 use rpi_bench::table::Table;
-use rpi_bench::{generate, resident::resident, twin};
+use rpi_bench::{generate, twin};
 use rpi_core::Machine;
 use rpi_device::NoDevices;
 use rpi_lower::LowerOptions;
 use rpi_net::rpinet;
+use rpi_testkit::resident;
 use std::path::Path;
 use std::process::Command;
 

@@ -62,17 +62,20 @@ pub(crate) struct Entry {
 impl Entry {
     /// The name of what is at this place.
     pub(crate) fn id(&self, place: usize) -> CommandId {
-        CommandId {
-            // The table has fewer than 2^32 places.
-            place: place as u32,
-            serial: self.serial,
-        }
+        named(place, self.serial)
     }
 
     /// True if it has not ended and may still do something.
     pub(crate) fn is_live(&self) -> bool {
         self.live && self.command.ending.is_none() && !self.gone
     }
+}
+
+/// The name of the command that came to a place with a number of its own.
+fn named(place: usize, serial: u32) -> CommandId {
+    // The table has fewer than 2^32 places.
+    let place = place as u32;
+    CommandId { place, serial }
 }
 
 /// Rules for each command that there is room for.
@@ -136,11 +139,7 @@ impl Core {
         let free = self.entries.iter().position(Option::is_none);
         let place = free.unwrap_or(self.entries.len());
         self.serial = self.serial.wrapping_add(1);
-        let id = CommandId {
-            // The table has fewer than 2^32 places.
-            place: place as u32,
-            serial: self.serial,
-        };
+        let id = named(place, self.serial);
         self.insert_as(id, command).map(|()| id)
     }
 
@@ -334,11 +333,7 @@ impl Core {
 
     pub(crate) fn id(&self, place: usize) -> CommandId {
         let entry = self.entries.get(place).and_then(|e| e.as_ref());
-        CommandId {
-            // The table has fewer than 2^32 places.
-            place: place as u32,
-            serial: entry.map_or(0, |e| e.serial),
-        }
+        named(place, entry.map_or(0, |e| e.serial))
     }
 
     /// Where a command stands, if it is there.

@@ -16,11 +16,11 @@ pub fn own_process(test: &str, variable: &str, case: &str) -> Output {
         .expect("a process for one test")
 }
 
-/// Memory that the system holds for this process, kB; 0 where it does not tell.
+/// Memory that the system holds for this process, kB: `VmRSS:` now, `VmHWM:` at its highest; 0 where it does not tell.
 #[must_use]
-pub fn resident() -> u64 {
+pub fn resident(figure: &str) -> u64 {
     let status = std::fs::read_to_string("/proc/self/status").unwrap_or_default();
-    let line = status.lines().find_map(|line| line.strip_prefix("VmRSS:"));
+    let line = status.lines().find_map(|line| line.strip_prefix(figure));
     let number = line.and_then(|line| line.split_whitespace().next());
     number.and_then(|n| n.parse().ok()).unwrap_or(0)
 }

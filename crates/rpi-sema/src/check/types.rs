@@ -488,7 +488,7 @@ impl<'a> Body<'_, 'a> {
                 values: values.iter().map(|v| v.name.name.clone()).collect(),
             })),
             Some((TypeKind::Data(all), _)) => self.data_meaning(def, name, all),
-            Some((TypeKind::Struct(fields), _)) => self.struct_meaning(def, fields),
+            Some((TypeKind::Struct(fields), _)) => self.struct_meaning(def, name, fields),
             Some((_, ty)) => self.ty(ty),
         }
     }
@@ -499,7 +499,7 @@ impl<'a> Body<'_, 'a> {
         super::instance::display(self.c.program, &def.name.name, &params, &self.statics)
     }
 
-    fn struct_meaning(&mut self, def: &'a TypeDef, fields: &'a [VarDecl]) -> Ty {
+    fn struct_meaning(&mut self, def: &'a TypeDef, name: Name, fields: &'a [VarDecl]) -> Ty {
         let known = self.fields(fields);
         if !is_workable(&known) {
             let finding = Finding::new(Code::RPI2009, "the struct is too large").at(
@@ -510,7 +510,7 @@ impl<'a> Body<'_, 'a> {
             return Ty::Unknown;
         }
         Ty::Struct(Rc::new(StructTy {
-            name: self.type_name(def),
+            name,
             fields: known,
             defaults: self.field_defaults(fields),
         }))

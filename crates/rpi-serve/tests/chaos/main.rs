@@ -121,7 +121,7 @@ fn attack(scene: &Scene, digest: &Digest, seconds: u64) {
         make(*trouble, scene, 0, count);
     }
     wait_for_calm(scene);
-    let (held, before) = (MEMORY.allocated(), resident());
+    let (held, before) = (MEMORY.allocated(), resident("VmRSS:"));
     let until = digest.passed() + seconds;
     thread::scope(|scope| {
         for rogue in 0..ROGUES {
@@ -137,7 +137,7 @@ fn attack(scene: &Scene, digest: &Digest, seconds: u64) {
         digest.wait(until);
     });
     wait_for_calm(scene);
-    let (holds, after) = (MEMORY.allocated(), resident());
+    let (holds, after) = (MEMORY.allocated(), resident("VmRSS:"));
     println!("troubles {counts:?}");
     println!(
         "{held} bytes held before, {holds} after; for that the system gave {before} kB, {after} kB"

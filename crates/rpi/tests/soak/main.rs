@@ -21,9 +21,9 @@ fn arms_are_never_let_go_of() {
     let mut life = Life::new(wanted);
     let early = wanted / 10;
     life.run_until(early);
-    let settled = resident();
+    let settled = resident("VmRSS:");
     life.run_until(wanted);
-    let grown = resident().saturating_sub(settled);
+    let grown = resident("VmRSS:").saturating_sub(settled);
     println!("{life}, {grown} kB more than after {early}");
     life.come_to_rest();
     life.is_eventful();
