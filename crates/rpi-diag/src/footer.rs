@@ -18,11 +18,6 @@ pub(crate) fn draw(finding: &Finding, sources: &SourceMap, style: Style) -> Stri
     out
 }
 
-/// `1 error`, `2 errors`.
-pub(crate) fn plural(count: usize, what: &str) -> String {
-    format!("{count} {what}{}", if count == 1 { "" } else { "s" })
-}
-
 /// `  head: text`, wrapped, further lines aligned with the text. Line breaks in the text are kept.
 fn paragraph(head: &str, text: &str, style: Style) -> String {
     let indent = head.len() + 4;

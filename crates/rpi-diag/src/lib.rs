@@ -18,6 +18,7 @@
 
 mod apply;
 mod codes;
+mod count;
 mod cut;
 mod finding;
 mod footer;
@@ -34,6 +35,7 @@ mod texts;
 
 pub use apply::{apply, sure_edits, sure_fixes};
 pub use codes::{Code, Severity};
+pub use count::{counted, times};
 pub use finding::{Applicability, Edit, Finding, Fix, Label};
 pub use format::{Format, render_as};
 pub use render::render;

@@ -1,6 +1,7 @@
 //! Findings for people: headline, snippets, then help, notes and fixes.
 
-use crate::footer::{self, plural};
+use crate::count::counted;
+use crate::footer;
 use crate::{Finding, Severity, SourceMap, Style, cut, snippet};
 
 /// Findings that are shown; whoever has more reads the others once these are mended.
@@ -36,7 +37,7 @@ fn summary(findings: &[Finding]) -> String {
     let counts: Vec<String> = [Severity::Error, Severity::Warning, Severity::Note]
         .into_iter()
         .filter(|&severity| count(severity) > 0)
-        .map(|severity| plural(count(severity), severity.as_str()))
+        .map(|severity| counted(count(severity), severity.as_str()))
         .collect();
     let one_code = findings.iter().all(|f| f.code == first.code);
     let code = if one_code {

@@ -4,7 +4,7 @@ use rpi_diag::{FileId, Finding, Severity, SourceMap};
 use rpi_image::Scalar;
 use rpi_net::{Column, Net};
 use rpi_sema::elab::{Claims, Elaborated, PortShape, elaborate_alone};
-use rpi_sema::program::DeclKind;
+use rpi_sema::program::{DeclId, DeclKind};
 use rpi_sema::ty::Ty;
 use rpi_sema::typed::UnitId;
 use rpi_syntax::ast::{ItemKind, NodeKind};
@@ -106,11 +106,33 @@ fn chosen(
     if let Some(name) = name {
         return named(name).ok_or_else(|| missing(front, name, &nodes));
     }
-    let called = source::called(front.checked);
-    let last = nodes.iter().rev().find(|node| !called.contains(&node.1));
     let marked = marked.iter().find_map(|name| named(name));
-    let found = marked.or_else(|| named(stem)).or(last.map(|node| node.1));
-    found.ok_or_else(|| "there is no node in it that can be run".to_owned())
+    let found = marked.or_else(|| named(stem)).or_else(|| last(front));
+    found.ok_or_else(|| {
+        let with_devices = ["command", "task"].map(|kind| format!("a {kind}"));
+        let decls = front.program.root().decls.iter();
+        let mut kinds = decls.map(|id| front.program.decl(*id).kind.what());
+        match kinds.any(|kind| with_devices.iter().any(|known| known == kind)) {
+            true => "there is no node in it that can be run by itself; its commands run without --node, --step, --inputs and the like".to_owned(),
+            false => "there is no node in it that can be run".to_owned(),
+        }
+    })
+}
+
+/// The last node that no other one calls: commands and tests may.
+fn last(front: &Front<'_>) -> Option<UnitId> {
+    let is_node = |decl: DeclId| {
+        let kind = &front.program.decl(decl).kind;
+        matches!(kind, DeclKind::Node(node) if node.kind != NodeKind::Contract)
+    };
+    let runnable = front.checked.runnable.iter();
+    let nodes: Vec<UnitId> = runnable
+        .filter(|(decl, _)| is_node(*decl))
+        .map(|(_, unit)| *unit)
+        .collect();
+    let called = source::called(nodes.iter().map(|unit| front.checked.unit(*unit)));
+    let mut latest_first = nodes.into_iter().rev();
+    latest_first.find(|unit| !called.contains(unit))
 }
 
 fn is_contract(kind: DeclKind<'_>) -> bool {

@@ -161,7 +161,7 @@ struct Roots {
 fn roots(front: &Front<'_>, asked: Asked, findings: &mut Vec<Finding>) -> Roots {
     let (claims, checked) = (asked.claims, front.checked);
     front.told.replace(asked.told.then(Vec::new));
-    let called = called(checked);
+    let called = called(&checked.units);
     let mut roots = Roots::default();
     for (_, unit) in &checked.runnable {
         let kind = checked.unit(*unit).kind;
@@ -366,8 +366,8 @@ fn arguments(front: &Front<'_>, unit: UnitId) -> Vec<Argument> {
 }
 
 /// The units that others call.
-pub(crate) fn called(checked: &Checked) -> BTreeSet<UnitId> {
-    let exprs = checked.units.iter().flat_map(|unit| &unit.exprs);
+pub(crate) fn called<'u>(units: impl IntoIterator<Item = &'u Unit>) -> BTreeSet<UnitId> {
+    let exprs = units.into_iter().flat_map(|unit| &unit.exprs);
     let calls = exprs.filter_map(|expr| match &expr.kind {
         Kind::Call(call) => Some(call.unit),
         _ => None,

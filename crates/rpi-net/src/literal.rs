@@ -89,7 +89,10 @@ pub fn read(text: &str, ty: Type) -> Result<Option<Value>, LiteralError> {
         return Ok(None);
     };
     if elements.len() != len as usize {
-        let message = format!("{} elements where {ty} has {len}", elements.len());
+        let message = format!(
+            "{} where {ty} has {len}",
+            rpi_diag::counted(elements.len(), "element")
+        );
         return Err(LiteralError::new(0, message));
     }
     let elements: Option<Vec<Value>> = elements.into_iter().collect();

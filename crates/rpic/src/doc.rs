@@ -34,7 +34,8 @@ pub(crate) fn doc(args: &DocArgs) -> Outcome {
     let site = Site::of(&title, &about, &modules);
     write(&args.out, &site)?;
     let index = args.out.join("index.html");
-    eprintln!("wrote {} pages: {}", modules.len() + 1, index.display());
+    let pages = rpi_diag::counted(modules.len() + 1, "page");
+    eprintln!("wrote {pages}: {}", index.display());
     if args.open {
         open(&index)?;
     }

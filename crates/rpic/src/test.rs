@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use rpi_diag::{Code, Finding, Span};
+use rpi_diag::{Code, Finding, Span, counted};
 use rpi_driver::{Compiled, Input, Test};
 use rpi_host::testing::{Case, Condition, Ended, Holds, Report, run};
 use rpi_image::image::TextRange;
@@ -103,8 +103,8 @@ fn one_file(
         let report = report(test, args)?;
         let passed = report.passed();
         let word = if passed { "ok  " } else { "FAIL" };
-        let (title, cycles) = (&test.title, report.cycles);
-        let line = format!("{word} {}: {title} ({cycles} cycles)\n", file.display());
+        let (title, cycles) = (&test.title, counted(report.cycles, "cycle"));
+        let line = format!("{word} {}: {title} ({cycles})\n", file.display());
         put(None, line.as_bytes())?;
         match passed {
             true => tally.passed += 1,
@@ -163,7 +163,10 @@ fn findings(test: &Test, report: &Report) -> Vec<Finding> {
             Holds::Never => findings.push(
                 Finding::new(
                     Code::RPI9002,
-                    format!("{name} was absent in all {} cycles", report.cycles),
+                    match report.cycles {
+                        1 => format!("{name} was absent in the only cycle"),
+                        cycles => format!("{name} was absent in all {cycles} cycles"),
+                    },
                 )
                 .at(expectation.span, "nothing was ever claimed here"),
             ),
@@ -199,7 +202,7 @@ fn ended(test: &Test, report: &Report, end: &Ended) -> Option<Finding> {
         Ended::Unfinished => Some(
             Finding::new(
                 Code::RPI9001,
-                format!("it did not finish in {} cycles", report.cycles),
+                format!("it did not finish in {}", counted(report.cycles, "cycle")),
             )
             .at(test.span, "this test has a `finish`")
             .help("correct its condition, or give the test more time by `--cycles`"),

@@ -123,8 +123,9 @@ impl Watch {
                 path => format!(" in the call `{path}`"),
             };
             format!(
-                "{what}{call} did not hold in {} of {} cycles\n",
-                tally.broken, tally.seen
+                "{what}{call} did not hold in {} of {}\n",
+                tally.broken,
+                rpi_diag::counted(tally.seen, "cycle")
             )
         };
         often.map(line).collect()

@@ -86,7 +86,8 @@ impl fmt::Display for Verdict {
         let (count, period) = (wakes.count, time_text(wakes.period_ns));
         writeln!(
             f,
-            "woken {count} times, every {period}; late by {}",
+            "woken {}, every {period}; late by {}",
+            rpi_diag::times(count),
             wakes.late
         )?;
         let most = wakes.buckets.iter().map(|b| b.count).max().unwrap_or(0);

@@ -65,7 +65,10 @@ impl<'c> Reader<'c> {
         let fields = fields(text);
         if fields.len() != self.width && !self.columns.is_empty() {
             let (found, width) = (fields.len(), self.width);
-            return Err(bad(format!("{found} fields, but the header has {width}")));
+            return Err(bad(format!(
+                "{}, but the header has {width}",
+                rpi_diag::counted(found, "field")
+            )));
         }
         let cells = |(column, field): (&Column, &usize)| {
             let text = fields.get(*field).map_or("", |field| field.as_str());

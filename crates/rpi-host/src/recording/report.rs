@@ -2,6 +2,7 @@
 
 use std::fmt;
 
+use rpi_diag::counted;
 use serde::Serialize;
 
 /// What came of it.
@@ -62,15 +63,18 @@ impl fmt::Display for Rerun {
             events,
             ..
         } = self;
-        writeln!(
-            f,
-            "{ticks} ticks, {commands} commands, {values} values, {events} events"
-        )?;
+        let told = [
+            counted(ticks, "tick"),
+            counted(commands, "command"),
+            counted(values, "value"),
+            counted(events, "event"),
+        ];
+        writeln!(f, "{}", told.join(", "))?;
         if self.lost > 0 {
             writeln!(
                 f,
-                "the recording has lost {} ticks: what comes after the first of them is not known",
-                self.lost
+                "the recording has lost {}: what comes after is not known",
+                counted(self.lost, "tick")
             )?;
         }
         if let Some(tick) = self.devices {

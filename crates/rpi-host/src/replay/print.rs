@@ -2,6 +2,8 @@
 
 use std::fmt;
 
+use rpi_diag::counted;
+
 use super::report::{Divergence, Link, Report};
 
 /// Ports listed with their differences.
@@ -16,8 +18,9 @@ impl fmt::Display for Report {
         };
         writeln!(
             f,
-            "{} {verdict} the trace, {} cycles",
-            self.net, self.cycles
+            "{} {verdict} the trace, {}",
+            self.net,
+            counted(self.cycles, "cycle")
         )?;
         self.counts(f)?;
         self.lists(f)?;
@@ -45,10 +48,10 @@ impl Report {
         )?;
         writeln!(f, "  differing  {:>9}", self.differing)?;
         for row in &self.explained {
-            let ports = row.ports.len();
+            let ports = counted(row.ports.len(), "port");
             writeln!(
                 f,
-                "  explained  {:>9} at {ports} ports by `{}`: {}",
+                "  explained  {:>9} at {ports} by `{}`: {}",
                 row.values, row.entry, row.why
             )?;
         }
@@ -105,7 +108,7 @@ impl Report {
         }
         match self.ports.len().saturating_sub(LISTED) {
             0 => Ok(()),
-            more => writeln!(f, "  and {more} more ports"),
+            more => writeln!(f, "  and {}", counted(more, "more port")),
         }
     }
 }

@@ -2,6 +2,8 @@
 
 use std::fmt;
 
+use rpi_diag::{counted, times};
+
 use super::outcome::{Blame, CommandEnd, DeviceEnd, Outcome, RunEnd, Trouble};
 use crate::realtime::Spread;
 
@@ -9,26 +11,24 @@ impl fmt::Display for Outcome {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let width = self.commands.iter().map(|c| c.name.chars().count()).max();
         if self.unlisted > 0 {
-            writeln!(f, "{} commands before these", self.unlisted)?;
+            writeln!(f, "{} before these", counted(self.unlisted, "command"))?;
         }
         for command in &self.commands {
             self.command(f, command, width.unwrap_or(0))?;
         }
+        let ticks = counted(self.figures.ticks, "tick");
         if self.cut_off {
-            writeln!(
-                f,
-                "cut off after {} ticks, as asked for",
-                self.figures.ticks
-            )?;
+            writeln!(f, "cut off after {ticks}, as asked for")?;
         }
         if let Some(why) = &self.stopped {
-            writeln!(f, "STOPPED after {} ticks: {why}", self.figures.ticks)?;
+            writeln!(f, "STOPPED after {ticks}: {why}")?;
         }
         if self.late > 0 {
             writeln!(
                 f,
-                "{} times a successor came after its predecessor had ended, {} times too late to take over in motion",
-                self.late, self.missed
+                "{} a successor came after its predecessor had ended, {} too late to take over in motion",
+                times(self.late),
+                times(self.missed)
             )?;
         }
         self.timing(f)?;
@@ -55,7 +55,7 @@ impl Outcome {
             write!(f, ", first in tick {first}, at most {longest} too late")?;
             match overruns.skipped {
                 0 => writeln!(f)?,
-                skipped => writeln!(f, ", {skipped} periods skipped")?,
+                skipped => writeln!(f, ", {} skipped", counted(skipped, "period"))?,
             }
         }
         Ok(())
@@ -69,8 +69,9 @@ impl Outcome {
         if let Some(recorded) = &self.recorded {
             writeln!(
                 f,
-                "recorded    {} ticks, {} lost",
-                recorded.ticks, recorded.lost
+                "recorded    {}, {} lost",
+                counted(recorded.ticks, "tick"),
+                recorded.lost
             )?;
         }
         if let Some(why) = &self.unrecorded {
@@ -80,7 +81,8 @@ impl Outcome {
             0 => Ok(()),
             lost => writeln!(
                 f,
-                "{lost} samples were lost: the recording could not keep up"
+                "lost        {}: the recording could not keep up",
+                counted(lost, "sample")
             ),
         }
     }
@@ -102,8 +104,8 @@ impl Outcome {
         match command.first_tick {
             None => writeln!(f)?,
             Some(first) => {
-                let (cycles, from) = (command.cycles, seconds(first));
-                writeln!(f, "; {cycles} cycles from {from:.3} s on")?;
+                let (cycles, from) = (counted(command.cycles, "cycle"), seconds(first));
+                writeln!(f, "; {cycles} from {from:.3} s on")?;
             }
         }
         if let Some(blame) = &command.overruns {
@@ -118,10 +120,10 @@ impl Outcome {
 impl fmt::Display for Blame {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let (took, late) = (time(self.took_ns), time(self.late_ns));
-        let (count, tick) = (self.count, self.tick);
+        let (count, tick) = (counted(self.count, "tick"), self.tick);
         write!(
             f,
-            "took too long in {count} ticks, the longest {took} in tick {tick}"
+            "took too long in {count}, the longest {took} in tick {tick}"
         )?;
         if !self.fragment.is_empty() {
             write!(f, ", in {}", self.fragment)?;
@@ -196,7 +198,10 @@ impl fmt::Display for Trouble {
         if let Some(axis) = self.axis {
             write!(f, " at axis {axis}")?;
         }
-        write!(f, ", {} times, first at {:.3} s", self.times, self.first)?;
+        match self.times {
+            1 => write!(f, ", at {:.3} s", self.first)?,
+            times => write!(f, ", {times} times, first at {:.3} s", self.first)?,
+        }
         if self.limit != 0.0 {
             write!(
                 f,

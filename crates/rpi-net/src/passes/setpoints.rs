@@ -167,6 +167,7 @@ pub(crate) fn finding(net: &Net, gap: &Gap) -> Finding {
     let finding = shown.fold(finding, |finding, reason| labelled(net, finding, *reason));
     let finding = match gap.reasons.len().saturating_sub(REASONS) {
         0 => finding,
+        1 => finding.note("and one more flow that is not always there"),
         more => finding.note(format!("and {more} more flows that are not always there")),
     };
     finding

@@ -310,7 +310,7 @@ fn unknown_type(text: &Text<'_>, places: &[Word]) -> Finding {
     let finding = labelled.fold(finding, |f, word| f.at(text.span(*word), "not known"));
     let finding = match places.len().saturating_sub(SHOWN) {
         0 => finding,
-        more => finding.note(format!("and at {more} more places")),
+        more => finding.note(format!("and at {}", rpi_diag::counted(more, "more place"))),
     };
     match suggest(name, registry().iter().map(|p| p.desc.name)) {
         Some(near) => {

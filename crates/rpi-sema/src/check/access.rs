@@ -340,8 +340,13 @@ impl<'a> Body<'_, 'a> {
     pub(super) fn in_bounds(&mut self, k: i64, n: u32, span: Span) -> Option<u32> {
         let index = u32::try_from(k).ok().filter(|k| *k < n);
         if index.is_none() {
-            let finding = Finding::new(Code::RPI2009, format!("there is no element {k}"))
-                .at(span, format!("the array has {n} elements, counted from 0"));
+            let finding = Finding::new(Code::RPI2009, format!("there is no element {k}")).at(
+                span,
+                format!(
+                    "the array has {}, counted from 0",
+                    rpi_diag::counted(n, "element")
+                ),
+            );
             self.report(finding);
         }
         index

@@ -52,7 +52,10 @@ impl<'a> Body<'_, 'a> {
                 let name = Callable::Op(op).spelling();
                 let finding = Finding::new(
                     Code::RPI1010,
-                    format!("`{name}` does not take {} operands", values.len()),
+                    format!(
+                        "`{name}` does not take {}",
+                        rpi_diag::counted(values.len(), "operand")
+                    ),
                 )
                 .at(span, "wrong number of operands");
                 self.fault_with(finding, span)

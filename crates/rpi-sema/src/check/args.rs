@@ -206,7 +206,7 @@ impl<'a> Body<'_, 'a> {
                 format!(
                     "`{}` takes {}, {count} given",
                     header.name,
-                    super::statement::counted(ports, "argument")
+                    rpi_diag::counted(ports, "argument")
                 ),
             )
             .at(self.span_of(arg.value), "one too many")

@@ -30,9 +30,9 @@ impl<'a> Body<'_, 'a> {
         if names.len() != args.len() {
             let decl = self.c.program.decl(id);
             let message = format!(
-                "`{}` takes {} types, {} given",
+                "`{}` takes {}, {} given",
                 decl.name,
-                names.len(),
+                rpi_diag::counted(names.len(), "type"),
                 args.len()
             );
             let finding = Finding::new(Code::RPI1010, message)
@@ -266,7 +266,11 @@ impl<'a> Body<'_, 'a> {
     }
 
     fn wrong_parts(&mut self, name: &Ident, count: usize, given: usize, span: Span) -> ExprId {
-        let message = format!("`{}` has {count} parts, {given} given", name.name);
+        let message = format!(
+            "`{}` has {}, {given} given",
+            name.name,
+            rpi_diag::counted(count, "part")
+        );
         let finding = Finding::new(Code::RPI1010, message)
             .at(span, "wrong number of parts")
             .also(name.span, "declared here");

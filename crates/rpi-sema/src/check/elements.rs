@@ -72,10 +72,13 @@ impl<'a> Body<'_, 'a> {
         }
         if sizes.len() != names.len() {
             let text = format!(
-                "`{}` has {} dimensions, and there are {} indices",
+                "`{}` has {}, and {} given",
                 target.name.name,
-                sizes.len(),
-                names.len()
+                rpi_diag::counted(sizes.len(), "dimension"),
+                match names.len() {
+                    1 => "one index is".to_owned(),
+                    n => format!("{n} indices are"),
+                }
             );
             return self.not_by_element(&equation.targets, span, &text);
         }

@@ -178,7 +178,10 @@ impl<'a> Body<'_, 'a> {
                 ty => {
                     let finding = Finding::new(
                         Code::RPI2009,
-                        format!("expected an array of {n} elements, found `{ty}`"),
+                        format!(
+                            "expected an array of {}, found `{ty}`",
+                            rpi_diag::counted(n, "element")
+                        ),
                     )
                     .at(span, format!("this is `{ty}`"));
                     self.report(finding);

@@ -3,9 +3,9 @@
 use super::args::Given;
 use super::body::Body;
 use super::report::{Wanted, listed};
-use super::statement::counted;
 use crate::ty::{Member, Ty};
 use crate::typed::{ExprId, Kind, Leaf, PrimCall};
+use rpi_diag::counted;
 use rpi_diag::{Code, Finding, Span};
 use rpi_image::{Need, ParamType, PortType, PrimDesc, Role, Scalar, ShapeArgs, State, Type, Value};
 use rpi_prims::PrimId;

@@ -3,10 +3,10 @@
 use super::body::Body;
 use super::frames;
 use super::quantity::{self, Measured};
-use super::statement::counted;
 use crate::ty::{Misfit, Ty};
 use crate::typed::{ExprId, Kind};
 use crate::units::Dim;
+use rpi_diag::counted;
 use rpi_diag::{Code, Finding, Fix, Span};
 
 impl Body<'_, '_> {

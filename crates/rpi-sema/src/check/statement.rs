@@ -345,11 +345,3 @@ impl<'a> Body<'_, 'a> {
         }
     }
 }
-
-/// `1 flow`, `2 flows`.
-pub(super) fn counted(n: usize, what: &str) -> String {
-    match n {
-        1 => format!("1 {what}"),
-        _ => format!("{n} {what}s"),
-    }
-}

@@ -4,10 +4,10 @@ use super::body::Body;
 use super::locals::Local;
 use super::order::{Goal, flatten};
 use super::report::{Wanted, unknown};
-use super::statement::counted;
 use crate::program::Lookup;
 use crate::ty::{Subst, Ty, fit, join};
 use crate::typed::{Equation, ExprId, FlowId, FlowRole, Place, Target};
+use rpi_diag::counted;
 use rpi_diag::{Code, Finding, Span};
 use rpi_syntax::ast::{self, Ident};
 
@@ -50,7 +50,12 @@ impl<'a> Body<'_, 'a> {
         let at = self.span_of(value);
         let finding = Finding::new(
             Code::RPI1010,
-            format!("{targets} flows are defined by {parts} values"),
+            format!(
+                "{} {} defined by {}",
+                counted(targets, "flow"),
+                if targets == 1 { "is" } else { "are" },
+                counted(parts, "value")
+            ),
         )
         .at(at, format!("this gives {}", counted(parts, "value")))
         .also(span, format!("{} on the left", counted(targets, "flow")));

@@ -191,8 +191,10 @@ impl<'u> Elab<'u> {
             && !(0..count as i64).contains(&k)
             && at.guard.is_none()
         {
-            let text =
-                format!("there is no element {k}: the array has {count} elements, counted from 0");
+            let text = format!(
+                "there is no element {k}: the array has {}, counted from 0",
+                rpi_diag::counted(count, "element")
+            );
             return self.certain_fault(text, span);
         }
         let [first, last] = [0, count as i64 - 1].map(|k| Signal::Const(Value::int(k)));
