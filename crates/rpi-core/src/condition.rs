@@ -238,6 +238,16 @@ impl Condition {
         !self.truth(know).may_be_true()
     }
 
+    /// True if it can only become true once this command has had a cycle.
+    pub(crate) fn requires_begin_of(&self, command: CommandId) -> bool {
+        let know = |of: CommandId, fact: Fact| match fact {
+            _ if of != command => Truth::OPEN,
+            Fact::Export(_) => Truth::NEVER,
+            _ => Truth::fixed(false),
+        };
+        self.fits() && !self.truth(know).may_be_true()
+    }
+
     /// The commands that must have ended before it can be true, ascending.
     pub(crate) fn requires(&self) -> Vec<CommandId> {
         if !self.fits() {
@@ -345,6 +355,20 @@ mod tests {
         let both = (ended(1) & ended(2)) | (ended(2) & flag.clone());
         assert_eq!(both.requires(), [command(2)]);
         assert_eq!((!flag).requires(), []);
+    }
+
+    #[test]
+    fn what_must_have_begun_is_found_by_its_exports_too() {
+        let command = |place| CommandId { place, serial: 1 };
+        let flag = Condition::of(command(1), Fact::Export(0));
+        for begun in [flag.clone(), !flag.clone()] {
+            assert!(begun.requires_begin_of(command(1)));
+            assert!(!begun.requires_begin_of(command(2)));
+        }
+        let ended = Condition::of(command(2), Fact::Ended);
+        assert!(ended.requires_begin_of(command(2)));
+        assert!(!(flag | ended.clone()).requires_begin_of(command(2)));
+        assert!(!(!ended).requires_begin_of(command(2)));
     }
 
     #[test]

@@ -37,10 +37,15 @@ impl fmt::Display for LoadFault {
                     // Told as a fault of its own.
                     ResolveError::NoDevice => "the cell has no such device",
                     ResolveError::NoPort => "the device has no such port",
-                    ResolveError::NoIndex => "its index is out of range",
-                    ResolveError::WrongType => "it is of another kind or type",
+                    ResolveError::NoIndex => "the device has not so many",
+                    ResolveError::WrongType => "the device has it of another kind, type or size",
                 };
-                write!(f, "{kind:?} {port}: {reason}")
+                let kind = match kind {
+                    PortKind::Sensor => "sensor",
+                    PortKind::Actuator => "actuator",
+                    PortKind::Function => "function",
+                };
+                write!(f, "{kind} {port}: {reason}")
             }
         }
     }

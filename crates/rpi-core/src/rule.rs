@@ -121,6 +121,19 @@ impl Rule {
         &self.start
     }
 
+    /// The commands that will never run again once it has fired: those that must have ended, and those that it stops and that run
+    /// then. `runs` tells which run already; others do if the condition cannot hold before their first cycle.
+    pub fn outlives<'a>(
+        &'a self,
+        runs: impl Fn(CommandId) -> bool + 'a,
+    ) -> impl Iterator<Item = CommandId> + 'a {
+        let after = self.after.iter().copied();
+        after.filter(move |c| {
+            let stopped = self.stop.contains(c);
+            !stopped || runs(*c) || self.condition.requires_begin_of(*c)
+        })
+    }
+
     /// All commands that its condition or its stop set names.
     pub(crate) fn mentions(&self) -> impl Iterator<Item = CommandId> + '_ {
         self.condition.commands().chain(self.stop.iter().copied())

@@ -270,7 +270,7 @@ fn loading_tells_every_reason() {
         .unwrap();
     assert_eq!(faults.len(), 4, "{faults:?}");
     assert!(
-        faults[0].to_string().contains("index is out of range"),
+        faults[0].to_string().contains("the device has not so many"),
         "{}",
         faults[0]
     );

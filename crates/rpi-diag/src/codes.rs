@@ -146,6 +146,7 @@ codes! {
     RPI6201 Warning "successor that does not take over";
     RPI7001 Error "budget exceeded";
     RPI7002 Warning "cycle longer than its period";
+    RPI7003 Error "more of a tick than commands may take";
     RPI8001 Error "end of a command in the wrong place";
     RPI8002 Error "result that nothing follows";
     RPI8003 Warning "two branches for one result";

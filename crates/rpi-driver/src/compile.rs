@@ -44,6 +44,8 @@ pub struct Asked {
     pub claims: Claims,
     /// Whether the analyses tell what they established.
     pub told: bool,
+    /// The period of a cycle, nanoseconds, where it is not the one of the machine.
+    pub period_ns: Option<u64>,
 }
 
 impl From<Claims> for Asked {
@@ -51,6 +53,7 @@ impl From<Claims> for Asked {
         Asked {
             claims,
             told: false,
+            period_ns: None,
         }
     }
 }
@@ -87,7 +90,8 @@ pub fn compile_with(input: &Input, asked: impl Into<Asked>) -> Result<Compiled, 
 fn program(input: &Input, text: &str, asked: Asked) -> Compiled {
     let mut sources = SourceMap::new();
     let (name, path) = (input.stem(), display(&input.path));
-    let modules = program_text(input, &name, &path, text).modules(&mut sources);
+    let mut modules = program_text(input, &name, &path, text).modules(&mut sources);
+    modules.machine.period_ns = asked.period_ns.unwrap_or(modules.machine.period_ns);
     let mode = Mode::of_path(&path);
     let (mut built, _) = source::build_modules(&modules, &sources, asked);
     let links = doctext::broken_links(&sources, mode, &|| modules.index());

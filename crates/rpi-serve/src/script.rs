@@ -12,6 +12,8 @@ use rpi_net::Net;
 pub struct Script {
     /// Its commands.
     pub images: Vec<Arc<Image>>,
+    /// For each the bound on what its primitives do in a cycle, in elementary operations, where a compiler has shown one.
+    pub work: Vec<Option<u64>>,
     /// What follows what.
     pub plan: Plan,
 }
@@ -19,9 +21,10 @@ pub struct Script {
 impl Script {
     /// A command by itself.
     #[must_use]
-    pub fn once(image: Image) -> Script {
+    pub fn once((image, work): (Image, Option<u64>)) -> Script {
         Script {
             images: vec![Arc::new(image)],
+            work: vec![work],
             plan: Plan::once(0),
         }
     }
@@ -33,7 +36,7 @@ impl Script {
     pub fn of_task(
         task: &Task,
         nets: &[Net],
-        lower: impl Fn(&Net) -> Result<Image, String>,
+        lower: impl Fn(&Net) -> Result<(Image, Option<u64>), String>,
     ) -> Result<Script, String> {
         let name = &task.name;
         let plan = task.plan.as_ref();
@@ -41,13 +44,17 @@ impl Script {
             plan.map_err(|why| format!("task {name} needs what cannot be run yet: {why}"))?;
         let mut used: Vec<String> = Vec::new();
         let plan = resolved(plan, &mut used);
-        let images = used.iter().map(|command| {
+        let lowered = used.iter().map(|command| {
             let net = nets.iter().find(|net| net.name == *command);
-            lower(net.ok_or_else(|| format!("{command} cannot be run by itself"))?).map(Arc::new)
+            lower(net.ok_or_else(|| format!("{command} cannot be run by itself"))?)
         });
-        let images: Vec<Arc<Image>> = images.collect::<Result<_, _>>()?;
+        let lowered: Vec<(Image, Option<u64>)> = lowered.collect::<Result<_, String>>()?;
+        let (images, work): (Vec<_>, Vec<_>) = lowered
+            .into_iter()
+            .map(|(image, work)| (Arc::new(image), work))
+            .unzip();
         plan.check(&images)?;
-        Ok(Script { images, plan })
+        Ok(Script { images, work, plan })
     }
 }
 

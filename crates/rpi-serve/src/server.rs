@@ -30,13 +30,6 @@ const REST: Duration = Duration::from_secs(5);
 /// The thread of the cycle.
 const CYCLE: &str = "rpi-cycle";
 
-/// How much of a tick commands may take together unless said otherwise.
-const SHARE: f64 = 0.8;
-/// Nanoseconds of an elementary operation unless said otherwise. It takes twice as long where no cache holds it, but a net that
-/// others have generated seems to do far more than it does: nothing shows which of its fragments exclude one another. The largest
-/// of the authors' nets, of which a tenth is ever active, fits a tick by this figure, and does not by twice as much.
-const NS_PER_OPERATION: f64 = 2.5;
-
 /// Requests to the cycle that can be under way at once.
 const REQUESTS: usize = 4096;
 
@@ -90,8 +83,8 @@ impl Default for Settings {
             real_time: None,
             continuity: None,
             on_loss: OnLoss::default(),
-            share: Some(SHARE),
-            ns_per_operation: NS_PER_OPERATION,
+            share: Some(Budget::SHARE),
+            ns_per_operation: Budget::NS_PER_OPERATION,
             limits: Limits::default(),
         }
     }
@@ -169,10 +162,11 @@ impl Settings {
     /// What commands may take of a tick.
     fn budget(&self) -> Option<Budget> {
         let share = self.share?;
-        Some(Budget {
-            ns_per_operation: self.ns_per_operation,
-            granted_ns: (self.tick_ns.max(1) as f64 * share) as u64,
-        })
+        Some(Budget::of(
+            self.tick_ns.max(1),
+            share,
+            self.ns_per_operation,
+        ))
     }
 
     fn identity(&self) -> Result<Option<Identity>, CannotOpen> {

@@ -10,6 +10,8 @@ use rpi_host::realtime::{OnOverrun, OverrunPolicy, RealTime, Wanted};
 use rpi_host::run::Setting;
 use rpi_serve::OnLoss;
 
+use crate::share::ShareArgs;
+
 /// Version of the tool and of the image format that it reads and writes.
 const VERSION: &str = concat!(env!("CARGO_PKG_VERSION"), " (image format 1)");
 
@@ -41,7 +43,7 @@ pub(crate) enum Task {
     /// Record all ports of a run as a trace, or pick rows out of a recording.
     ///
     /// Of a program, net or image: runs it on simulated time and writes what every port carried in every cycle, in the
-    /// form that `rpi replay` reads. Of a recording or trace (.csv, .jsonl, .trace, plain or .gz): prints its rows.
+    /// form that `rpi replay` reads. Of recorded rows or a trace (.csv, .jsonl, .trace, plain or .gz): prints its rows.
     Trace(TraceArgs),
     /// Run a recording again, or a net against a recorded trace, and compare every value.
     ///
@@ -107,6 +109,8 @@ pub(crate) struct RunArgs {
     pub(crate) sim_time: bool,
     #[command(flatten)]
     pub(crate) clock: ClockArgs,
+    #[command(flatten)]
+    pub(crate) share: ShareArgs,
     /// Assertions and contracts: left out, watched and told with cycle and values, or a fault that ends the run.
     #[arg(long, value_name = "HOW", default_value = "report")]
     pub(crate) contracts: Contracts,
@@ -242,13 +246,8 @@ pub(crate) struct ServeArgs {
     /// What becomes of a client's commands when it is gone and has not said so itself.
     #[arg(long, value_name = "POLICY", value_parser = on_loss, default_value = "cancel")]
     pub(crate) on_loss: OnLoss,
-    /// How many percent of a tick commands may take together at most, by the bounds that the compiler has for them; those beyond are
-    /// refused. `off` for no limit.
-    #[arg(long, value_name = "PERCENT", value_parser = share, default_value = "80")]
-    pub(crate) cycle_share: Share,
-    /// What `rpic machine` has measured here, for these bounds: the worst; 2.5 ns an operation without it.
-    #[arg(long, value_name = "FILE")]
-    pub(crate) machine: Option<PathBuf>,
+    #[command(flatten)]
+    pub(crate) share: ShareArgs,
     #[command(flatten)]
     pub(crate) clock: ClockArgs,
     /// Record everything until the server is interrupted (SIGINT, SIGTERM): a file .mcap, which viewers open and `rpi replay` runs again.
@@ -264,20 +263,6 @@ fn tolerance(text: &str) -> Result<f64, String> {
     let number = text.parse().ok();
     let usable = number.filter(|n: &f64| n.is_finite() && *n >= 0.0);
     usable.ok_or_else(|| "a number from 0 up is needed".to_owned())
-}
-
-/// A share of a tick from 0 to 1, or no limit.
-#[derive(Clone, Copy, PartialEq, Debug)]
-pub(crate) struct Share(pub(crate) Option<f64>);
-
-fn share(text: &str) -> Result<Share, String> {
-    if text == "off" {
-        return Ok(Share(None));
-    }
-    let number = text.trim_end_matches('%').parse().ok();
-    let usable = number.filter(|percent| (0.0..=100.0).contains(percent) && *percent > 0.0);
-    let share = usable.map(|percent: f64| Share(Some(percent / 100.0)));
-    share.ok_or_else(|| "a number above 0 and up to 100 is needed, or `off`".to_owned())
 }
 
 fn on_loss(name: &str) -> Result<OnLoss, String> {

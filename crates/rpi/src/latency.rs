@@ -45,9 +45,7 @@ fn load(args: &LatencyArgs) -> Result<Load, Box<dyn std::error::Error>> {
         time: Some(args.time),
         settings: Vec::new(),
     };
-    let script = target::script(&compiled, &target, |net, period| {
-        rpi_driver::lower_to_run(net, period)
-    })?;
+    let script = target::script(&compiled, &target, target::to_run)?;
     let (cell, _) = target::cell(&path, &target, &script)?;
     let outcome = run::run(Job {
         images: &script.images,
@@ -59,6 +57,7 @@ fn load(args: &LatencyArgs) -> Result<Load, Box<dyn std::error::Error>> {
             ..RealTime::default()
         },
         continuity: Continuity::default(),
+        share: None,
         limits: Limits {
             ticks: target::ticks(&target, args.period),
             planning_ns: 0,

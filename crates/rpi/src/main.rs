@@ -14,6 +14,7 @@ mod random;
 mod replay;
 mod run;
 mod serve;
+mod share;
 mod shell;
 mod target;
 mod trace;

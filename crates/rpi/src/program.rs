@@ -3,12 +3,15 @@
 use std::path::Path;
 
 use rpi_diag::{Style, render};
-use rpi_driver::{Claims, Compiled, Task};
+use rpi_driver::{Asked, Compiled, Task};
 use rpi_net::Net;
 
 /// Compiles a file, its claims as asked for, and shows what was found; an error if it cannot run.
-pub(crate) fn load(path: &Path, claims: Claims) -> Result<Compiled, Box<dyn std::error::Error>> {
-    let compiled = rpi_driver::compile_with(&rpi_driver::read(path)?, claims)?;
+pub(crate) fn load(
+    path: &Path,
+    asked: impl Into<Asked>,
+) -> Result<Compiled, Box<dyn std::error::Error>> {
+    let compiled = rpi_driver::compile_with(&rpi_driver::read(path)?, asked)?;
     let style = Style::of(&std::io::stderr());
     eprint!("{}", render(&compiled.findings, &compiled.sources, style));
     if compiled.has_errors() {
@@ -30,7 +33,10 @@ pub(crate) fn choose<'a>(
             .chain(tasks.iter().map(|t| t.name.as_str()))
     };
     match (nets, name) {
-        ([], _) => Err("there is no command in it".to_owned()),
+        ([], _) => Err(
+            "there is no command in it; nodes run with --node NAME, tests by `rpic test`"
+                .to_owned(),
+        ),
         ([only], None) => Ok(only),
         (_, None) => Err(format!(
             "which command? There are {}; say --command NAME",

@@ -7,13 +7,16 @@ use std::path::Path;
 use std::time::Duration;
 
 use rpi_diag::{Style, render};
-use rpi_driver::Compiled;
+use rpi_driver::{Asked, Compiled};
 use rpi_host::claims::ClaimSink;
+use rpi_host::control::Budget;
 use rpi_host::plot;
 use rpi_host::realtime::Pace;
 use rpi_host::record::{Digest, Form, Motion, Rows};
 use rpi_host::recording::{Origin, Wanted as Recording};
-use rpi_host::run::{self, CommandEnd, Failure, Job, Limits, Outcome, Several, Sink, Status};
+use rpi_host::run::{
+    self, CommandEnd, Failure, Job, Limits, Outcome, Several, Share, Sink, Status,
+};
 
 use rpi_net::Net;
 
@@ -27,10 +30,8 @@ use rpi_serve::Script;
 
 /// Runs, records and says what happened.
 pub(crate) fn run(args: &RunArgs) -> exit::Outcome {
-    let compiled = program::load(&args.program, args.contracts.into())?;
-    let script = target::script(&compiled, &args.target, |net, period| {
-        rpi_driver::lower_to_run(net, period)
-    })?;
+    let compiled = compile(args)?;
+    let script = target::script(&compiled, &args.target, target::to_run)?;
     let (record, plot) = (args.record.as_deref(), args.plot.as_deref());
     if record.is_some() && record == plot {
         return Err("--record and --plot need a file each".into());
@@ -68,21 +69,43 @@ pub(crate) fn run(args: &RunArgs) -> exit::Outcome {
         (None, Some(why)) => Err(format!("{file}: {why}")),
         (None, None) => Ok(()),
     };
-    if let (Some(motion), Some(picture)) = (motion, &mut picture) {
-        let title = args
-            .program
-            .file_name()
-            .unwrap_or_default()
-            .to_string_lossy();
-        picture.write_all(plot::draw(&motion.picture(&title, &outcome)).as_bytes())?;
-    }
+    let drawn = match (motion, &mut picture) {
+        (Some(motion), Some(picture)) => draw(args, &motion, &outcome, picture),
+        _ => Ok(()),
+    };
     output::put(&match args.json {
         true => format!("{}\n", outcome.to_json()),
         false => outcome.to_string(),
     })?;
     // What has happened is told first: nothing of it is undone by a full disk.
-    recorded?;
+    recorded.and(drawn)?;
     Ok(exit(&outcome, &interrupt))
+}
+
+/// Draws the motion.
+fn draw(
+    args: &RunArgs,
+    motion: &Motion,
+    outcome: &Outcome,
+    picture: &mut File,
+) -> Result<(), String> {
+    let title = args.program.file_name().unwrap_or_default();
+    let drawing = plot::draw(&motion.picture(&title.to_string_lossy(), outcome));
+    let file = args.plot.as_deref().unwrap_or(Path::new("")).display();
+    let drawn = picture.write_all(drawing.as_bytes());
+    drawn.map_err(|e| format!("{file}: {e}"))
+}
+
+fn compile(args: &RunArgs) -> Result<Compiled, Box<dyn Error>> {
+    if args.share.is_asked_for() && !args.clock.real_time {
+        return Err("--cycle-share and --machine are for --real-time: on simulated time a cycle takes as long as it takes".into());
+    }
+    let asked = Asked {
+        claims: args.contracts.into(),
+        told: false,
+        period_ns: args.target.period,
+    };
+    program::load(&args.program, asked)
 }
 
 /// What the commands that run claim of themselves.
@@ -115,6 +138,7 @@ fn execute(
         },
         real_time: args.clock.real_time(),
         continuity: args.on_jump.into(),
+        share: share(args, script, tick_ns)?,
         limits: Limits {
             ticks: target::ticks(&args.target, tick_ns),
             planning_ns: args.planning_time.unwrap_or(0),
@@ -130,8 +154,31 @@ fn execute(
     let file = args.record.as_deref().unwrap_or(Path::new("")).display();
     outcome.map_err(|failure| match failure {
         Failure::Recording(why) => format!("{file}: {why}").into(),
+        Failure::TooMuch { .. } => format!("{failure}\n  {LIGHTER}").into(),
         other => other.into(),
     })
+}
+
+/// What helps where commands may take more of a tick than they are granted.
+const LIGHTER: &str = "let it do less in a cycle, run it with a longer --period, measure the machine (`rpic machine`, --machine FILE), \
+    or grant more (--cycle-share PERCENT, `off` for no limit); `rpic explain RPI7003` says more";
+
+/// What the commands may take of a tick: on simulated time nobody waits for them.
+fn share<'a>(
+    args: &RunArgs,
+    script: &'a Script,
+    tick_ns: u64,
+) -> Result<Option<Share<'a>>, String> {
+    let share = args.share.share().filter(|_| args.clock.real_time);
+    let machine = args.program.with_file_name(rpi_driver::MACHINE);
+    let budget = |share| {
+        let ns = args.share.ns_per_operation(Some(&machine))?;
+        Ok(Share {
+            budget: Budget::of(tick_ns, share, ns),
+            work: &script.work,
+        })
+    };
+    share.map(budget).transpose()
 }
 
 /// Whether a file is to hold a recording of everything.

@@ -19,12 +19,9 @@ use crate::run::is_recording;
 pub(crate) fn serve(args: &ServeArgs) -> exit::Outcome {
     let (cell, text) = cell(args.cell.as_deref())?;
     let token = args.token_file.as_deref().map(token).transpose()?;
-    let machine = args.machine.as_deref().map(rpi_driver::read_machine);
-    let measured = machine.transpose()?.map(|machine| machine.ns_per_operation);
-    let usual = Settings::default();
     let settings = Settings {
-        share: args.cycle_share.0,
-        ns_per_operation: measured.unwrap_or(usual.ns_per_operation),
+        share: args.share.share(),
+        ns_per_operation: args.share.ns_per_operation(None)?,
         listen: args.listen,
         socket: args.socket.clone(),
         token,
@@ -34,7 +31,7 @@ pub(crate) fn serve(args: &ServeArgs) -> exit::Outcome {
         real_time: args.clock.real_time.then(|| args.clock.real_time()),
         continuity: args.on_jump.map(Into::into),
         on_loss: args.on_loss,
-        ..usual
+        ..Settings::default()
     };
     let recording = args.record.as_deref().map(|path| recording(path, text));
     let interrupt = Interrupt::listen()?;

@@ -15,8 +15,14 @@ use crate::program;
 /// Period where nobody says another one: 1 ms.
 pub(crate) const PERIOD: u64 = 1_000_000;
 
-/// How a net is lowered: for running, or to be looked at.
-pub(crate) type Lower = fn(&Net, u64) -> Result<Image, String>;
+/// How a net is lowered: for running, with the bound on what its primitives do, or to be looked at.
+pub(crate) type Lower = fn(&Net, u64) -> Result<(Image, Option<u64>), String>;
+
+/// Lowers a net to run.
+pub(crate) fn to_run(net: &Net, period: u64) -> Result<(Image, Option<u64>), String> {
+    let lowered = rpi_driver::lower_with_work(net, period);
+    lowered.map(|(image, work)| (image, Some(work)))
+}
 
 /// Whether commands name devices.
 fn needs_devices(images: &[Arc<Image>]) -> bool {
@@ -30,7 +36,7 @@ fn needs_devices(images: &[Arc<Image>]) -> bool {
 /// Makes images of what is to be run: the command or task that was named, else the only task, else the only command.
 pub(crate) fn script(compiled: &Compiled, target: &Target, lower: Lower) -> Result<Script, String> {
     if let Program::Image(image) = &compiled.program {
-        return of_image(image, target).map(Script::once);
+        return of_image(image, target).map(|image| Script::once((image, None)));
     }
     let (nets, period) = (compiled.nets(), target.period.unwrap_or(PERIOD));
     if let Some(task) = task(&compiled.tasks, target.command.as_deref()) {

@@ -14,11 +14,15 @@ use crate::args::TraceArgs;
 use crate::exit::{Exit, Outcome};
 use crate::output;
 use crate::program;
+use crate::run::is_recording;
 use crate::target;
 
 /// Writes a trace of a run, or rows of a recording.
 pub(crate) fn trace(args: &TraceArgs) -> Outcome {
-    if Kind::of(&args.source).is_some() {
+    if is_recording(&args.source) {
+        let file = args.source.display();
+        Err(format!("{file}: rows are picked out of traces and rows (.csv, .jsonl, .trace); `rpi replay` runs this again, viewers of MCAP show it").into())
+    } else if Kind::of(&args.source).is_some() {
         record(args)
     } else {
         let text = rpi_host::trace::read_text(&args.source)?;
@@ -29,7 +33,7 @@ pub(crate) fn trace(args: &TraceArgs) -> Outcome {
 fn record(args: &TraceArgs) -> Outcome {
     let compiled = program::load(&args.source, Claims::Off)?;
     let script = target::script(&compiled, &args.target, |net, period| {
-        rpi_driver::lower_to_look(net, period)
+        rpi_driver::lower_to_look(net, period).map(|image| (image, None))
     })?;
     let (cell, _) = target::cell(&args.source, &args.target, &script)?;
     let tick_ns = script.images.first().map_or(1, |image| image.period_ns);
@@ -42,6 +46,7 @@ fn record(args: &TraceArgs) -> Outcome {
         pace: Pace::Simulated,
         real_time: RealTime::default(),
         continuity: Continuity::Allow,
+        share: None,
         limits: Limits {
             ticks: target::ticks(&args.target, tick_ns),
             planning_ns: 0,

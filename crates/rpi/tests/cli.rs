@@ -286,3 +286,93 @@ fn a_task_runs_commands_of_another_module() {
     ];
     assert_eq!(told, expected, "{}", err(&output));
 }
+
+/// A command, and a task that runs two of it beside one another.
+const WAIT: &str = "command Wait () let x = cos(real(n)); n = 1 -> pre n + 1; finish done when n >= 3; fail odd when x > 2.0; tel
+task Both () let parallel let Wait(); tel let Wait(); tel tel
+";
+
+/// The bound is of the command alone, and of all that runs at once; on simulated time a cycle takes as long as it takes.
+#[test]
+fn what_may_take_too_long_is_refused_on_real_time() {
+    let dir = tempfile::tempdir().unwrap();
+    let file = path(&dir, "wait.rpi");
+    std::fs::write(&file, WAIT).unwrap();
+    let run = |command: &str, args: &[&str]| {
+        rpi(&[&["run", file.as_str(), "--command", command], args].concat())
+    };
+    let refused = run("Wait", &["--real-time", "--period", "20ns"]);
+    assert_eq!(refused.status.code(), Some(2));
+    let told = err(&refused);
+    assert!(told.contains("RPI7003: Wait may take"), "{told}");
+    for way_out in ["--cycle-share", "--machine", "--period", "RPI7003"] {
+        assert!(told.contains(way_out), "{told}");
+    }
+    // Alone it fits such a tick, and two do not.
+    let figures = told.split("may take ").nth(1).unwrap();
+    let ns: f64 = figures.split(' ').next().unwrap().parse().unwrap();
+    let tick = format!("{:.0}ns", ns * 2.0);
+    assert!(!err(&run("Wait", &["--real-time", "--period", &tick])).contains("RPI7003"));
+    let both = run("Both", &["--real-time", "--period", &tick]);
+    assert!(err(&both).contains("what runs at once"), "{}", err(&both));
+    for args in [
+        &["--period", "20ns"][..],
+        &["--real-time", "--period", "20ns", "--cycle-share", "off"],
+    ] {
+        let done = run("Wait", args);
+        assert_eq!(done.status.code(), Some(0), "{}", err(&done));
+    }
+    let idle = run("Wait", &["--cycle-share", "50"]);
+    assert!(err(&idle).contains("are for --real-time"), "{}", err(&idle));
+}
+
+#[test]
+fn the_machine_beside_the_program_tells_how_fast_it_is() {
+    let dir = tempfile::tempdir().unwrap();
+    let file = path(&dir, "wait.rpi");
+    std::fs::write(&file, WAIT).unwrap();
+    std::fs::write(path(&dir, "machine.toml"), "ns-per-operation = 1000000\n").unwrap();
+    let refused = rpi(&["run", &file, "--command", "Wait", "--real-time"]);
+    assert!(err(&refused).contains("RPI7003"), "{}", err(&refused));
+    // What is told about the program is about the period that it runs with.
+    let slow = ["run", &file, "--command", "Wait", "--period", "10s"];
+    assert_eq!(err(&rpi(&slow)), "");
+}
+
+/// A test is a node that nobody calls, but not one that somebody means.
+#[test]
+fn a_node_is_chosen_and_no_test_or_command() {
+    let dir = tempfile::tempdir().unwrap();
+    let file = path(&dir, "program.rpi");
+    let node = "node Twice (x: int) returns (y: int) let y = 2 * x; tel\n";
+    let test =
+        "test \"it is twice\" let t = Twice(x: 2); assert t = 4; finish done when true; tel\n";
+    std::fs::write(&file, format!("{node}{test}{WAIT}")).unwrap();
+    let inputs = path(&dir, "in.csv");
+    std::fs::write(&inputs, "x\n3\n").unwrap();
+    let ran = rpi(&["run", &file, "--inputs", &inputs]);
+    assert_eq!(out(&ran), "y\n6\n", "{}", err(&ran));
+    std::fs::write(&file, WAIT).unwrap();
+    let none = rpi(&["run", &file, "--inputs", &inputs]);
+    assert!(
+        err(&none).contains("its commands run without"),
+        "{}",
+        err(&none)
+    );
+}
+
+#[cfg(target_os = "linux")]
+#[test]
+fn a_picture_on_a_full_disk_is_named_after_what_happened() {
+    let dir = tempfile::tempdir().unwrap();
+    let file = path(&dir, "wait.rpi");
+    std::fs::write(&file, WAIT).unwrap();
+    let ran = rpi(&["run", &file, "--command", "Wait", "--plot", "/dev/full"]);
+    assert!(out(&ran).contains("finished with done"), "{}", out(&ran));
+    assert!(
+        err(&ran).contains("/dev/full: No space left"),
+        "{}",
+        err(&ran)
+    );
+    assert_eq!(ran.status.code(), Some(2));
+}

@@ -329,6 +329,7 @@ fn overruns_are_recorded_and_a_stop_for_them_is_a_fault() {
         file.to_str().unwrap(),
     ];
     arguments.extend(["--real-time", "--period", "1us", "--on-overrun", "stop:5/8"]);
+    arguments.extend(["--cycle-share", "off"]);
     let output = rpi(&arguments);
     assert_eq!(output.status.code(), Some(3), "{}", said(&output));
     assert!(

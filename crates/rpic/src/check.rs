@@ -35,7 +35,14 @@ pub(crate) fn check(args: &CheckArgs) -> Outcome {
 pub(crate) fn compile(path: &Path, told: bool) -> Result<Compiled, Box<dyn std::error::Error>> {
     let claims = Claims::Off;
     let input = rpi_driver::read(path)?;
-    Ok(rpi_driver::compile_with(&input, Asked { claims, told })?)
+    Ok(rpi_driver::compile_with(
+        &input,
+        Asked {
+            claims,
+            told,
+            period_ns: None,
+        },
+    )?)
 }
 
 /// The findings of several files; what they share is told once.

@@ -146,9 +146,9 @@ impl<T> Control<T> {
     /// If it is not known, too much is under way, or it takes more of a tick than what runs leaves; what the cycle has against
     /// it comes as the answer.
     pub fn start(&mut self, id: CommandId) -> Result<Ticket, Rejected> {
-        self.admission.admit(&[id])?;
+        let way = self.admission.admit_start(id)?;
         let ticket = self.ask_about(id, Request::Start(id))?;
-        self.admission.ask(ticket, &[id]);
+        self.admission.ask(ticket, way);
         Ok(ticket)
     }
 
@@ -193,10 +193,10 @@ impl<T> Control<T> {
         if self.rules >= self.most_rules {
             return Err(Rejected::Busy);
         }
-        self.admission.admit(rule.starts())?;
-        let (id, start) = (self.places.rule(), rule.starts().to_vec());
+        let id = self.places.rule();
+        let way = self.admission.admit_rule(id, &rule)?;
         let ticket = self.ask(Request::Schedule(id, Box::new(rule)))?;
-        self.admission.ask(ticket, &start);
+        self.admission.ask(ticket, way);
         self.rules += 1;
         Ok((id, ticket))
     }

@@ -2,7 +2,8 @@
 
 use std::borrow::Cow;
 use std::collections::BTreeMap;
-use std::io::{self, Seek, Write};
+use std::io::{self, Seek, SeekFrom, Write};
+use std::sync::{Arc, Mutex, PoisonError};
 
 use mcap::records::{MessageHeader, Metadata};
 use mcap::{Attachment, McapError, WriteOptions, Writer};
@@ -15,8 +16,59 @@ impl<T: Write + Seek + Send> Output for T {}
 
 /// The file under way.
 pub(super) struct File {
-    mcap: Writer<Box<dyn Output>>,
+    mcap: Writer<Watched>,
+    /// What the output has said first against being written to.
+    trouble: Trouble,
     topics: BTreeMap<String, (u16, u32)>,
+}
+
+/// An error of the output, as it was: the writer of the format wraps it, now in this way and now in that.
+#[derive(Clone, Default)]
+struct Trouble(Arc<Mutex<Option<io::Error>>>);
+
+impl Trouble {
+    /// Keeps the first error, and hands on one that is like it.
+    fn note<T>(&self, done: io::Result<T>) -> io::Result<T> {
+        done.map_err(|error| {
+            let mut kept = self.0.lock().unwrap_or_else(PoisonError::into_inner);
+            let alike = io::Error::new(error.kind(), error.to_string());
+            if error.kind() != io::ErrorKind::Interrupted {
+                kept.get_or_insert(error);
+            }
+            alike
+        })
+    }
+
+    /// Why something could not be written: the output's own reason, if it has one.
+    fn cause(&self, error: McapError) -> io::Error {
+        let kept = self.0.lock().unwrap_or_else(PoisonError::into_inner).take();
+        kept.unwrap_or_else(|| match error {
+            McapError::Io(error) => error,
+            other => io::Error::other(other.to_string()),
+        })
+    }
+}
+
+/// An output whose first error is kept.
+struct Watched {
+    out: Box<dyn Output>,
+    trouble: Trouble,
+}
+
+impl Write for Watched {
+    fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
+        self.trouble.note(self.out.write(bytes))
+    }
+
+    fn flush(&mut self) -> io::Result<()> {
+        self.trouble.note(self.out.flush())
+    }
+}
+
+impl Seek for Watched {
+    fn seek(&mut self, to: SeekFrom) -> io::Result<u64> {
+        self.trouble.note(self.out.seek(to))
+    }
 }
 
 impl File {
@@ -25,8 +77,15 @@ impl File {
         let options = WriteOptions::new()
             .compression(None)
             .library(concat!("rpi ", env!("CARGO_PKG_VERSION")));
+        let trouble = Trouble::default();
+        let out = Watched {
+            out,
+            trouble: trouble.clone(),
+        };
+        let mcap = options.create(out);
         Ok(File {
-            mcap: options.create(out).map_err(error)?,
+            mcap: mcap.map_err(|error| trouble.cause(error))?,
+            trouble,
             topics: BTreeMap::new(),
         })
     }
@@ -49,9 +108,9 @@ impl File {
         }
         let name = format!("rpi{}", topic.replace('/', "."));
         let schema = self.mcap.add_schema(&name, schema.0, &schema.1);
-        let schema = schema.map_err(error)?;
+        let schema = schema.map_err(|error| self.trouble.cause(error))?;
         let channel = self.mcap.add_channel(schema, topic, form, &BTreeMap::new());
-        let channel = channel.map_err(error)?;
+        let channel = channel.map_err(|error| self.trouble.cause(error))?;
         self.topics.insert(topic.to_owned(), (channel, 0));
         Ok(())
     }
@@ -68,9 +127,8 @@ impl File {
             log_time: time,
             publish_time: time,
         };
-        self.mcap
-            .write_to_known_channel(&header, data)
-            .map_err(error)
+        let written = self.mcap.write_to_known_channel(&header, data);
+        written.map_err(|error| self.trouble.cause(error))
     }
 
     /// Attaches a file.
@@ -82,7 +140,8 @@ impl File {
             media_type: media.to_owned(),
             data: Cow::Borrowed(data),
         };
-        self.mcap.attach(&attachment).map_err(error)
+        let written = self.mcap.attach(&attachment);
+        written.map_err(|error| self.trouble.cause(error))
     }
 
     /// Writes keys with values.
@@ -92,19 +151,14 @@ impl File {
             name: name.to_owned(),
             metadata: keys.collect(),
         };
-        self.mcap.write_metadata(&metadata).map_err(error)
+        let written = self.mcap.write_metadata(&metadata);
+        written.map_err(|error| self.trouble.cause(error))
     }
 
     /// Ends the file.
     pub(super) fn finish(mut self) -> io::Result<()> {
-        self.mcap.finish().map_err(error)?;
+        let finished = self.mcap.finish();
+        finished.map_err(|error| self.trouble.cause(error))?;
         self.mcap.into_inner().flush()
-    }
-}
-
-fn error(error: McapError) -> io::Error {
-    match error {
-        McapError::Io(error) => error,
-        other => io::Error::other(other.to_string()),
     }
 }

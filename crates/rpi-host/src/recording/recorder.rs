@@ -1,9 +1,9 @@
 //! The host's end of a recording under way.
 
 use std::io;
-use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::mpsc::{SyncSender, sync_channel};
+use std::sync::{Arc, OnceLock};
 use std::thread::JoinHandle;
 
 use rpi_core::Continuity;
@@ -46,6 +46,8 @@ pub struct Recorder {
     lost: Arc<AtomicU64>,
     /// Ticks that were lost, once the end is reached.
     over: Arc<AtomicU64>,
+    /// Why the writer has given up, if it has.
+    trouble: Arc<OnceLock<String>>,
     thread: JoinHandle<io::Result<Written>>,
 }
 
@@ -96,12 +98,21 @@ impl Recorder {
         scribe.begin()?;
         let over = Arc::new(AtomicU64::new(UNDER_WAY));
         let ending = Arc::clone(&over);
+        let trouble = Arc::new(OnceLock::new());
+        let told = Arc::clone(&trouble);
+        let write = move || {
+            let written = scribe.write(&ending);
+            let why = written.as_ref().err().map(ToString::to_string);
+            why.map(|why| told.set(why));
+            written
+        };
         let thread = std::thread::Builder::new().name("rpi-record".into());
         Ok(Recorder {
             notes,
             lost: Arc::default(),
             over,
-            thread: thread.spawn(move || scribe.write(&ending))?,
+            trouble,
+            thread: thread.spawn(write)?,
         })
     }
 
@@ -122,6 +133,12 @@ impl Recorder {
         !self.thread.is_finished()
     }
 
+    /// Why the writer has given up, if the file has told.
+    #[must_use]
+    pub fn trouble(&self) -> Option<&str> {
+        self.trouble.get().map(String::as_str)
+    }
+
     /// Ends the recording; `lost` ticks had no room on the tape.
     ///
     /// # Errors
@@ -133,7 +150,8 @@ impl Recorder {
         match self.lost.load(Ordering::Relaxed) {
             0 => Ok(written),
             notes => Err(io::Error::other(format!(
-                "{notes} requests or events had no room: the recording is not complete"
+                "there was no room for {}: the recording is not complete",
+                rpi_diag::counted(notes, "request or event")
             ))),
         }
     }

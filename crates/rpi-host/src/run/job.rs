@@ -15,7 +15,9 @@ use super::inputs::{BadSetting, Setting};
 use super::outcome::{CommandEnd, Outcome};
 use super::plan::Plan;
 use super::samples::Sink;
+use super::share::Share;
 use super::sides::sides;
+use crate::control::TooMuch;
 use crate::realtime::{Pace, RealTime};
 use crate::recording::Wanted;
 
@@ -36,6 +38,8 @@ pub struct Job<'a> {
     pub real_time: RealTime,
     /// What happens if a command takes over with a jump.
     pub continuity: Continuity,
+    /// What its commands may take of a tick, if somebody sees to that.
+    pub share: Option<Share<'a>>,
     /// When it is cut off.
     pub limits: Limits,
     /// Becomes true when somebody wants it to be cut off at once.
@@ -77,6 +81,13 @@ pub enum Failure {
     Thread(io::Error),
     /// The recording could not be written.
     Recording(io::Error),
+    /// It may take more of a tick than is granted.
+    TooMuch {
+        /// The command, or all that run at once.
+        what: String,
+        /// By how much.
+        why: TooMuch,
+    },
     /// A setting does not fit.
     Setting(BadSetting),
     /// A command does not fit the cell.
@@ -98,6 +109,7 @@ impl fmt::Display for Failure {
             Failure::Plan(what) => f.write_str(what),
             Failure::Thread(error) => write!(f, "the thread of the cycle: {error}"),
             Failure::Recording(error) => write!(f, "the recording: {error}"),
+            Failure::TooMuch { what, why } => f.write_str(&why.told(what)),
             Failure::Setting(bad) => write!(f, "{bad}"),
             Failure::Loading {
                 command,

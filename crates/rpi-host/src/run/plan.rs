@@ -32,6 +32,59 @@ impl Plan {
         }
     }
 
+    /// The most that its commands take together in a tick, where each takes at most what `of` has for it: of a strand one command runs
+    /// at a time, and none beside strands that it waits for.
+    pub(super) fn together(&self, of: &[u64]) -> u64 {
+        self.strand(self.start, of)
+    }
+
+    fn strand(&self, start: Target, of: &[u64]) -> u64 {
+        let (mut most, mut seen) = (0, vec![false; self.nodes.len()]);
+        let mut next: Vec<usize> = start.into_iter().collect();
+        while let Some(at) = next.pop() {
+            if std::mem::replace(&mut seen[at], true) {
+                continue;
+            }
+            match &self.nodes[at] {
+                Node::Run { command, .. } => most = most.max(of[*command]),
+                Node::Parallel { strands, .. } => {
+                    let each = strands.iter().map(|strand| self.strand(*strand, of));
+                    most = most.max(each.fold(0, u64::saturating_add));
+                }
+                _ => {}
+            }
+            self.goes_on(at, &mut next);
+        }
+        most
+    }
+
+    /// Where a strand can go on after one of its nodes.
+    fn goes_on(&self, at: usize, next: &mut Vec<usize>) {
+        match &self.nodes[at] {
+            Node::Pass(then) => next.extend(*then),
+            Node::Enter(repeat) => next.push(*repeat),
+            Node::Repeat { body, then, .. } => next.extend(body.iter().chain(then)),
+            Node::Parallel { then, .. } => {
+                let left = self.nodes.iter().filter_map(|node| match node {
+                    Node::Leave { parallel, then } if *parallel == at => *then,
+                    _ => None,
+                });
+                next.extend(left.chain(*then));
+            }
+            // What comes after the strands is not part of one.
+            Node::Join | Node::Leave { .. } => {}
+            Node::Run {
+                on,
+                on_fail,
+                otherwise,
+                ..
+            } => {
+                let named = on.iter().map(|(_, then)| *then);
+                next.extend(named.chain(*on_fail).chain(*otherwise).flatten());
+            }
+        }
+    }
+
     /// Checks that every result leads somewhere.
     ///
     /// # Errors
@@ -69,5 +122,50 @@ fn complete(image: &Image, on: &[(String, Target)], otherwise: bool) -> Result<(
             lost.name
         )),
         None => Ok(()),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn run(command: usize, then: Target) -> Node {
+        Node::Run {
+            command,
+            on: Vec::new(),
+            on_fail: None,
+            otherwise: Some(then),
+        }
+    }
+
+    #[test]
+    fn strands_add_up_and_what_follows_takes_turns() {
+        let nodes = vec![
+            run(0, Some(1)),
+            Node::Parallel {
+                strands: vec![Some(2), Some(4)],
+                then: Some(6),
+            },
+            run(1, Some(3)),
+            Node::Leave {
+                parallel: 1,
+                then: Some(7),
+            },
+            run(2, Some(5)),
+            Node::Join,
+            Node::Repeat {
+                times: None,
+                body: Some(0),
+                then: None,
+            },
+            run(3, None),
+        ];
+        let plan = Plan {
+            nodes,
+            start: Some(0),
+        };
+        assert_eq!(plan.together(&[10, 20, 30, 40]), 50);
+        assert_eq!(plan.together(&[60, 20, 30, 40]), 60);
+        assert_eq!(plan.together(&[10, 20, 30, 70]), 70, "after an error");
     }
 }

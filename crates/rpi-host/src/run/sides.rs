@@ -126,16 +126,20 @@ fn record(
     Ok((recorder, tape_in))
 }
 
-/// Loads every command once to see that it fits.
+/// Loads every command once to see that it fits: the cell, and the share of a tick that is theirs.
 fn fits(job: &Job<'_>, names: &mut SimBank) -> Result<(), Failure> {
-    job.images.iter().try_for_each(|image| {
+    let load = |image: &Arc<Image>| {
         let loaded = Command::load(Arc::clone(image), names);
-        loaded.map(drop).map_err(|faults| Failure::Loading {
+        loaded.map_err(|faults| Failure::Loading {
             command: image.name.clone(),
             faults,
             devices: job.cell.devices.iter().map(|d| d.name.clone()).collect(),
         })
-    })
+    };
+    let commands: Result<Vec<Command>, Failure> = job.images.iter().map(load).collect();
+    let mut commands = commands?;
+    let share = job.share.as_ref();
+    share.map_or(Ok(()), |share| share.admit(&mut commands, job.plans))
 }
 
 /// What is sampled of each image.

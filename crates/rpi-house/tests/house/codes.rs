@@ -20,7 +20,7 @@ fn no_page_without_a_code() {
 }
 
 /// What no program brings about, as far as is known: their pages have no wrong program.
-const NO_PROGRAM: &[Code] = &[Code::RPI9021, Code::RPI9201, Code::RPI9901];
+const NO_PROGRAM: &[Code] = &[Code::RPI7003, Code::RPI9021, Code::RPI9201, Code::RPI9901];
 
 #[test]
 fn pages_carry_their_title_and_both_programs() {

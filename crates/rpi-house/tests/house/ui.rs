@@ -21,7 +21,7 @@ const PROGRAMS: &[&str] = &[".rpi", ".lus", ".rpinet"];
 const TOLD_BY_TOOLS: &[&str] = &["emitting", "emitting_lustre", "running", "testing"];
 
 /// What no program brings about.
-const NO_PROGRAM: &[Code] = &[Code::RPI9021, Code::RPI9201, Code::RPI9901];
+const NO_PROGRAM: &[Code] = &[Code::RPI7003, Code::RPI9021, Code::RPI9201, Code::RPI9901];
 
 /// The programs that are checked here.
 pub(crate) fn programs() -> Vec<PathBuf> {

@@ -127,9 +127,7 @@ impl Desk {
     pub(super) fn loaded(&mut self, job: Job, loaded: Result<Made, Vec<String>>) {
         let generation = self.generation();
         let loaded = match loaded {
-            Ok(Made::Task(script, work)) => {
-                return self.task_loaded(job.number, Ok((script, work)));
-            }
+            Ok(Made::Task(script)) => return self.task_loaded(job.number, Ok(script)),
             Ok(Made::Command(loaded)) => Ok(loaded),
             Err(reasons) if job.what == What::Task => {
                 return self.task_loaded(job.number, Err(reasons));

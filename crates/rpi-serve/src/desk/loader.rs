@@ -1,6 +1,5 @@
 //! Loading beside the cycle: from a text to a command, on threads of its own.
 
-use std::cell::RefCell;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::PathBuf;
 use std::sync::{Arc, Mutex, PoisonError};
@@ -59,8 +58,8 @@ pub(crate) struct Origin {
 pub(crate) enum Made {
     /// A command that can run.
     Command(Loaded),
-    /// What a task needs to run, and the bounds on what the primitives of its commands do.
-    Task(Script, Vec<u64>),
+    /// What a task needs to run.
+    Task(Script),
 }
 
 /// What loading has given.
@@ -103,7 +102,7 @@ fn work(jobs: &Queue, continuity: Option<Continuity>, twin: &Mutex<Twin>, done: 
     while let Some(job) = jobs.pop() {
         let loaded = catch_unwind(AssertUnwindSafe(|| match job.what {
             What::Command => load(&job, continuity, twin).map(Made::Command),
-            What::Task => script(&job).map(|(script, work)| Made::Task(script, work)),
+            What::Task => script(&job).map(Made::Task),
         }));
         let loaded =
             loaded.unwrap_or_else(|_| Err(vec!["the compiler broke down at this text".to_owned()]));
@@ -158,7 +157,7 @@ fn taken_over(compiled: &Compiled, net: &Net) -> Vec<String> {
 }
 
 /// The task of a program that was asked for, or its only one.
-fn script(job: &Job) -> Result<(Script, Vec<u64>), Vec<String>> {
+fn script(job: &Job) -> Result<Script, Vec<String>> {
     let compiled = job.origin.compiled()?;
     let tasks = &compiled.tasks;
     let task = match job.origin.command.as_deref() {
@@ -166,15 +165,18 @@ fn script(job: &Job) -> Result<(Script, Vec<u64>), Vec<String>> {
         None => tasks.first().filter(|_| tasks.len() == 1),
     };
     let known = || tasks.iter().map(|task| task.name.as_str());
-    let task = task.ok_or_else(|| which("task", known().collect()))?;
-    let bounds = RefCell::new(Vec::new());
+    let task = task.ok_or_else(|| match (tasks.as_slice(), compiled.nets()) {
+        ([], [command, ..]) => vec![format!(
+            "there is no task in the text; `command.load` loads its command {}",
+            command.name
+        )],
+        _ => which("task", known().collect()),
+    })?;
     let lower = |net: &Net| {
         let (image, work) = rpi_driver::lower_with_work(net, job.period_ns)?;
-        bounds.borrow_mut().push(work);
-        Ok(image)
+        Ok((image, Some(work)))
     };
-    let script = Script::of_task(task, compiled.nets(), lower).map_err(|why| vec![why])?;
-    Ok((script, bounds.into_inner()))
+    Script::of_task(task, compiled.nets(), lower).map_err(|why| vec![why])
 }
 
 impl Origin {

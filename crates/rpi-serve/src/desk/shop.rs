@@ -40,7 +40,8 @@ impl Shop<'_> {
         let record = self.desk.tasks.get(&self.number);
         let on_overrun = record.map_or(self.desk.on_overrun, |r| r.on_overrun);
         command.bound_overruns(on_overrun);
-        if let Some(work) = record.and_then(|r| r.work.get(index)) {
+        let script = record.and_then(|r| r.script.as_ref());
+        if let Some(Some(work)) = script.and_then(|s| s.work.get(index)) {
             command.bound_work(*work);
         }
         Ok(Box::new(command))

@@ -83,8 +83,6 @@ pub(super) struct TaskRecord {
     /// Bytes that it takes.
     pub(super) bytes: usize,
     pub(super) script: Option<Script>,
-    /// For each of its images the bound on what its primitives do.
-    pub(super) work: Vec<u64>,
     /// What becomes of its commands if their cycles take too long.
     pub(super) on_overrun: OnOverrun,
     task: Option<Task<Plan>>,
@@ -123,7 +121,6 @@ impl Desk {
             title: shortened(load.title, self.limits.name),
             bytes: load.bytes(),
             script: None,
-            work: Vec::new(),
             on_overrun,
             task: None,
             status: TaskStatus {
@@ -156,13 +153,9 @@ impl Desk {
     }
 
     /// Loading is done: the task can be started, or its owner hears why not.
-    pub(super) fn task_loaded(
-        &mut self,
-        number: u64,
-        loaded: Result<(Script, Vec<u64>), Vec<String>>,
-    ) {
-        let (script, work) = match loaded {
-            Ok(loaded) => loaded,
+    pub(super) fn task_loaded(&mut self, number: u64, loaded: Result<Script, Vec<String>>) {
+        let script = match loaded {
+            Ok(script) => script,
             Err(reasons) => return self.reject_task(number, Failure::Rejected(reasons)),
         };
         let bytes = script.images.iter().map(|image| image.footprint()).sum();
@@ -170,7 +163,7 @@ impl Desk {
             return self.reject_task(number, why);
         }
         if let Some(record) = self.tasks.get_mut(&number) {
-            (record.script, record.work) = (Some(script), work);
+            record.script = Some(script);
             record.bytes += bytes;
             record.status.phase = TaskPhase::Ready;
             answer(record.loading.take(), Ok(format!("t{number}")));

@@ -1,0 +1,449 @@
+//! Which commands may run together: what they take at most must fit the share of a tick that is theirs.
+//!
+//! Two commands never run in one tick if they need one actuator, or if one has ended for good when the other starts. So the commands
+//! that run or may yet are put into groups in which that holds for any two: such a group takes no more than the most expensive of it.
+//! The sum over all groups is a bound, whatever rules make of it. All of this is done beside the cycle, before a request leaves.
+
+mod ways;
+
+use std::collections::BTreeMap;
+use std::fmt;
+
+use rpi_core::{Command, CommandId, Notice, Outcome, Rule, RuleId};
+use rpi_diag::Code;
+
+use super::event::{Event, Ticket};
+use crate::run::time_text;
+use ways::{Order, Way};
+
+/// What commands may take of a tick.
+#[derive(Clone, Copy, PartialEq, Debug)]
+pub struct Budget {
+    /// Time of an elementary operation at worst, nanoseconds.
+    pub ns_per_operation: f64,
+    /// What all commands of a tick may take together, nanoseconds.
+    pub granted_ns: u64,
+}
+
+/// More than commands may take of a tick.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub struct TooMuch {
+    /// What those that are to start may take at most, nanoseconds.
+    pub needed_ns: u64,
+    /// What those that may run with them take at most, nanoseconds.
+    pub taken_ns: u64,
+    /// What all may take together, nanoseconds.
+    pub granted_ns: u64,
+}
+
+impl TooMuch {
+    /// In words, with what this is about.
+    #[must_use]
+    pub fn told(&self, what: &str) -> String {
+        let [needed, taken, granted] =
+            [self.needed_ns, self.taken_ns, self.granted_ns].map(time_text);
+        let code = Code::RPI7003;
+        let beside = match self.taken_ns {
+            0 => String::new(),
+            _ => format!(", and what may run with it {taken}"),
+        };
+        format!(
+            "{code}: {what} may take {needed} of a tick{beside}: commands are granted {granted} of it"
+        )
+    }
+}
+
+impl fmt::Display for TooMuch {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(&self.told("it"))
+    }
+}
+
+/// What is known of a command.
+#[derive(Clone, Debug)]
+struct Claim {
+    bound_ns: u64,
+    /// The actuators that it needs, ascending.
+    actuators: Box<[u32]>,
+    /// It runs or is scheduled, as was last heard.
+    is_live: bool,
+    /// It runs, as was last heard.
+    runs: bool,
+    /// Requests under way that may start it.
+    asked: u32,
+}
+
+impl Claim {
+    /// It takes time, or may yet.
+    fn counts(&self) -> bool {
+        self.is_live || self.asked > 0
+    }
+
+    /// Whether they need an actuator in common.
+    fn meets(&self, other: &Claim) -> bool {
+        let has = |a: &u32| other.actuators.binary_search(a).is_ok();
+        self.actuators.iter().any(has)
+    }
+}
+
+/// The books.
+pub(super) struct Admission {
+    budget: Option<Budget>,
+    claims: BTreeMap<CommandId, Claim>,
+    ways: Vec<Way>,
+}
+
+impl Admission {
+    pub(super) fn new(budget: Option<Budget>) -> Admission {
+        Admission {
+            budget,
+            claims: BTreeMap::new(),
+            ways: Vec::new(),
+        }
+    }
+
+    /// What a command that was taken in may take of a tick, nanoseconds.
+    pub(super) fn bound_ns(&self, id: CommandId) -> u64 {
+        self.claims.get(&id).map_or(0, |claim| claim.bound_ns)
+    }
+
+    fn bound_of(&self, command: &Command) -> u64 {
+        self.budget.map_or(0, |budget| budget.time_of(command))
+    }
+
+    /// Fails if a command could never start, even alone.
+    pub(super) fn fits(&self, command: &Command) -> Result<(), TooMuch> {
+        let fits = |budget: Budget| budget.grants(budget.time_of(command));
+        self.budget.map_or(Ok(()), fits)
+    }
+
+    /// A command is taken in.
+    pub(super) fn enter(&mut self, id: CommandId, command: &Command) {
+        let mut actuators: Vec<u32> = command.resources().collect();
+        actuators.sort_unstable();
+        let claim = Claim {
+            bound_ns: self.bound_of(command),
+            actuators: actuators.into(),
+            is_live: false,
+            runs: false,
+            asked: 0,
+        };
+        self.claims.insert(id, claim);
+    }
+
+    /// Fails if a command could not run at once with all that runs or may yet; else the way by which it will.
+    pub(super) fn admit_start(&self, command: CommandId) -> Result<Way, TooMuch> {
+        self.admit(Way::at_once(command))
+    }
+
+    /// Fails if what a rule starts could not run with all that runs or may yet; else the way by which it may.
+    pub(super) fn admit_rule(&self, id: RuleId, rule: &Rule) -> Result<Way, TooMuch> {
+        let runs = |id: CommandId| self.claims.get(&id).is_some_and(|c| c.runs);
+        self.admit(Way {
+            ticket: None,
+            rule: Some(id),
+            start: rule.starts().to_vec(),
+            after: rule.outlives(runs).collect(),
+        })
+    }
+
+    fn admit(&self, way: Way) -> Result<Way, TooMuch> {
+        let Some(Budget { granted_ns, .. }) = self.budget else {
+            return Ok(way);
+        };
+        let counts = |id: &CommandId, claim: &Claim| claim.counts() || way.start.contains(id);
+        let all = self.claims.iter().filter(|(id, claim)| counts(id, claim));
+        let sum = all.clone().map(|(_, claim)| claim.bound_ns);
+        if sum.fold(0, u64::saturating_add) <= granted_ns {
+            return Ok(way);
+        }
+        let order = Order::of(self.ways.iter().chain([&way]));
+        let total_ns = together(all, &order);
+        let before = self.claims.iter().filter(|(_, claim)| claim.counts());
+        let taken_ns = together(before, &Order::of(self.ways.iter()));
+        if total_ns <= granted_ns.max(taken_ns) {
+            return Ok(way);
+        }
+        let needed = self.claims.iter().filter(|(id, _)| way.start.contains(id));
+        Err(TooMuch {
+            needed_ns: together(needed, &order),
+            taken_ns,
+            granted_ns,
+        })
+    }
+
+    /// A request that may start commands by this way has left.
+    pub(super) fn ask(&mut self, ticket: Ticket, mut way: Way) {
+        for id in &way.start {
+            if let Some(claim) = self.claims.get_mut(id) {
+                claim.asked += 1;
+            }
+        }
+        way.ticket = Some(ticket);
+        self.ways.push(way);
+    }
+
+    /// Something has happened.
+    pub(super) fn hear(&mut self, event: &Event) {
+        match event {
+            Event::Answer {
+                ticket, refused, ..
+            } => self.answered(*ticket, refused.is_none()),
+            Event::Notice(notice) => self.note(notice),
+            Event::Freed(_) | Event::Device { .. } => {}
+        }
+    }
+
+    /// A command is no more.
+    pub(super) fn forget(&mut self, id: CommandId) {
+        self.claims.remove(&id);
+        for way in &mut self.ways {
+            way.start.retain(|start| *start != id);
+        }
+        self.ways
+            .retain(|way| way.ticket.is_some() || !way.start.is_empty());
+    }
+
+    fn answered(&mut self, ticket: Ticket, accepted: bool) {
+        let Some(at) = self.ways.iter().position(|w| w.ticket == Some(ticket)) else {
+            return;
+        };
+        self.ways[at].ticket = None;
+        for id in &self.ways[at].start {
+            if let Some(claim) = self.claims.get_mut(id) {
+                claim.asked = claim.asked.saturating_sub(1);
+                claim.is_live |= accepted;
+            }
+        }
+        if !accepted || self.ways[at].start.is_empty() {
+            self.ways.remove(at);
+        }
+    }
+
+    fn note(&mut self, notice: &Notice) {
+        let (id, is_live, runs) = match *notice {
+            Notice::Scheduled { command } => (command, true, false),
+            Notice::Started { command, .. } | Notice::Cancelling { command } => {
+                (command, true, true)
+            }
+            Notice::Ended { command, .. } | Notice::Orphaned { command, .. } => {
+                (command, false, false)
+            }
+            Notice::Rule { rule, outcome } => return self.rule_over(rule, outcome),
+            Notice::Braked { .. } | Notice::Jumped { .. } => return,
+        };
+        if let Some(claim) = self.claims.get_mut(&id) {
+            (claim.is_live, claim.runs) = (is_live, runs);
+        }
+    }
+
+    /// By a rule that has fired its commands have started; by another one they never will.
+    fn rule_over(&mut self, rule: RuleId, outcome: Outcome) {
+        if outcome != Outcome::Fired {
+            self.ways.retain(|way| way.rule != Some(rule));
+        }
+    }
+}
+
+impl Budget {
+    /// How much of a tick commands may take together unless said otherwise.
+    pub const SHARE: f64 = 0.8;
+    /// Nanoseconds of an elementary operation unless said otherwise. It takes twice as long where no cache holds it, but a net that
+    /// others have generated seems to do far more than it does: nothing shows which of its fragments exclude one another. The largest
+    /// of the authors' nets, of which a tenth is ever active, fits a tick by this figure, and does not by twice as much.
+    pub const NS_PER_OPERATION: f64 = 2.5;
+
+    /// What this share of a tick grants, from 0 to 1.
+    #[must_use]
+    pub fn of(tick_ns: u64, share: f64, ns_per_operation: f64) -> Budget {
+        Budget {
+            ns_per_operation,
+            granted_ns: (tick_ns as f64 * share) as u64,
+        }
+    }
+
+    /// What a command may take of a tick at most, nanoseconds.
+    pub(crate) fn time_of(&self, command: &Command) -> u64 {
+        (command.work() as f64 * self.ns_per_operation) as u64
+    }
+
+    /// Fails if nobody may take so much.
+    pub(crate) fn grants(&self, needed_ns: u64) -> Result<(), TooMuch> {
+        match needed_ns > self.granted_ns {
+            true => Err(TooMuch {
+                needed_ns,
+                taken_ns: 0,
+                granted_ns: self.granted_ns,
+            }),
+            false => Ok(()),
+        }
+    }
+}
+
+/// What these take at most in one tick: the most expensive of each group of which only one runs.
+fn together<'a>(claims: impl Iterator<Item = (&'a CommandId, &'a Claim)>, order: &Order) -> u64 {
+    let mut claims: Vec<_> = claims.collect();
+    claims.sort_by_key(|(id, claim)| (u64::MAX - claim.bound_ns, **id));
+    let mut groups: Vec<Vec<(&CommandId, &Claim)>> = Vec::new();
+    let mut total = 0_u64;
+    for (id, claim) in claims {
+        let apart =
+            |(other, its): &(&CommandId, &Claim)| its.meets(claim) || order.part(*id, **other);
+        match groups.iter_mut().find(|group| group.iter().all(apart)) {
+            Some(group) => group.push((id, claim)),
+            None => {
+                total = total.saturating_add(claim.bound_ns);
+                groups.push(vec![(id, claim)]);
+            }
+        }
+    }
+    total
+}
+
+#[cfg(test)]
+mod tests {
+    use rpi_core::{Condition, Fact, Refused};
+
+    use super::*;
+
+    const GRANTED: u64 = 100;
+
+    fn id(number: u64) -> CommandId {
+        CommandId::from_number(number)
+    }
+
+    /// Commands 1, 2, ... with these bounds and actuators.
+    fn books(claims: &[(u64, &[u32])]) -> Admission {
+        let mut books = Admission::new(Some(Budget {
+            ns_per_operation: 1.0,
+            granted_ns: GRANTED,
+        }));
+        for (number, (bound_ns, actuators)) in (1..).zip(claims) {
+            let claim = Claim {
+                bound_ns: *bound_ns,
+                actuators: (*actuators).into(),
+                is_live: false,
+                runs: false,
+                asked: 0,
+            };
+            books.claims.insert(id(number), claim);
+        }
+        books
+    }
+
+    fn ask(books: &mut Admission, ticket: u64, start: u64) -> Result<(), TooMuch> {
+        let way = books.admit_start(id(start))?;
+        books.ask(Ticket(ticket), way);
+        Ok(())
+    }
+
+    /// Makes the rule of this number.
+    fn make(books: &mut Admission, number: u64, rule: &Rule) -> Result<(), TooMuch> {
+        let way = books.admit_rule(RuleId(number), rule)?;
+        books.ask(Ticket(number), way);
+        books.hear(&answer(number, None));
+        Ok(())
+    }
+
+    fn answer(ticket: u64, refused: Option<Refused>) -> Event {
+        Event::Answer {
+            ticket: Ticket(ticket),
+            tick: 0,
+            refused,
+        }
+    }
+
+    #[test]
+    fn those_of_one_actuator_take_turns_and_others_add_up() {
+        let mut books = books(&[(60, &[0, 1]), (70, &[1, 2]), (30, &[]), (40, &[7])]);
+        for (ticket, start) in [(1, 1), (2, 2), (3, 3)] {
+            assert_eq!(ask(&mut books, ticket, start), Ok(()));
+        }
+        let why = ask(&mut books, 4, 4).unwrap_err();
+        assert_eq!(
+            (why.needed_ns, why.taken_ns, why.granted_ns),
+            (40, 100, 100)
+        );
+    }
+
+    #[test]
+    fn what_was_refused_or_is_over_makes_room() {
+        let mut books = books(&[(60, &[]), (60, &[])]);
+        ask(&mut books, 1, 1).unwrap();
+        assert!(ask(&mut books, 2, 2).is_err(), "the first is on its way");
+        books.hear(&answer(1, Some(Refused::Unknown)));
+        ask(&mut books, 3, 2).unwrap();
+        books.hear(&answer(3, None));
+        assert!(ask(&mut books, 4, 1).is_err(), "the second runs");
+        let over = Notice::Orphaned {
+            command: id(2),
+            kept: true,
+        };
+        books.hear(&Event::Notice(over));
+        assert_eq!(ask(&mut books, 5, 1), Ok(()));
+    }
+
+    #[test]
+    fn who_counts_already_is_not_refused() {
+        let mut books = books(&[(90, &[])]);
+        ask(&mut books, 1, 1).unwrap();
+        books.budget = Some(Budget {
+            ns_per_operation: 1.0,
+            granted_ns: 10,
+        });
+        assert_eq!(ask(&mut books, 2, 1), Ok(()));
+    }
+
+    /// S1, L6: each has ended before the next one starts.
+    #[test]
+    fn a_chain_takes_no_more_than_the_most_expensive_of_it() {
+        let mut books = books(&[(60, &[]), (90, &[]), (70, &[]), (20, &[])]);
+        ask(&mut books, 1, 1).unwrap();
+        for next in [2, 3] {
+            let rule = Rule::follow(id(next - 1)).start(id(next));
+            assert_eq!(make(&mut books, next, &rule), Ok(()));
+        }
+        let why = ask(&mut books, 4, 4).unwrap_err();
+        assert_eq!((why.needed_ns, why.taken_ns), (20, 90));
+        // Once it may start in another way as well, it is one beside the others.
+        let rule = Rule::when(Condition::always()).start(id(3));
+        assert!(make(&mut books, 5, &rule).is_err());
+    }
+
+    /// Who has fired stays after those that it has outlived; who cannot fire any more says nothing.
+    #[test]
+    fn what_has_started_by_a_rule_is_after_those_before() {
+        let over = |outcome| {
+            let mut books = books(&[(60, &[]), (90, &[]), (10, &[])]);
+            ask(&mut books, 1, 1).unwrap();
+            let rule = Rule::follow(id(1)).start(id(2));
+            make(&mut books, 2, &rule).unwrap();
+            books.hear(&Event::Notice(Notice::Rule {
+                rule: RuleId(2),
+                outcome,
+            }));
+            ask(&mut books, 3, 3)
+        };
+        assert!(over(Outcome::Dropped).is_err());
+        assert_eq!(over(Outcome::Fired), Ok(()));
+    }
+
+    /// What is stopped can be started again where it had not begun.
+    #[test]
+    fn who_is_stopped_is_before_only_if_it_runs_then() {
+        let stopped = |fact, runs| {
+            let mut books = books(&[(60, &[]), (90, &[])]);
+            ask(&mut books, 1, 1).unwrap();
+            if runs {
+                let (command, tick) = (id(1), 0);
+                books.hear(&Event::Notice(Notice::Started { command, tick }));
+            }
+            let rule = Rule::when(fact).stop(id(1)).start(id(2));
+            make(&mut books, 2, &rule).is_ok()
+        };
+        let export = || Condition::of(id(1), Fact::Export(0));
+        assert!(stopped(export(), false), "its export is of a cycle");
+        assert!(stopped(Condition::always(), true));
+        assert!(!stopped(Condition::always(), false));
+    }
+}
