@@ -153,7 +153,7 @@ class ClientTest(unittest.IsolatedAsyncioTestCase):
         about = ["-days", "2", "-subj", "/CN=localhost", "-addext", "subjectAltName=DNS:localhost"]
         subprocess.run([*make, *about, "-keyout", key, "-out", cert], check=True, capture_output=True)
         with open(token, "w") as file:
-            file.write("secret\n")
+            file.write("secret-of-these-tests\n")
         self.serve("--tls-cert", cert, "--tls-key", key, "--token-file", token)
         trust, address = ssl.create_default_context(cafile=cert), f"wss://localhost:{self.port}"
         with self.assertRaisesRegex(ConnectionError, "401 Unauthorized: the token is wrong"):
@@ -161,13 +161,13 @@ class ClientTest(unittest.IsolatedAsyncioTestCase):
         with self.assertRaisesRegex(ConnectionError, "a token is needed"):
             await connect(address, tls=trust)
         with self.assertRaisesRegex(ConnectionError, "this port speaks TLS only"):
-            await connect(f"ws://localhost:{self.port}", token="secret")
+            await connect(f"ws://localhost:{self.port}", token="secret-of-these-tests")
         for bad in (f"http://localhost:{self.port}", f"tcp://localhost:{self.port}"):
             with self.assertRaises(ValueError):
                 await connect(bad)
         with self.assertRaises(ssl.SSLError):
-            await connect(address, token="secret")
-        async with await connect(address, token="secret", tls=trust) as core:
+            await connect(address, token="secret-of-these-tests")
+        async with await connect(address, token="secret-of-these-tests", tls=trust) as core:
             goal = await (await core.open_session("test")).load(COUNT)
             await goal.start()
             self.assertEqual((await goal.result()).cycles, 300)

@@ -4,7 +4,7 @@ use std::fmt;
 use std::io;
 use std::net::{IpAddr, SocketAddr, TcpListener};
 use std::path::{Path, PathBuf};
-use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
+use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, OnceLock};
 use std::thread::{self, JoinHandle};
 use std::time::{Duration, Instant};
@@ -19,7 +19,7 @@ use rpi_sim::Cell;
 use crate::cycle::Cycle;
 use crate::desk::{Office, bank};
 use crate::limits::{Limits, OnLoss};
-use crate::wire::{Guard, Identity, Reception};
+use crate::wire::{Guard, Identity, Reception, Strangers};
 
 /// How often the desk looks what the cycle tells.
 const KEEP: Duration = Duration::from_millis(1);
@@ -182,6 +182,18 @@ impl From<io::Error> for CannotOpen {
     }
 }
 
+/// Why it cannot listen at an address, with what helps.
+fn not_there(at: SocketAddr, why: &io::Error) -> io::Error {
+    let helps = match why.kind() {
+        io::ErrorKind::AddrInUse => {
+            "; another program listens there: end it, or choose another port"
+        }
+        io::ErrorKind::AddrNotAvailable => "; this machine has no such address",
+        _ => "",
+    };
+    io::Error::new(why.kind(), format!("{at}: {why}{helps}"))
+}
+
 /// A running server. Dropping it closes it: everything is stopped, and ticks go on until devices stand still.
 #[derive(Debug)]
 pub struct Server {
@@ -225,7 +237,8 @@ impl Server {
     ) -> Result<Server, CannotOpen> {
         settings.guarded()?;
         let identity = settings.identity()?;
-        let listener = TcpListener::bind(settings.listen)?;
+        let bound = TcpListener::bind(settings.listen);
+        let listener = bound.map_err(|why| not_there(settings.listen, &why))?;
         listener.set_nonblocking(true)?;
         let address = listener.local_addr()?;
         let mut server = Server {
@@ -248,7 +261,8 @@ impl Server {
             },
             identity,
             closing: Arc::clone(&server.closing),
-            connections: Arc::new(AtomicUsize::new(0)),
+            connections: Arc::default(),
+            strangers: Strangers::default(),
         };
         if let Some(path) = &settings.socket {
             server.listen_at(path, reception.clone())?;
@@ -352,11 +366,12 @@ impl Server {
         }
     }
 
-    /// False if a recording is wanted and its file takes no more: the disk is full, say. What runs is not disturbed by it.
+    /// What somebody should know who looks after it, since they were last asked for: that a recording has come to its end as the disk
+    /// is full, that wrong tokens are shown. What runs is not disturbed by it.
     #[must_use]
-    pub fn records(&self) -> bool {
+    pub fn warnings(&self) -> Vec<String> {
         let office = self.office.as_ref();
-        office.is_none_or(|office| office.desk().is_recorded())
+        office.map_or_else(Vec::new, |office| office.desk().warnings())
     }
 
     /// Where it listens.
@@ -434,6 +449,7 @@ impl Drop for Server {
 mod tests {
     use super::*;
     use crate::desk::{Language, Load, Sink, Update};
+    use crate::peer::Peer;
 
     /// Swings an axis of the arm for ever.
     const SWING: &str = "{t=Core::Clock(Increment='1.0'),c=Core::DoubleCos(inValue=t.outValue),\
@@ -443,7 +459,9 @@ mod tests {
 
     /// Has the server run a command, and waits until the arm moves.
     fn swing(office: &Office) {
-        let session = office.desk().open_session("test", None, None).unwrap();
+        let client = office.desk().client(Peer::Here);
+        let session = office.desk().open_session("test", None, (client, true));
+        let session = session.unwrap();
         let load = Load {
             session: &session,
             title: "swing",
@@ -494,12 +512,12 @@ mod tests {
         let server = Server::open(&cell, &settings, ()).unwrap();
         let office = server.office.clone().unwrap();
         let mut desk = office.desk();
-        let session = desk.open_session("test", None, None).unwrap();
+        let client = desk.client(Peer::Here);
+        let session = desk.open_session("test", None, (client, true)).unwrap();
         desk.watch_emergency(Box::new(Deaf));
         desk.watch_devices(Box::new(Deaf));
         desk.watch_session(&session, Box::new(Deaf)).unwrap();
         assert_eq!(desk.watching(), 3);
-        let client = desk.client();
         desk.lose_client(client, &[]);
         assert_eq!(desk.watching(), 0);
     }

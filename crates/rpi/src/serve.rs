@@ -6,6 +6,7 @@ use std::path::Path;
 use std::sync::atomic::Ordering;
 use std::time::Duration;
 
+use rpi_diag::counted;
 use rpi_host::recording::{Origin, Wanted};
 use rpi_serve::{CannotOpen, Server, Settings, TlsFiles};
 use rpi_sim::Cell;
@@ -44,23 +45,20 @@ pub(crate) fn serve(args: &ServeArgs) -> exit::Outcome {
         .for_each(|grant| eprintln!("{grant}"));
     let scheme = args.tls_cert.as_ref().map_or("ws", |_| "wss");
     eprintln!("serving at {scheme}://{}", server.address());
-    let mut records = true;
     while server.runs() && !interrupted.load(Ordering::Relaxed) {
         if emergency.swap(false, Ordering::Relaxed) {
             server.emergency_stop("SIGQUIT");
             eprintln!("EMERGENCY STOP; `emergency.reset` of JSON-RPC releases it");
         }
-        if records && !server.records() {
-            records = false;
-            eprintln!(
-                "NOTHING IS RECORDED ANY MORE: the file takes no more; why is told at the end"
-            );
+        for warning in server.warnings() {
+            eprintln!("{warning}");
         }
         std::thread::sleep(LOOK);
     }
     let file = args.record.as_deref().unwrap_or(Path::new("")).display();
     if let Some(written) = server.close().map_err(|e| format!("{file}: {e}"))? {
-        eprintln!("recorded {} ticks, {} lost", written.ticks, written.lost);
+        let ticks = counted(written.ticks, "tick");
+        eprintln!("recorded {ticks}, {} lost", written.lost);
     }
     Ok(Exit::Good)
 }
@@ -122,11 +120,21 @@ fn with_a_way_out(why: CannotOpen) -> String {
     )
 }
 
+/// Bytes that a token has at least.
+const SHORTEST: usize = 16;
+
 fn token(path: &Path) -> Result<String, String> {
     let name = path.display();
     let text = std::fs::read_to_string(path).map_err(|e| format!("{name}: {e}"))?;
     match text.trim() {
         "" => Err(format!("{name} holds no token")),
+        token if token.len() < SHORTEST => Err(format!(
+            "{name}: a token of {} can be guessed; at least {SHORTEST} are needed, such as `head -c 32 /dev/urandom | base64` writes",
+            counted(token.len(), "byte")
+        )),
+        token if token.contains(char::is_whitespace) => Err(format!(
+            "{name} holds more than one word: a token is a single one"
+        )),
         token => Ok(token.to_owned()),
     }
 }

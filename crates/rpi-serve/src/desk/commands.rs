@@ -90,6 +90,7 @@ impl Desk {
         let job = Job {
             number,
             session,
+            client: self.client_of(session),
             what: What::Command,
             origin: Origin {
                 language: load.language,
@@ -152,6 +153,9 @@ impl Desk {
             return self.reject(number, why);
         }
         if let Some(record) = self.commands.get_mut(&number) {
+            if record.title.is_empty() {
+                record.title.clone_from(&loaded.image.name);
+            }
             record.reasons = loaded.reasons;
             record.taken_over = loaded.taken_over;
         }
@@ -187,9 +191,9 @@ impl Desk {
             return self.reject_task(number, why);
         }
         if let Some(record) = self.commands.remove(&number) {
-            let title = &record.title;
+            let called = record.called(number);
             self.journal
-                .note(format_args!("{title} cannot be loaded: {why}"));
+                .note(format_args!("{called} cannot be loaded: {why}"));
             let reply = record.eval.map(|e| e.reply).or(record.loading);
             answer(reply, Err(why));
             self.close_if_empty(record.session);
@@ -322,6 +326,14 @@ impl Desk {
     }
 }
 
+/// A name, with what its owner calls it.
+pub(super) fn called(name: &str, title: &str) -> String {
+    match title {
+        "" => name.to_owned(),
+        title => format!("{name} ({title})"),
+    }
+}
+
 impl Load<'_> {
     /// Bytes of it that are kept.
     pub(super) fn bytes(&self) -> usize {
@@ -330,6 +342,11 @@ impl Load<'_> {
 }
 
 impl Record {
+    /// What it is called in the log: its name, and what its owner calls it.
+    pub(super) fn called(&self, number: u64) -> String {
+        called(&format!("n{number}"), &self.title)
+    }
+
     /// A command of which nothing more is known yet.
     pub(super) fn new(session: u64, title: &str, phase: Phase) -> Record {
         Record {

@@ -271,13 +271,18 @@ pub(crate) const KINDS: &[(&str, &[&str])] = &[
 
 fn spec(new: &NewDevice<'_>, tick: f64) -> Result<DeviceSpec, Failure> {
     let known = KINDS.iter().find(|(kind, _)| *kind == new.kind);
-    let (_, models) = known.ok_or_else(|| Failure::Unknown(format!("device type {}", new.kind)))?;
+    let unknown = || {
+        let known: Vec<&str> = KINDS.iter().map(|(kind, _)| *kind).collect();
+        let known = known.join(", ");
+        Failure::Unknown(format!("device type {}, there are {known}", new.kind))
+    };
+    let (_, models) = known.ok_or_else(unknown)?;
     let models = models.iter().filter_map(|id| rpi_kin::models::by_id(id));
     let lengths = reals(new, "link_lengths")?.unwrap_or_default();
     let reach: f64 = lengths.iter().sum();
     let farness = |model: &&rpi_kin::ArmModel| (stretched(model) - reach).abs();
     let model = models.min_by(|a, b| farness(a).total_cmp(&farness(b)));
-    let model = model.ok_or_else(|| Failure::Unknown(format!("device type {}", new.kind)))?;
+    let model = model.ok_or_else(unknown)?;
     let limits = limits(new, model.limits, tick)?;
     Ok(DeviceSpec {
         name: new.name.to_owned(),

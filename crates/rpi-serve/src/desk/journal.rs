@@ -13,13 +13,19 @@ const WIDTH: usize = 300;
 pub(super) struct Journal {
     begin: Instant,
     lines: VecDeque<String>,
+    /// Those that somebody should know of at once, until they are taken.
+    warnings: Vec<String>,
 }
+
+/// Warnings that wait to be taken.
+const WARNINGS: usize = 100;
 
 impl Journal {
     pub(super) fn new() -> Journal {
         Journal {
             begin: Instant::now(),
             lines: VecDeque::new(),
+            warnings: Vec::new(),
         }
     }
 
@@ -33,6 +39,19 @@ impl Journal {
         if self.lines.len() > LINES {
             self.lines.pop_front();
         }
+    }
+
+    /// Writes a line, and keeps it for whoever looks after the server.
+    pub(super) fn warn(&mut self, what: &str) {
+        self.note(format_args!("{what}"));
+        if self.warnings.len() < WARNINGS {
+            self.warnings.push(what.to_owned());
+        }
+    }
+
+    /// The warnings that nobody has taken yet.
+    pub(super) fn warnings(&mut self) -> Vec<String> {
+        std::mem::take(&mut self.warnings)
     }
 
     /// All lines that are kept, the oldest first.

@@ -12,6 +12,7 @@ use rpi_sim::SimBank;
 
 use super::completion::Reasons;
 use super::queue::Queue;
+use crate::fair::Client;
 use crate::script::Script;
 
 /// What a text is.
@@ -37,8 +38,9 @@ pub(crate) struct Job {
     pub(crate) what: What,
     /// The command's or task's number.
     pub(crate) number: u64,
-    /// Whose turn it takes.
     pub(crate) session: u64,
+    /// Whose turn it takes.
+    pub(crate) client: Option<Client>,
     pub(crate) origin: Origin,
     pub(crate) period_ns: u64,
     /// What becomes of it if its cycles take too long.
@@ -230,9 +232,8 @@ fn choose<'a>(compiled: &'a Compiled, name: Option<&str>) -> Result<&'a Net, Vec
 /// Asks which one is meant.
 fn which(what: &str, known: Vec<&str>) -> Vec<String> {
     vec![match known.is_empty() {
-        true => format!(
-            "there is no {what} in the text that can run as it stands; a command whose parameters have no value is run by a task: `Name(3)`"
-        ),
+        true if what == "task" => "there is no task in the text".to_owned(),
+        true => "there is no command in the text that can run as it stands; one whose parameters have no value is run by a task: `Name(3)`".to_owned(),
         false => format!("which {what}? There are: {}", known.join(", ")),
     }]
 }

@@ -31,6 +31,7 @@ use rpi_host::control::{CommandId, Control, Rejected, RuleId, Ticket};
 use rpi_host::recording::Recorder;
 use rpi_sim::{Cell, SimBank};
 
+pub(crate) use crate::fair::Client;
 use crate::limits::{Limits, OnLoss};
 use crate::server::Settings;
 
@@ -39,7 +40,6 @@ pub(crate) use devices::NewDevice;
 pub(crate) use emergency::Emergency;
 pub(crate) use loader::Language;
 pub(crate) use rules::Make;
-pub(crate) use sessions::Client;
 pub(crate) use tasks::{Step, TaskStatus};
 pub(crate) use types::{
     DeviceInfo, Failure, Phase, Reply, RuleState, Sink, Status, Update, cause, why,
@@ -191,6 +191,21 @@ impl Desk {
     /// What has happened, the latest lines.
     pub(crate) fn log(&self) -> String {
         self.journal.text()
+    }
+
+    /// Notes something that has happened.
+    pub(crate) fn log_line(&mut self, what: fmt::Arguments<'_>) {
+        self.journal.note(what);
+    }
+
+    /// Notes something that whoever looks after the server should know of.
+    pub(crate) fn warn(&mut self, what: &str) {
+        self.journal.warn(what);
+    }
+
+    /// The warnings that nobody has taken yet.
+    pub(crate) fn warnings(&mut self) -> Vec<String> {
+        self.journal.warnings()
     }
 
     /// A number that nothing else has.

@@ -1,25 +1,26 @@
-//! Loads that wait for their turn: in turns by session, so that nobody's loads wait for all of somebody else's.
+//! Loads that wait for their turn: in turns by client, so that nobody's loads wait for all of somebody else's.
 
 use std::collections::{BTreeMap, VecDeque};
 use std::ops::Bound::{Excluded, Unbounded};
 use std::sync::{Condvar, Mutex, MutexGuard, PoisonError};
 
 use super::loader::Job;
+use crate::fair::Client;
 
 /// The queue between the desk and the loader.
 pub(super) struct Queue {
     waiting: Mutex<Waiting>,
     changed: Condvar,
-    /// Jobs of one session that may wait.
+    /// Jobs of one client that may wait.
     most: usize,
 }
 
 #[derive(Default)]
 struct Waiting {
-    /// By session; none is empty.
-    sessions: BTreeMap<u64, VecDeque<Job>>,
+    /// By client; none is empty.
+    clients: BTreeMap<Option<Client>, VecDeque<Job>>,
     /// Whose turn it was last.
-    last: u64,
+    last: Option<Client>,
     over: bool,
 }
 
@@ -36,10 +37,10 @@ impl Queue {
         self.waiting.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
-    /// Puts a job in; false if too many of its session wait already.
+    /// Puts a job in; false if too many of its client wait already.
     pub(super) fn push(&self, job: Job) -> bool {
         let mut waiting = self.waiting();
-        let own = waiting.sessions.entry(job.session).or_default();
+        let own = waiting.clients.entry(job.client).or_default();
         let room = own.len() < self.most;
         if room {
             own.push_back(job);
@@ -48,7 +49,7 @@ impl Queue {
         room
     }
 
-    /// The next job, of the session after the one whose turn it was last; none once it is over.
+    /// The next job, of the client after the one whose turn it was last; none once it is over.
     pub(super) fn pop(&self) -> Option<Job> {
         let mut waiting = self.waiting();
         loop {
@@ -65,8 +66,16 @@ impl Queue {
 
     /// Forgets what a session waits for, and gives the commands' numbers.
     pub(super) fn forget(&self, session: u64) -> Vec<u64> {
-        let jobs = self.waiting().sessions.remove(&session).unwrap_or_default();
-        jobs.iter().map(|job| job.number).collect()
+        let is_own = |job: &Job| job.session == session;
+        let mut waiting = self.waiting();
+        let own = waiting.clients.values().flatten();
+        let numbers = own.filter(|job| is_own(job)).map(|job| job.number);
+        let numbers = numbers.collect();
+        waiting.clients.retain(|_, jobs| {
+            jobs.retain(|job| !is_own(job));
+            !jobs.is_empty()
+        });
+        numbers
     }
 
     /// Nothing will be loaded any more.
@@ -78,14 +87,14 @@ impl Queue {
 
 impl Waiting {
     fn next(&mut self) -> Option<Job> {
-        let mut later = self.sessions.range((Excluded(self.last), Unbounded));
-        let next = later.next().or_else(|| self.sessions.iter().next());
-        let session = *next?.0;
-        self.last = session;
-        let own = self.sessions.get_mut(&session)?;
+        let mut later = self.clients.range((Excluded(self.last), Unbounded));
+        let next = later.next().or_else(|| self.clients.iter().next());
+        let client = *next?.0;
+        self.last = client;
+        let own = self.clients.get_mut(&client)?;
         let job = own.pop_front();
         if own.is_empty() {
-            self.sessions.remove(&session);
+            self.clients.remove(&client);
         }
         job
     }
@@ -95,12 +104,15 @@ impl Waiting {
 mod tests {
     use super::super::loader::{Language, Origin, What};
     use super::*;
+    use crate::peer::Peer;
 
+    /// A job of the client of a session: each has its own.
     fn job(session: u64, number: u64) -> Job {
         Job {
             what: What::Command,
             number,
             session,
+            client: Some(Client::new(session, Peer::Here)),
             origin: Origin {
                 language: Language::Rpi,
                 text: "".into(),
@@ -112,7 +124,7 @@ mod tests {
     }
 
     #[test]
-    fn sessions_take_turns_however_much_one_of_them_wants() {
+    fn clients_take_turns_however_much_one_of_them_wants() {
         let queue = Queue::new(3);
         let put = [
             (1, 10),

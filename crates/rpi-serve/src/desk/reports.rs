@@ -4,7 +4,7 @@ use rpi_host::control::{
     Cause, CommandId, Ending, Event, Notice, Outcome, Refused, State, Ticket, Why,
 };
 
-use rpi_host::recording::{Recorder, Written};
+use rpi_host::recording::Written;
 
 use super::commands::{results, yields};
 use super::owed::Debt;
@@ -46,17 +46,14 @@ impl Desk {
 
     /// Notes once that the recording has come to its end by itself: its file takes no more.
     fn look_after_recording(&mut self) {
-        if self.recorded && !self.recorder.as_ref().is_some_and(Recorder::writes) {
+        if self.recorded
+            && let Some(recorder) = self.recorder.as_ref().filter(|r| !r.writes())
+        {
             self.recorded = false;
-            self.journal.note(format_args!(
-                "NOTHING IS RECORDED ANY MORE: the file takes no more"
-            ));
+            let why = recorder.trouble().unwrap_or("the writer has failed");
+            let told = format!("NOTHING IS RECORDED ANY MORE: {why}");
+            self.journal.warn(&told);
         }
-    }
-
-    /// Whether everything is recorded that was to be.
-    pub(crate) fn is_recorded(&self) -> bool {
-        self.recorded || self.recorder.is_none()
     }
 
     /// The cycle is over: tells what it has told last, and ends the recording, of which so many ticks were lost.
@@ -198,6 +195,7 @@ impl Desk {
             _ => None,
         };
         let stopped = by.is_some_and(RuleRecord::takes_over);
+        let number = self.by_id.get(&id).copied().unwrap_or_default();
         let Some(record) = self.record_of(id) else {
             return;
         };
@@ -220,7 +218,11 @@ impl Desk {
             Some(why) => format!("{}, {why}", cause(&ending)),
             None => cause(&ending).to_owned(),
         });
-        let line = format!("{} has ended: {how}, error {}", record.title, ending.error);
+        let line = format!(
+            "{} has ended: {how}, error {}",
+            record.called(number),
+            ending.error
+        );
         self.journal.note(format_args!("{line}"));
         self.note_step(id);
         self.unload_if_abandoned(id);

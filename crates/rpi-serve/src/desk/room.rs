@@ -1,11 +1,11 @@
-//! How much sessions may keep: commands and tasks, and the memory that these take. Whoever has no room for more gives up what has
+//! How much clients may keep: commands and tasks, and the memory that these take. Whoever has no room for more gives up what has
 //! ended longest ago.
-
-use rpi_host::control::State;
 
 use super::owed::Debt;
 use super::types::MEMORY;
 use super::{Desk, Failure, Phase, Record};
+use crate::fair::{Client, Holder, Taken};
+use rpi_host::control::State;
 
 /// Who has given up what is only waiting to be freed.
 const NOBODY: u64 = 0;
@@ -13,51 +13,82 @@ const NOBODY: u64 = 0;
 impl Desk {
     /// Makes room for a command or a task with so many bytes of text.
     pub(super) fn has_room(&mut self, session: u64, text: usize) -> Result<(), Failure> {
-        let full = self.commands.len() + self.tasks.len() >= self.limits.commands;
-        if full && !self.give_up_ended(session) {
-            return Err(Failure::Limit("commands"));
-        }
-        self.fits(session, 1, text)
+        self.fits(session, |desk, client| {
+            let (count, bytes) = desk.taken(client);
+            let room = count.admit(1, desk.limits.commands);
+            room.map_err(|full| Failure::limit(full, "commands"))?;
+            let memory = bytes.admit(text, desk.limits.memory);
+            memory.map_err(|full| Failure::limit(full, MEMORY))
+        })
     }
 
     /// Makes room for the memory that a command or task of this number takes, now that it is loaded.
     pub(super) fn has_memory(&mut self, number: u64, bytes: usize) -> Result<(), Failure> {
+        self.fits(self.session_of(number), |desk, client| {
+            let memory = desk.taken(client).1.admit(bytes, desk.limits.memory);
+            memory.map_err(|full| Failure::limit(full, MEMORY))
+        })
+    }
+
+    /// Makes room for the memory of what a task goes on with. What others have taken since it was loaded does not count against it:
+    /// as long as there is any left, it goes on.
+    pub(super) fn has_memory_left(&mut self, number: u64, bytes: usize) -> Result<(), Failure> {
+        self.fits(self.session_of(number), |desk, _| {
+            let memory = desk.taken(None).1.admit(bytes, desk.limits.memory);
+            memory.map_err(|full| Failure::limit(full, MEMORY))
+        })
+    }
+
+    fn session_of(&self, number: u64) -> u64 {
         let command = self.commands.get(&number).map(|r| r.session);
         let session = command.or(self.tasks.get(&number).map(|t| t.session));
-        session.map_or(Ok(()), |session| self.fits(session, 0, bytes))
+        session.unwrap_or(NOBODY)
     }
 
-    fn fits(&mut self, session: u64, more: usize, bytes: usize) -> Result<(), Failure> {
-        loop {
-            let (count, used) = self.takes(session);
-            let lacks = if count + more > self.limits.session_commands {
-                "commands"
-            } else if used.saturating_add(bytes) > self.limits.session_memory {
-                MEMORY
-            } else {
-                return Ok(());
-            };
-            if !self.give_up_ended(session) {
-                return Err(Failure::Limit(lacks));
+    fn fits(
+        &mut self,
+        session: u64,
+        admit: impl Fn(&Desk, Option<Client>) -> Result<(), Failure>,
+    ) -> Result<(), Failure> {
+        let client = self.client_of(session);
+        while let Err(why) = admit(self, client) {
+            if !self.give_up_ended(session, client) {
+                return Err(why);
             }
         }
+        Ok(())
     }
 
-    /// How many commands and tasks a session has, and their bytes.
-    fn takes(&self, session: u64) -> (usize, usize) {
-        let commands = self.commands.values().map(|r| (r.session, r.bytes));
+    /// Whose places a session takes: nobody's for what is only to be freed.
+    pub(super) fn client_of(&self, session: u64) -> Option<Client> {
+        self.sessions.get(&session).map(|s| s.client)
+    }
+
+    /// How many commands and tasks there are, and their bytes, as a client sees it. What is only waiting to be freed has left its place.
+    fn taken(&self, client: Option<Client>) -> (Taken, Taken) {
+        let stays = |r: &&Record| r.session != NOBODY || r.eval.is_some();
+        let commands = self.commands.values().filter(stays);
+        let commands = commands.map(|r| (r.session, r.bytes));
         let tasks = self.tasks.values().map(|t| (t.session, t.bytes));
-        let own = commands.chain(tasks).filter(|(of, _)| *of == session);
-        own.fold((0, 0), |(n, all), (_, bytes)| (n + 1, all + bytes))
+        let held = commands.chain(tasks).map(|(session, bytes)| {
+            let session = self.sessions.get(&session);
+            (session.map_or(Holder::Nobody, |s| s.holder()), bytes)
+        });
+        (
+            Taken::by(client, held.clone().map(|(holder, _)| (holder, 1))),
+            Taken::by(client, held),
+        )
     }
 
-    /// Lets go of what has ended longest ago in a session: false if there is nothing.
-    fn give_up_ended(&mut self, session: u64) -> bool {
+    /// Lets go of what has ended longest ago in this session and the others of its client: false if there is nothing.
+    fn give_up_ended(&mut self, session: u64, client: Option<Client>) -> bool {
+        let is_own =
+            |other: u64| other == session || client.is_some() && self.client_of(other) == client;
         let ended = |r: &Record| r.status.phase == Phase::Is(State::Terminated);
         let mut commands = self.commands.iter();
-        let command = commands.find(|(_, r)| r.session == session && ended(r));
+        let command = commands.find(|(_, r)| ended(r) && is_own(r.session));
         let mut tasks = self.tasks.iter();
-        let task = tasks.find(|(_, t)| t.session == session && t.has_ended());
+        let task = tasks.find(|(_, t)| t.has_ended() && is_own(t.session));
         let (command, task) = (command.map(|(n, _)| *n), task.map(|(n, _)| *n));
         // They are numbered in the order in which they were loaded.
         let Some(oldest) = command.into_iter().chain(task).min() else {

@@ -8,6 +8,7 @@ use rpi_image::{Scalar, Type};
 use super::commands::results;
 use super::{Client, Desk, Failure, Reply, RuleState, Sink, Then, Update, number_of};
 use crate::condition::{Expr, Saying};
+use crate::fair::{Holder, Taken};
 
 /// A rule as the desk knows it.
 pub(super) struct RuleRecord {
@@ -48,9 +49,8 @@ pub(crate) struct Make<'a> {
     pub(crate) keep: bool,
 }
 
-/// What rules may say in all, and those of one client.
+/// What rules may say in all.
 const SAID: &str = "facts and commands in all rules";
-const SAID_BY_ONE: &str = "facts and commands in all rules of one client";
 
 /// Rules that are over and still remembered, for those who ask late.
 const REMEMBERED: usize = 4096;
@@ -105,40 +105,13 @@ impl Desk {
 
     /// Fails if there are too many rules, or they say too much, in all or of this client: the cycle looks at all of them.
     fn has_room_for(&self, rule: &RuleRecord) -> Result<(), Failure> {
-        let limits = &self.limits;
-        let of_one = |r: &RuleRecord| r.maker == rule.maker;
-        let bounds = [
-            (
-                self.rules_of(of_one),
-                limits.client_rules,
-                limits.client_facts,
-                "rules of one client",
-                SAID_BY_ONE,
-            ),
-            (
-                self.rules_of(|_| true),
-                limits.rules,
-                limits.facts,
-                "rules",
-                SAID,
-            ),
-        ];
-        for ((count, said), most, most_said, rules, facts) in bounds {
-            if count >= most {
-                return Err(Failure::Limit(rules));
-            }
-            if said + rule.weight > most_said {
-                return Err(Failure::Limit(facts));
-            }
-        }
-        Ok(())
-    }
-
-    /// How many rules of these there are that may still fire, and how much they say.
-    fn rules_of(&self, are: impl Fn(&RuleRecord) -> bool) -> (usize, usize) {
         let active = self.rules.values().filter(|r| r.state == RuleState::Active);
-        let these = active.filter(|r| are(r));
-        these.fold((0, 0), |(n, said), r| (n + 1, said + r.weight))
+        let held = active.map(|r| (Holder::Is(r.maker), r.weight));
+        let rules = Taken::by(Some(rule.maker), held.clone().map(|(of, _)| (of, 1)));
+        let room = rules.admit(1, self.limits.rules);
+        room.map_err(|full| Failure::limit(full, "rules"))?;
+        let said = Taken::by(Some(rule.maker), held).admit(rule.weight, self.limits.facts);
+        said.map_err(|full| Failure::limit(full, SAID))
     }
 
     /// A client is gone: of its rules those that do nothing would only have told it something.

@@ -5,28 +5,38 @@ use rpi_host::control::{State, Why};
 use super::owed::Debt;
 use super::types::shortened;
 use super::{Desk, Failure, Phase, Sink, Update, number_of};
+use crate::fair::{Client, Holder, Taken};
 use crate::limits::OnLoss;
+use crate::peer::Peer;
 
 /// A session.
 pub(super) struct Session {
     /// What its client calls itself.
     pub(super) name: String,
     pub(super) on_loss: OnLoss,
-    /// The client that may act for it; nobody where whoever knows its name may.
-    owner: Option<Client>,
+    /// The client that has opened it, or taken it up.
+    pub(super) client: Client,
+    /// Whoever knows its name may act for it.
+    shared: bool,
     /// Its client is gone, or has closed it.
     pub(super) closed: bool,
     pub(super) watchers: Vec<Box<dyn Sink>>,
 }
 
-/// A connection.
-#[derive(Clone, Copy, PartialEq, Eq, Debug)]
-pub(crate) struct Client(u64);
+impl Session {
+    /// Whose places it takes.
+    pub(super) fn holder(&self) -> Holder {
+        match self.closed {
+            true => Holder::Was(self.client),
+            false => Holder::Is(self.client),
+        }
+    }
+}
 
 impl Desk {
     /// A name for a connection.
-    pub(crate) fn client(&mut self) -> Client {
-        Client(self.number())
+    pub(crate) fn client(&mut self, peer: Peer) -> Client {
+        Client::new(self.number(), peer)
     }
 
     /// Fails if a session belongs to another client that is still there.
@@ -37,10 +47,10 @@ impl Desk {
         what: &str,
     ) -> Result<(), Failure> {
         let session = self.sessions.get(&session);
-        let owner = session.filter(|s| !s.closed).and_then(|s| s.owner);
-        match owner {
-            Some(owner) if owner != client => Err(Failure::NotYours(what.to_owned())),
-            _ => Ok(()),
+        let owned = session.filter(|s| !s.closed && !s.shared);
+        match owned.is_some_and(|s| s.client != client) {
+            true => Err(Failure::NotYours(what.to_owned())),
+            false => Ok(()),
         }
     }
 
@@ -54,27 +64,34 @@ impl Desk {
         session.map_or(Ok(()), |session| self.may_act_in(client, session, name))
     }
 
-    /// Opens a session and gives its name. `owner` is the client that may act for it; without one, whoever knows a name may.
+    /// Opens a session for a client and gives its name. For one that is shared, whoever knows the name may act.
     pub(crate) fn open_session(
         &mut self,
         name: &str,
         on_loss: Option<OnLoss>,
-        owner: Option<Client>,
+        (client, shared): (Client, bool),
     ) -> Result<String, Failure> {
-        if self.sessions.len() >= self.limits.sessions {
-            return Err(Failure::Limit("sessions"));
-        }
+        let held = self.sessions.values().map(|s| (s.holder(), 1));
+        let taken = Taken::by(Some(client), held);
+        taken
+            .admit(1, self.limits.sessions)
+            .map_err(|full| Failure::limit(full, "sessions"))?;
         let number = self.number();
         let session = Session {
             name: shortened(name, self.limits.name),
             on_loss: on_loss.unwrap_or(self.on_loss),
-            owner,
+            client,
+            shared,
             closed: false,
             watchers: Vec::new(),
         };
         self.sessions.insert(number, session);
+        let of = match name {
+            "" => String::new(),
+            name => format!(" of {name}"),
+        };
         self.journal
-            .note(format_args!("session s{number} of {name} is opened"));
+            .note(format_args!("session s{number}{of} is opened"));
         Ok(format!("s{number}"))
     }
 
@@ -90,7 +107,7 @@ impl Desk {
         session.is_some_and(|session| {
             let was_closed = std::mem::replace(&mut session.closed, false);
             if was_closed {
-                session.owner = session.owner.map(|_| client);
+                session.client = client;
             }
             was_closed
         })

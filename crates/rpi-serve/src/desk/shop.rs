@@ -58,7 +58,7 @@ impl Workshop for Shop<'_> {
         let command = self.make(index, &image)?;
         // Its image is the task's, and counted there.
         let bytes = command.machine().memory();
-        let room = self.desk.has_memory(self.number, bytes);
+        let room = self.desk.has_memory_left(self.number, bytes);
         room.map_err(|_| Rejected::Memory)?;
         let adopted: Adopted = self.desk.control.adopt_with_board(command)?;
         let id = adopted.id;

@@ -4,6 +4,7 @@ use rpi_core::OnOverrun;
 use rpi_host::control::{CommandId, Event, State};
 use rpi_host::run::{Plan, Task, TaskEnd};
 
+use super::commands::called;
 use super::loader::{Job, Origin, What};
 use super::shop::Shop;
 use super::types::shortened;
@@ -141,6 +142,7 @@ impl Desk {
             what: What::Task,
             number,
             session,
+            client: self.client_of(session),
             origin: Origin {
                 language: load.language,
                 text: load.text.into(),
@@ -174,9 +176,9 @@ impl Desk {
     /// Loading has failed: the task is no more.
     pub(super) fn reject_task(&mut self, number: u64, why: Failure) {
         if let Some(mut record) = self.tasks.remove(&number) {
-            let title = &record.title;
+            let task = called(&format!("t{number}"), &record.title);
             self.journal
-                .note(format_args!("task {title} cannot be loaded: {why}"));
+                .note(format_args!("{task} cannot be loaded: {why}"));
             answer(record.loading.take(), Err(why));
             self.close_if_empty(record.session);
         }
@@ -320,7 +322,8 @@ impl Desk {
             record.status.phase = TaskPhase::Ended(end);
             record.changed = true;
             let word = record.status.phase.name();
-            let line = format!("task {} has ended: {word}", record.title);
+            let task = called(&format!("t{number}"), &record.title);
+            let line = format!("{task} has ended: {word}");
             self.journal.note(format_args!("{line}"));
         }
         self.tell_progress(number);

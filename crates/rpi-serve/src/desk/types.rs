@@ -5,6 +5,7 @@ use std::fmt;
 use rpi_host::control::{Cause, Ending, Refused, Rejected, State, TooMuch};
 
 use super::tasks::TaskStatus;
+use crate::fair::Full;
 
 /// Where a command is in its life, as clients see it.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
@@ -124,14 +125,26 @@ pub(crate) enum Failure {
     Stopped(String),
     /// More than the server grants.
     Limit(&'static str),
+    /// More than the server grants one client beside others.
+    Share(&'static str),
     /// More of a tick than commands may take.
     TooMuch(TooMuch),
     /// The server has too much to do.
     Busy,
 }
 
-/// The limit on what a session's commands and tasks take.
-pub(super) const MEMORY: &str = "memory of the session";
+/// The limit on what commands and tasks take.
+pub(super) const MEMORY: &str = "memory";
+
+impl Failure {
+    /// A limit on this is reached.
+    pub(super) fn limit(full: Full, what: &'static str) -> Failure {
+        match full {
+            Full::All => Failure::Limit(what),
+            Full::Share => Failure::Share(what),
+        }
+    }
+}
 
 /// As much of what somebody calls something as is kept: `most` bytes.
 pub(super) fn shortened(name: &str, most: usize) -> String {
@@ -168,10 +181,14 @@ impl fmt::Display for Failure {
             Failure::Stopped(by) => {
                 write!(
                     f,
-                    "everything is stopped since an emergency stop by {by}; it must be reset first"
+                    "everything is stopped since an emergency stop by {by}; it must be reset first (`emergency.reset`)"
                 )
             }
             Failure::Limit(what) => write!(f, "limit reached: {what}"),
+            Failure::Share(what) => write!(
+                f,
+                "limit reached: {what} of one client, which has as much as it leaves free for others; unload or close what is not needed any more"
+            ),
             Failure::TooMuch(why) => {
                 let alone = why.needed_ns > why.granted_ns;
                 let less = "let it do less in a cycle, measure the machine (`rpic machine`, `rpi serve --machine FILE`) or grant more (`--cycle-share`)";

@@ -8,6 +8,7 @@ use super::sink::DioSink;
 use crate::condition::{self, Expr, Saying};
 use crate::desk::{Client, Failure, Language, Load, Make, Office, Reply, TOO_CURIOUS, Watching};
 use crate::limits::OnLoss;
+use crate::peer::Peer;
 use crate::wire::{Front, Outbox};
 
 /// The versions of the protocol that are spoken: all of this generation.
@@ -92,8 +93,8 @@ impl Drop for DioFront {
 }
 
 impl DioFront {
-    pub(crate) fn new(office: Office, out: Outbox) -> DioFront {
-        let client = office.desk().client();
+    pub(crate) fn new(office: Office, peer: Peer, out: Outbox) -> DioFront {
+        let client = office.desk().client(peer);
         DioFront {
             office,
             client,
@@ -145,10 +146,10 @@ impl DioFront {
     fn new_session(&mut self, message: &Message) -> Result<(), Failure> {
         let on_loss = message.args.get(1).and_then(Arg::as_text);
         let on_loss = on_loss.and_then(OnLoss::by_name);
-        let name = self
-            .office
-            .desk()
-            .open_session(text(message, 0)?, on_loss, None)?;
+        let name =
+            self.office
+                .desk()
+                .open_session(text(message, 0)?, on_loss, (self.client, true))?;
         self.ok(&message.tag, &name);
         self.sessions.push(name);
         Ok(())

@@ -69,6 +69,21 @@ impl Answers {
         self.send(json!({"error": error}))
     }
 
+    /// Whether whoever asks can tell by it which request an answer is for: the same text or number comes back (section 4).
+    pub(super) fn has_good_id(&self) -> bool {
+        match &self.id {
+            Some(Value::Number(number)) => number.is_i64() || number.is_u64(),
+            Some(id) => id.is_string() || id.is_null(),
+            None => true,
+        }
+    }
+
+    /// The same way, for who cannot be told to whom it is an answer.
+    pub(super) fn for_nobody(mut self) -> Answers {
+        self.id = Some(Value::Null);
+        self
+    }
+
     /// What is no request at all is answered all the same.
     pub(super) fn no_request(mut self) -> bool {
         self.id.get_or_insert(Value::Null);
@@ -116,7 +131,7 @@ fn code_of(why: &Failure) -> (i64, Value) {
         Failure::Unknown(_) => (-32001, Value::Null),
         Failure::Rejected(reasons) => (-32002, json!({"reasons": reasons})),
         Failure::Refused(_) | Failure::InUse(_) | Failure::Held(_) => (-32003, Value::Null),
-        Failure::Limit(_) => (-32004, Value::Null),
+        Failure::Limit(_) | Failure::Share(_) => (-32004, Value::Null),
         Failure::TooMuch(why) => {
             let [needed, taken, granted] =
                 [why.needed_ns, why.taken_ns, why.granted_ns].map(|ns| ns as f64 * 1e-9);

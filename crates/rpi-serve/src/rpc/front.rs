@@ -3,8 +3,9 @@
 use serde_json::{Value, json};
 
 use super::answers::Answers;
-use super::methods::METHODS;
+use super::methods::{METHODS, Method};
 use crate::desk::{Client, Failure, Office, Reply};
+use crate::peer::Peer;
 use crate::wire::{Front, Outbox};
 
 /// A client.
@@ -60,8 +61,8 @@ impl Drop for RpcFront {
 }
 
 impl RpcFront {
-    pub(crate) fn new(office: Office, out: Outbox) -> RpcFront {
-        let client = office.desk().client();
+    pub(crate) fn new(office: Office, peer: Peer, out: Outbox) -> RpcFront {
+        let client = office.desk().client(peer);
         RpcFront {
             office,
             client,
@@ -78,14 +79,21 @@ impl RpcFront {
         let Some(name) = name.filter(|_| is_ours) else {
             return answers.no_request();
         };
-        let Some((_, method)) = METHODS.iter().find(|(known, _)| *known == name) else {
-            return answers.error(-32601, &format!("there is no method {name}"), Value::Null);
+        let Some(method) = METHODS.iter().find(|known| known.name == name) else {
+            let known = METHODS.iter().map(|known| known.name);
+            let why = format!("there is no method {name}{}", meant(name, known));
+            return answers.error(-32601, &why, Value::Null);
         };
+        if method.params.is_some() && !answers.has_good_id() {
+            let why = "an id is a text, a whole number or null";
+            return answers.for_nobody().error(-32600, why, Value::Null);
+        }
         let call = Call {
             params: request.get("params").unwrap_or(&Value::Null),
             answers,
         };
-        match method(self, &call) {
+        let done = call.takes(method).and_then(|()| (method.act)(self, &call));
+        match done {
             Ok(None) => true,
             Ok(Some(result)) => call.answer(result),
             Err(why) => call.answers.failure(&why),
@@ -102,6 +110,26 @@ impl RpcFront {
 }
 
 impl Call<'_> {
+    /// Fails if a parameter is none of the method's: what is misspelt would not be heard.
+    fn takes(&self, method: &Method) -> Result<(), Failure> {
+        let (given, known) = match (self.params, method.params) {
+            (Value::Null, _) | (_, None) => return Ok(()),
+            (Value::Object(given), Some(known)) => (given, known),
+            _ => {
+                let why = "params: parameters are given by their names, in an object";
+                return Err(Failure::Bad(why.to_owned()));
+            }
+        };
+        let name = method.name;
+        let unknown = given.keys().find(|key| !known.contains(&key.as_str()));
+        unknown.map_or(Ok(()), |key| {
+            let meant = meant(key, known.iter().copied());
+            Err(Failure::Bad(format!(
+                "{name} has no parameter {key}{meant}"
+            )))
+        })
+    }
+
     pub(super) fn answer(&self, result: Value) -> bool {
         self.answers.success(result)
     }
@@ -116,4 +144,10 @@ impl Call<'_> {
             };
         })
     }
+}
+
+/// Asks whether another one was meant, if one is like it.
+fn meant<'k>(name: &str, known: impl Iterator<Item = &'k str>) -> String {
+    let meant = rpi_diag::suggest(name, known);
+    meant.map_or_else(String::new, |m| format!("; did you mean {m}?"))
 }

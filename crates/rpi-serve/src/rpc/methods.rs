@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 use std::time::Duration;
 
 use rpi_core::OnOverrun;
-use serde_json::{Value, json};
+use serde_json::{Map, Value, json};
 
 use super::front::{Answer, Call, RpcFront};
 use super::sink::{self, RpcSink};
@@ -15,64 +15,119 @@ use crate::desk::{
 };
 use crate::limits::OnLoss;
 
-type Method = fn(&mut RpcFront, &Call<'_>) -> Answer;
+type Act = fn(&mut RpcFront, &Call<'_>) -> Answer;
 
-/// All methods by name.
-pub(super) const METHODS: &[(&str, Method)] = &[
-    ("session.open", open_session),
-    ("session.close", close_session),
-    ("command.load", load),
-    ("command.start", |front, call| one(front, call, Desk::start)),
-    ("command.cancel", |front, call| {
+/// A method.
+pub(super) struct Method {
+    pub(super) name: &'static str,
+    /// The names of its parameters; none for one that is done whatever else is said.
+    pub(super) params: Option<&'static [&'static str]>,
+    pub(super) act: Act,
+}
+
+const COMMAND: &[&str] = &["command"];
+const TASK: &[&str] = &["task"];
+
+/// All methods.
+pub(super) const METHODS: &[Method] = &[
+    method("session.open", &["name", "on_loss", "shared"], open_session),
+    method("session.close", &["session"], close_session),
+    method(
+        "command.load",
+        &[
+            "session",
+            "text",
+            "language",
+            "command",
+            "period",
+            "title",
+            "on_overrun",
+        ],
+        load,
+    ),
+    method("command.start", COMMAND, |front, call| {
+        one(front, call, Desk::start)
+    }),
+    method("command.cancel", COMMAND, |front, call| {
         one(front, call, Desk::cancel)
     }),
-    ("command.abort", |front, call| one(front, call, Desk::abort)),
-    ("command.unload", |front, call| {
+    method("command.abort", COMMAND, |front, call| {
+        one(front, call, Desk::abort)
+    }),
+    method("command.unload", COMMAND, |front, call| {
         one(front, call, Desk::unload)
     }),
-    ("command.set", set),
-    ("command.describe", describe),
-    ("command.schedule", schedule),
-    ("rule.make", make_rule),
-    ("rule.withdraw", withdraw),
-    ("watch.command", watch_command),
-    ("watch.rule", watch_rule),
-    ("watch.session", watch_session),
-    ("watch.devices", watch_devices),
-    ("watch.task", tasks::watch),
-    ("watch.emergency", tasks::watch_emergency),
-    ("task.load", tasks::load),
-    ("task.start", |front, call| {
+    method("command.set", &["command", "values"], set),
+    method("command.describe", COMMAND, describe),
+    method(
+        "command.schedule",
+        &["command", "after", "results", "keep"],
+        schedule,
+    ),
+    method(
+        "rule.make",
+        &["when", "stop", "cancel", "start", "keep"],
+        make_rule,
+    ),
+    method("rule.withdraw", &["rule"], withdraw),
+    method("watch.command", &["command", "period"], watch_command),
+    method("watch.rule", &["rule"], watch_rule),
+    method("watch.session", &["session"], watch_session),
+    method("watch.devices", &[], watch_devices),
+    method("watch.task", TASK, tasks::watch),
+    method("watch.emergency", &[], tasks::watch_emergency),
+    method(
+        "task.load",
+        &[
+            "session",
+            "text",
+            "language",
+            "task",
+            "period",
+            "title",
+            "on_overrun",
+        ],
+        tasks::load,
+    ),
+    method("task.start", TASK, |front, call| {
         tasks::one(front, call, Desk::start_task)
     }),
-    ("task.cancel", |front, call| {
+    method("task.cancel", TASK, |front, call| {
         tasks::one(front, call, Desk::cancel_task)
     }),
-    ("task.unload", |front, call| {
+    method("task.unload", TASK, |front, call| {
         tasks::one(front, call, Desk::unload_task)
     }),
-    ("task.describe", tasks::describe),
-    ("tasks", tasks::list),
-    ("emergency.stop", tasks::stop),
-    ("emergency.reset", tasks::reset),
-    ("emergency.state", tasks::state),
-    ("device.list", list_devices),
-    ("device.add", add_device),
-    ("device.remove", remove_device),
-    ("commands", list_commands),
-    ("ping", |_, _| Ok(Some(json!({})))),
+    method("task.describe", TASK, tasks::describe),
+    method("tasks", &[], tasks::list),
+    Method {
+        name: "emergency.stop",
+        params: None,
+        act: tasks::stop,
+    },
+    method("emergency.reset", &[], tasks::reset),
+    method("emergency.state", &[], tasks::state),
+    method("device.list", &[], list_devices),
+    method("device.add", &["name", "type", "parameters"], add_device),
+    method("device.remove", &["name"], remove_device),
+    method("commands", &[], list_commands),
+    method("ping", &[], |_, _| Ok(Some(json!({})))),
 ];
 
+const fn method(name: &'static str, params: &'static [&'static str], act: Act) -> Method {
+    Method {
+        name,
+        params: Some(params),
+        act,
+    }
+}
+
 fn open_session(front: &mut RpcFront, call: &Call<'_>) -> Answer {
-    let on_loss = match call.optional("on_loss", Value::as_str)? {
-        None => None,
-        Some(name) => Some(OnLoss::by_name(name).ok_or_else(|| bad("on_loss"))?),
-    };
-    let name = call.optional("name", Value::as_str)?;
+    let on_loss = call.one_of("on_loss", &OnLoss::ALL)?;
+    let name = call.optional("name", a_text())?;
     let shared = call.flag("shared")?;
-    let owner = Some(front.client).filter(|_| !shared);
     let mut desk = front.office.desk();
-    let session = desk.open_session(name.unwrap_or_default(), on_loss, owner)?;
+    let session = desk.open_session(name.unwrap_or_default(), on_loss, (front.client, shared))?;
     drop(desk);
     front.sessions.push(session.clone());
     Ok(Some(json!({"session": session})))
@@ -106,8 +161,7 @@ fn one(front: &mut RpcFront, call: &Call<'_>, what: fn(&mut Desk, &str, Reply)) 
 fn set(front: &mut RpcFront, call: &Call<'_>) -> Answer {
     let command = call.text("command")?;
     front.may_act(&[command])?;
-    let values = call.params.get("values").and_then(Value::as_object);
-    let values = values.ok_or_else(|| bad("values"))?;
+    let values = call.needed("values", an_object())?;
     let texts = values
         .iter()
         .map(|(key, value)| (key.as_str(), literal(value)));
@@ -226,9 +280,8 @@ fn withdraw(front: &mut RpcFront, call: &Call<'_>) -> Answer {
 
 fn watch_command(front: &mut RpcFront, call: &Call<'_>) -> Answer {
     let name = call.text("command")?;
-    let seconds = call.optional("period", Value::as_f64)?.unwrap_or(0.02);
     let watching = Watching {
-        period: Duration::try_from_secs_f64(seconds).map_err(|_| bad("period"))?,
+        period: call.seconds("period", 0.02)?,
         settle: Duration::ZERO,
         sink: front.sink(Some(("command", name)))?,
     };
@@ -270,7 +323,7 @@ fn list_devices(front: &mut RpcFront, _: &Call<'_>) -> Answer {
 }
 
 fn add_device(front: &mut RpcFront, call: &Call<'_>) -> Answer {
-    let parameters = call.optional("parameters", Value::as_object)?;
+    let parameters = call.optional("parameters", an_object())?;
     let parameters = parameters.into_iter().flatten();
     let parameters: BTreeMap<String, String> = parameters
         .map(|(key, value)| (key.clone(), literal(value)))
@@ -326,29 +379,22 @@ impl RpcFront {
 impl<'a> Call<'a> {
     /// What is to be loaded: `named` is the key that tells which of several.
     pub(super) fn load(&self, named: &str) -> Result<Load<'a>, Failure> {
-        let language = match self.optional("language", Value::as_str)? {
-            None | Some("rpi") => Language::Rpi,
-            Some("rpinet") => Language::Rpinet,
-            Some(_) => return Err(bad("language")),
-        };
-        let period = self.optional("period", Value::as_f64)?.unwrap_or(0.0);
-        if period < 0.0 {
-            return Err(bad("period"));
-        }
+        let languages = [("rpi", Language::Rpi), ("rpinet", Language::Rpinet)];
+        let language = self.one_of("language", &languages)?;
         Ok(Load {
             session: self.text("session")?,
-            title: self.optional("title", Value::as_str)?.unwrap_or_default(),
-            language,
+            title: self.optional("title", a_text())?.unwrap_or_default(),
+            language: language.unwrap_or(Language::Rpi),
             text: self.text("text")?,
-            command: self.optional(named, Value::as_str)?,
-            period_ns: (period.min(3600.0) * 1e9) as u64,
+            command: self.optional(named, a_text())?,
+            period_ns: u64::try_from(self.seconds("period", 0.0)?.as_nanos()).unwrap_or(u64::MAX),
             on_overrun: self.on_overrun()?,
         })
     }
 
     /// What becomes of what is loaded if its cycles take too long.
     fn on_overrun(&self) -> Result<Option<OnOverrun>, Failure> {
-        let text = self.optional("on_overrun", Value::as_str)?;
+        let text = self.optional("on_overrun", a_text())?;
         let policy = text.map(str::parse).transpose();
         policy.map_err(|why| Failure::Bad(format!("on_overrun: {why}")))
     }
@@ -372,35 +418,97 @@ impl<'a> Call<'a> {
 
     /// A truth value; false if it is not said.
     fn flag(&self, key: &str) -> Result<bool, Failure> {
-        Ok(self.optional(key, Value::as_bool)?.unwrap_or(false))
+        Ok(self.optional(key, a_flag())?.unwrap_or(false))
+    }
+
+    /// What one of these words stands for, if it is said.
+    fn one_of<T: Copy>(&self, key: &str, words: &[(&str, T)]) -> Result<Option<T>, Failure> {
+        let Some(word) = self.optional(key, a_text())? else {
+            return Ok(None);
+        };
+        let found = words.iter().find(|(known, _)| *known == word);
+        let known = || words.iter().map(|(known, _)| *known).collect::<Vec<_>>();
+        let bad = || Failure::Bad(format!("{key}: one of {} is needed", known().join(", ")));
+        found.map(|(_, meant)| Some(*meant)).ok_or_else(bad)
     }
 
     /// What may be left out; what is there is of its kind.
-    fn optional<T>(
-        &self,
-        key: &str,
-        read: impl Fn(&'a Value) -> Option<T>,
-    ) -> Result<Option<T>, Failure> {
+    fn optional<T>(&self, key: &str, (what, read): Kind<'a, T>) -> Result<Option<T>, Failure> {
         match self.params.get(key) {
             None | Some(Value::Null) => Ok(None),
-            Some(value) => read(value).map(Some).ok_or_else(|| bad(key)),
+            Some(value) => {
+                let bad =
+                    || Failure::Bad(format!("{key}: {what} is needed, found {}", kind(value)));
+                read(value).map(Some).ok_or_else(bad)
+            }
         }
     }
 
+    fn needed<T>(&self, key: &str, kind: Kind<'a, T>) -> Result<T, Failure> {
+        let lacks = || Failure::Bad(format!("the parameter {key} is missing: {}", kind.0));
+        self.optional(key, kind)?.ok_or_else(lacks)
+    }
+
     pub(super) fn text(&self, key: &str) -> Result<&'a str, Failure> {
-        let found = self.params.get(key).and_then(Value::as_str);
-        found.ok_or_else(|| bad(key))
+        self.needed(key, a_text())
     }
 
     /// A list of texts; without one, none.
     fn texts(&self, key: &str) -> Result<Vec<&'a str>, Failure> {
-        let list = self.optional(key, Value::as_array)?;
-        let list = list.map_or(&[][..], Vec::as_slice);
-        let texts: Option<Vec<&str>> = list.iter().map(Value::as_str).collect();
-        texts.ok_or_else(|| bad(key))
+        Ok(self.optional(key, some_texts())?.unwrap_or_default())
+    }
+
+    /// A time in seconds; without one, this.
+    fn seconds(&self, key: &str, unless_said: f64) -> Result<Duration, Failure> {
+        let seconds = self.optional(key, a_number())?.unwrap_or(unless_said);
+        let time = Duration::try_from_secs_f64(seconds);
+        let usable = time.ok().filter(|time| *time <= LONGEST);
+        let most = LONGEST.as_secs();
+        let bad = || {
+            Failure::Bad(format!(
+                "{key}: from 0 to {most} seconds, found {seconds:?}"
+            ))
+        };
+        usable.ok_or_else(bad)
     }
 }
 
-fn bad(key: &str) -> Failure {
-    Failure::Bad(format!("parameter {key} is missing or of the wrong kind"))
+/// No period is longer.
+const LONGEST: Duration = Duration::from_secs(3600);
+
+/// What a parameter is to be, in words, and how it is read.
+type Kind<'a, T> = (&'static str, fn(&'a Value) -> Option<T>);
+
+fn a_text<'a>() -> Kind<'a, &'a str> {
+    ("a text", Value::as_str)
+}
+
+fn a_flag<'a>() -> Kind<'a, bool> {
+    ("true or false", Value::as_bool)
+}
+
+fn a_number<'a>() -> Kind<'a, f64> {
+    ("a number", Value::as_f64)
+}
+
+fn an_object<'a>() -> Kind<'a, &'a Map<String, Value>> {
+    ("an object", Value::as_object)
+}
+
+fn some_texts<'a>() -> Kind<'a, Vec<&'a str>> {
+    ("a list of texts", |value| {
+        value.as_array()?.iter().map(Value::as_str).collect()
+    })
+}
+
+/// What a value is, in words.
+fn kind(value: &Value) -> &'static str {
+    match value {
+        Value::Null => "null",
+        Value::Bool(_) => "true or false",
+        Value::Number(_) => "a number",
+        Value::String(_) => "a text",
+        Value::Array(_) => "a list",
+        Value::Object(_) => "an object",
+    }
 }

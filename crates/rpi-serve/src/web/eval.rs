@@ -7,6 +7,7 @@ use std::time::Duration;
 use super::response::Response;
 use super::xml::Xml;
 use crate::desk::{Failure, NewDevice, Office, Reply};
+use crate::peer::Peer;
 
 type Form = BTreeMap<String, String>;
 
@@ -57,7 +58,7 @@ pub(crate) fn device(office: &Office, form: &Form, patience: Duration) -> Respon
 }
 
 /// Ends a session.
-pub(crate) fn session(office: &Office, name: &str, form: &Form) -> Response {
+pub(crate) fn session((office, peer): (&Office, Peer), name: &str, form: &Form) -> Response {
     if form
         .get("action")
         .is_none_or(|action| action != "TERMINATE")
@@ -66,7 +67,7 @@ pub(crate) fn session(office: &Office, name: &str, form: &Form) -> Response {
     }
     let mut desk = office.desk();
     // Whoever asks by HTTP is a client who owns nothing.
-    let nobody = desk.client();
+    let nobody = desk.client(peer);
     let ended = desk
         .may_act(nobody, name)
         .and_then(|()| desk.abort_session(name));

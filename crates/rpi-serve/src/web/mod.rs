@@ -9,18 +9,24 @@ mod xml;
 
 use crate::desk::Office;
 use crate::limits::Limits;
+use crate::peer::Peer;
 use crate::wire::Head;
 
 pub(crate) use response::Response;
 
 /// Answers a request.
-pub(crate) fn respond(office: &Office, limits: &Limits, head: &Head, body: &[u8]) -> Response {
+pub(crate) fn respond(
+    (office, peer): (&Office, Peer),
+    limits: &Limits,
+    head: &Head,
+    body: &[u8],
+) -> Response {
     let body = String::from_utf8_lossy(body);
     let parts: Vec<&str> = head.path.split('/').filter(|p| !p.is_empty()).collect();
     match (head.method.as_str(), parts.as_slice()) {
         ("POST", ["eval"]) => eval::eval(office, &form::parse(&body), limits.patience),
         ("POST", ["devices"]) => eval::device(office, &form::parse(&body), limits.patience),
-        ("POST", ["sessions", name]) => eval::session(office, name, &form::parse(&body)),
+        ("POST", ["sessions", name]) => eval::session((office, peer), name, &form::parse(&body)),
         ("GET", parts) => pages::page(office, parts),
         _ => Response::refused(405, "this is not done here"),
     }

@@ -29,6 +29,15 @@ impl<T: Read + Write + Send> Stream for T {}
 /// then. None where clients are not asked.
 pub(crate) type Bounds = (usize, Option<Duration>);
 
+/// How a conversation has ended.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub(crate) enum End {
+    /// One side has had enough.
+    Over,
+    /// The client does not read what it is sent.
+    Deaf,
+}
+
 /// Talks over a websocket until one side has enough. `rest` was read already.
 pub(crate) fn websocket(
     stream: Box<dyn Stream>,
@@ -37,7 +46,7 @@ pub(crate) fn websocket(
     front: &mut dyn Front,
     out: &Outgoing,
     closing: &AtomicBool,
-) {
+) -> End {
     let config = WebSocketConfig::default()
         .max_message_size(Some(most))
         .max_frame_size(Some(most))
@@ -46,6 +55,7 @@ pub(crate) fn websocket(
         .accept_unmasked_frames(true);
     let mut socket = WebSocket::from_partially_read(stream, rest, Role::Server, Some(config));
     let mut life = Life::new(silence);
+    let mut end = End::Over;
     loop {
         let heard = match socket.read() {
             Ok(Message::Text(text)) if front.hear(&text) => {
@@ -64,12 +74,29 @@ pub(crate) fn websocket(
         {
             break;
         }
-        if out.is_over() || is_closing(closing) || send(&mut socket, out, heard).is_err() {
+        if is_closing(closing) {
+            break;
+        }
+        if let Some(why) = sent(out, || send(&mut socket, out, heard)) {
+            end = why;
             break;
         }
     }
     let _ = socket.close(None);
     let _ = socket.flush();
+    end
+}
+
+/// Sends what waits; how the conversation has ended, if it has by that.
+fn sent(out: &Outgoing, send: impl FnOnce() -> io::Result<()>) -> Option<End> {
+    if out.is_over() {
+        return Some(End::Deaf);
+    }
+    match send() {
+        Ok(()) => None,
+        Err(why) if is_pause(&why) => Some(End::Deaf),
+        Err(_) => Some(End::Over),
+    }
 }
 
 /// When a client gave a sign of life.
@@ -109,14 +136,18 @@ impl Life {
     }
 }
 
-fn send(socket: &mut WebSocket<Box<dyn Stream>>, out: &Outgoing, heard: bool) -> Result<(), Error> {
+fn send(socket: &mut WebSocket<Box<dyn Stream>>, out: &Outgoing, heard: bool) -> io::Result<()> {
+    let failed = |why: Error| match why {
+        Error::Io(why) => why,
+        other => io::Error::other(other),
+    };
     let wait = if heard { ANSWER } else { Duration::ZERO };
     let mut next = out.messages.recv_timeout(wait).ok();
     while let Some(message) = next {
-        socket.write(Message::text(message))?;
+        socket.write(Message::text(message)).map_err(failed)?;
         next = out.messages.try_recv().ok();
     }
-    socket.flush()
+    socket.flush().map_err(failed)
 }
 
 /// Talks in lines until one side has enough.
@@ -126,25 +157,29 @@ pub(crate) fn lines(
     front: &mut dyn Front,
     out: &Outgoing,
     closing: &AtomicBool,
-) {
+) -> End {
     let mut waiting = Vec::new();
     let mut chunk = vec![0; 16 << 10];
-    while !out.is_over() && !is_closing(closing) {
+    while !is_closing(closing) {
         let heard = match stream.read(&mut chunk) {
-            Ok(0) => return,
+            Ok(0) => return End::Over,
             Ok(read) => {
                 waiting.extend_from_slice(&chunk[..read]);
                 true
             }
             Err(e) if is_pause(&e) => false,
-            Err(_) => return,
+            Err(_) => return End::Over,
         };
         if !hear_lines(&mut waiting, front) || waiting.len() > most {
-            return;
+            break;
         }
-        if send_lines(&mut stream, out, heard).is_err() {
-            return;
+        if let Some(end) = sent(out, || send_lines(&mut stream, out, heard)) {
+            return end;
         }
+    }
+    match out.is_over() {
+        true => End::Deaf,
+        false => End::Over,
     }
 }
 

@@ -1,22 +1,26 @@
 //! Taking connections: one thread for each, at most so many at a time.
 
+use std::collections::BTreeMap;
 use std::io::{self, Write};
 use std::net::{TcpListener, TcpStream};
-use std::sync::Arc;
-use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::{Arc, Mutex, PoisonError};
 use std::thread;
 use std::time::{Duration, Instant};
 
 use tungstenite::handshake::derive_accept_key;
 
-use super::chat::{self, Front, Stream, TURN};
+use super::chat::{self, End, Front, Stream, TURN};
 use super::guard::Guard;
 use super::head::{Head, is_pause};
 use super::outbox::{Outbox, outbox};
+use super::strangers::{Strangers, Why};
 use super::tls::Identity;
 use crate::desk::Office;
 use crate::dio::DioFront;
+use crate::fair::Taken;
 use crate::limits::Limits;
+use crate::peer::Peer;
 use crate::rpc::RpcFront;
 use crate::web;
 
@@ -29,7 +33,9 @@ pub(crate) struct Reception {
     /// Without it, connections are plain.
     pub(crate) identity: Option<Identity>,
     pub(crate) closing: Arc<AtomicBool>,
-    pub(crate) connections: Arc<AtomicUsize>,
+    /// Connections by where they come from.
+    pub(crate) connections: Arc<Mutex<BTreeMap<Peer, usize>>>,
+    pub(crate) strangers: Strangers,
 }
 
 /// How long to wait for the next connection before looking whether the server closes.
@@ -40,33 +46,31 @@ impl Reception {
     pub(crate) fn take_all(&self, listener: &TcpListener) {
         while !self.closing.load(Ordering::Relaxed) {
             match listener.accept() {
-                Ok((stream, _)) => self.take(stream),
+                Ok((stream, from)) => self.take(stream, Peer::of(from.ip())),
                 Err(_) => thread::sleep(PAUSE),
             }
         }
     }
 
-    fn take(&self, stream: TcpStream) {
+    fn take(&self, stream: TcpStream, peer: Peer) {
         let ready = stream
             .set_nonblocking(false)
             .and_then(|()| stream.set_nodelay(true))
             .and_then(|()| stream.set_read_timeout(Some(TURN)))
             .and_then(|()| stream.set_write_timeout(Some(self.limits.patience)));
         if ready.is_ok() {
-            self.admit(move |reception| match &reception.identity {
-                None => reception.serve(Box::new(stream)),
-                Some(identity) => reception.serve_secure(identity, stream),
+            self.admit(peer, move |reception| match &reception.identity {
+                None => reception.serve(Box::new(stream), peer),
+                Some(identity) => reception.serve_secure(identity, stream, peer),
             });
         }
     }
 
     /// Serves a client on a thread of its own, unless there are too many.
-    pub(crate) fn admit(&self, serve: impl FnOnce(&Reception) + Send + 'static) {
-        let count = self.connections.fetch_add(1, Ordering::Relaxed);
-        let place = Place(Arc::clone(&self.connections));
-        if count >= self.limits.connections {
-            return;
-        }
+    pub(crate) fn admit(&self, peer: Peer, serve: impl FnOnce(&Reception) + Send + 'static) {
+        let Some(place) = Place::take(&self.connections, peer, self.limits.connections) else {
+            return self.note(peer, Why::Crowd);
+        };
         let reception = self.clone();
         let _ = thread::Builder::new()
             .name("rpi-client".into())
@@ -77,11 +81,11 @@ impl Reception {
     }
 
     /// Serves who speaks TLS; tells others that they should.
-    fn serve_secure(&self, identity: &Identity, mut stream: TcpStream) {
+    fn serve_secure(&self, identity: &Identity, mut stream: TcpStream, peer: Peer) {
         match begins_tls(&stream, self.limits.patience) {
             Ok(true) => {
                 if let Ok(stream) = identity.secure(stream) {
-                    self.serve(Box::new(stream));
+                    self.serve(Box::new(stream), peer);
                 }
             }
             Ok(false) => {
@@ -93,41 +97,54 @@ impl Reception {
         }
     }
 
-    fn serve(&self, mut stream: Box<dyn Stream>) {
+    fn serve(&self, mut stream: Box<dyn Stream>, peer: Peer) {
         let Ok(head) = Head::read(&mut stream, self.limits.patience) else {
             return;
         };
-        let done = match self.refusal(&head) {
-            Some(refusal) => refusal.send(&mut stream),
-            None if asks_for_websocket(&head) => return self.converse(stream, head),
-            None => self.answer(&mut stream, &head),
+        let _ = if !self.guard.is_no_stranger(&head) {
+            web::Response::refused(403, "pages from elsewhere may not come in").send(&mut stream)
+        } else if let Some(why) = self.guard.lacks(&head) {
+            self.turn_away(&mut stream, peer, why)
+        } else if asks_for_websocket(&head) {
+            return self.converse(stream, head, peer);
+        } else {
+            self.answer(&mut stream, &head, peer)
         };
-        let _ = done;
     }
 
-    fn refusal(&self, head: &Head) -> Option<web::Response> {
-        if !self.guard.is_no_stranger(head) {
-            return Some(web::Response::refused(
-                403,
-                "pages from elsewhere may not come in",
-            ));
+    /// Tells who has not shown the token that it is needed. Who guesses waits for that.
+    fn turn_away(&self, stream: &mut dyn Stream, peer: Peer, why: Why) -> io::Result<()> {
+        self.note(peer, why);
+        if why == Why::NoToken {
+            let needed = "a token is needed: `Authorization: Bearer TOKEN`, or `?token=TOKEN`";
+            return web::Response::refused(401, needed).send(stream);
         }
-        let lacking = self.guard.lacks(head)?;
-        Some(web::Response::refused(401, lacking))
+        let Some(_wait) = self.strangers.wait(peer) else {
+            return Ok(());
+        };
+        thread::sleep(self.limits.penance);
+        web::Response::refused(401, "the token is wrong").send(stream)
     }
 
-    fn answer(&self, stream: &mut dyn Stream, head: &Head) -> io::Result<()> {
+    /// Notes that somebody is turned away.
+    fn note(&self, peer: Peer, why: Why) {
+        if let Some(told) = self.strangers.note(peer, why) {
+            self.office.desk().warn(&told);
+        }
+    }
+
+    fn answer(&self, stream: &mut dyn Stream, head: &Head, peer: Peer) -> io::Result<()> {
         let body = head.body(stream, self.limits.message, self.limits.patience);
         let response = match body {
-            Ok(body) => web::respond(&self.office, &self.limits, head, &body),
+            Ok(body) => web::respond((&self.office, peer), &self.limits, head, &body),
             Err(_) => web::Response::refused(413, "the body is too long or too slow"),
         };
         response.send(stream)
     }
 
-    fn converse(&self, mut stream: Box<dyn Stream>, head: Head) {
+    fn converse(&self, mut stream: Box<dyn Stream>, head: Head, peer: Peer) {
         let (out, outgoing) = outbox(self.limits.outbox, self.limits.watches);
-        let Some(mut front) = self.front(&head.path, out) else {
+        let Some(mut front) = self.front(&head.path, peer, out) else {
             let _ = web::Response::refused(404, "no conversation is held here").send(&mut stream);
             return;
         };
@@ -141,7 +158,7 @@ impl Reception {
         if agreed.and_then(|()| stream.flush()).is_ok() {
             // The reference system's clients are not known to answer pings.
             let silence = Some(self.limits.silence).filter(|_| head.path == "/rpc");
-            chat::websocket(
+            let end = chat::websocket(
                 stream,
                 head.rest,
                 (self.limits.message, silence),
@@ -149,13 +166,25 @@ impl Reception {
                 &outgoing,
                 &self.closing,
             );
+            self.note_if_deaf(end, peer);
         }
     }
 
-    fn front(&self, path: &str, out: Outbox) -> Option<Box<dyn Front>> {
+    /// Notes that a client was given up as it did not read what it was sent.
+    fn note_if_deaf(&self, end: End, peer: Peer) {
+        if end == End::Deaf {
+            let mut desk = self.office.desk();
+            desk.log_line(format_args!(
+                "a client from {peer} is given up: it does not read what it is sent"
+            ));
+        }
+    }
+
+    fn front(&self, path: &str, peer: Peer, out: Outbox) -> Option<Box<dyn Front>> {
+        let office = self.office.clone();
         match path {
-            "/DirectIO" => Some(Box::new(DioFront::new(self.office.clone(), out))),
-            "/rpc" => Some(Box::new(RpcFront::new(self.office.clone(), out))),
+            "/DirectIO" => Some(Box::new(DioFront::new(office, peer, out))),
+            "/rpc" => Some(Box::new(RpcFront::new(office, peer, out))),
             _ => None,
         }
     }
@@ -187,11 +216,31 @@ fn asks_for_websocket(head: &Head) -> bool {
 }
 
 /// One of the places that there are for connections.
-struct Place(Arc<AtomicUsize>);
+struct Place(Arc<Mutex<BTreeMap<Peer, usize>>>, Peer);
+
+impl Place {
+    /// A place, unless there are too many connections, in all or from there.
+    fn take(
+        connections: &Arc<Mutex<BTreeMap<Peer, usize>>>,
+        peer: Peer,
+        limit: usize,
+    ) -> Option<Place> {
+        let mut counts = connections.lock().unwrap_or_else(PoisonError::into_inner);
+        let own = counts.get(&peer).copied().unwrap_or(0);
+        let taken = Taken::by_peer(counts.values().sum(), own);
+        taken.admit(1, limit).ok()?;
+        counts.insert(peer, own + 1);
+        Some(Place(Arc::clone(connections), peer))
+    }
+}
 
 impl Drop for Place {
     fn drop(&mut self) {
-        self.0.fetch_sub(1, Ordering::Relaxed);
+        let mut counts = self.0.lock().unwrap_or_else(PoisonError::into_inner);
+        if let Some(own) = counts.get_mut(&self.1) {
+            *own -= 1;
+        }
+        counts.retain(|_, own| *own > 0);
     }
 }
 
@@ -213,17 +262,18 @@ impl Reception {
             .and_then(|()| stream.set_read_timeout(Some(TURN)))
             .and_then(|()| stream.set_write_timeout(Some(self.limits.patience)));
         if ready.is_ok() {
-            self.admit(move |reception| {
+            self.admit(Peer::Here, move |reception| {
                 let (out, outgoing) = outbox(reception.limits.outbox, reception.limits.watches);
-                let mut front = RpcFront::new(reception.office.clone(), out);
+                let mut front = RpcFront::new(reception.office.clone(), Peer::Here, out);
                 let most = reception.limits.message;
-                chat::lines(
+                let end = chat::lines(
                     Box::new(stream),
                     most,
                     &mut front,
                     &outgoing,
                     &reception.closing,
                 );
+                reception.note_if_deaf(end, Peer::Here);
             });
         }
     }

@@ -7,6 +7,7 @@ mod listener;
 mod outbox;
 #[cfg(unix)]
 mod socket;
+mod strangers;
 #[cfg_attr(not(feature = "tls"), path = "no_tls.rs")]
 mod tls;
 
@@ -17,4 +18,5 @@ pub(crate) use listener::Reception;
 pub(crate) use outbox::{Outbox, Post};
 #[cfg(unix)]
 pub(crate) use socket::bind;
+pub(crate) use strangers::Strangers;
 pub(crate) use tls::Identity;

@@ -17,12 +17,23 @@ pub(crate) fn bind(path: &Path) -> io::Result<UnixListener> {
         }
         bound => bound,
     };
-    bound.map_err(|why| io::Error::new(why.kind(), format!("{}: {why}", path.display())))
+    bound.map_err(|why| {
+        let is_taken = why.kind() == ErrorKind::AddrInUse;
+        let helps = match is_socket(path) {
+            true if is_taken => "; another server listens there",
+            false if is_taken => "; another file is there, which stays",
+            _ => "",
+        };
+        io::Error::new(why.kind(), format!("{}: {why}{helps}", path.display()))
+    })
 }
 
 /// Whether it is a socket at which nobody listens.
 fn is_left_over(path: &Path) -> bool {
-    let socket = fs::symlink_metadata(path).is_ok_and(|meta| meta.file_type().is_socket());
     let refused = |why: io::Error| why.kind() == ErrorKind::ConnectionRefused;
-    socket && UnixStream::connect(path).err().is_some_and(refused)
+    is_socket(path) && UnixStream::connect(path).err().is_some_and(refused)
+}
+
+fn is_socket(path: &Path) -> bool {
+    fs::symlink_metadata(path).is_ok_and(|meta| meta.file_type().is_socket())
 }

@@ -33,6 +33,8 @@ fn a_client_that_does_not_read_is_given_up() {
             deaf.push("f=gde()");
         }
     }
+    let log = get(server.address(), "/log");
+    assert!(log.contains("from this machine is given up"), "{log}");
     let mut other = Client::dio(server.address());
     assert!(other.ask("ver(\"2.0\")").is_ok());
 }

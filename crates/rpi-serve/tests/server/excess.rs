@@ -55,7 +55,7 @@ fn only_so_much_is_set_at_once() {
 #[test]
 fn rules_say_only_so_much_in_all() {
     let server = with(Limits {
-        facts: 100,
+        facts: 200,
         ..Limits::default()
     });
     let mut owner = Owner::new(&server);
@@ -80,8 +80,8 @@ fn rules_say_only_so_much_in_all() {
 #[test]
 fn rules_are_counted_by_client() {
     let server = with(Limits {
-        client_rules: 3,
-        client_facts: 50,
+        rules: 6,
+        facts: 100,
         ..Limits::default()
     });
     let (mut one, mut other) = (Owner::new(&server), Owner::new(&server));
@@ -97,10 +97,13 @@ fn rules_are_counted_by_client() {
     assert!(message.contains("rules of one client"), "{message}");
     let made = other.ask("rule.make", &idle);
     let rule = json!({"rule": made["result"]["rule"]});
-    let long = json!({"when": vec![even; 60].join(" & ")});
+    let long = json!({"when": vec![even; 96].join(" & ")});
     let refused = other.ask("rule.make", &long);
     let message = refused["error"]["message"].as_str().unwrap();
-    assert!(message.contains("in all rules of one client"), "{message}");
+    assert!(
+        message.contains("facts and commands in all rules of one client"),
+        "{message}"
+    );
     assert!(rule["rule"].is_string(), "the other has its own: {made}");
     one.ask("watch.rule", &rule);
     drop(other);
@@ -121,8 +124,13 @@ fn a_client_watches_only_so_much() {
     for _ in 0..2 {
         assert_eq!(owner.ask("watch.command", &watch)["result"], json!({}));
     }
-    for method in ["watch.command", "watch.emergency", "watch.devices"] {
-        let refused = owner.ask(method, &watch);
+    let nothing = json!({});
+    for (method, what) in [
+        ("watch.command", &watch),
+        ("watch.emergency", &nothing),
+        ("watch.devices", &nothing),
+    ] {
+        let refused = owner.ask(method, what);
         assert_eq!(refused["error"]["code"], -32004, "{refused}");
     }
     // What is gone is not watched any more.
@@ -134,7 +142,7 @@ fn a_client_watches_only_so_much() {
 #[test]
 fn tasks_are_counted() {
     let server = with(Limits {
-        session_commands: 4,
+        commands: 8,
         ..Limits::default()
     });
     let mut owner = Owner::new(&server);

@@ -1,11 +1,12 @@
 //! Who may come in, and how far.
 
 use std::net::{Ipv4Addr, SocketAddr};
+use std::time::{Duration, Instant};
 
 use rpi_serve::{CannotOpen, Limits, OnLoss, Server, Settings, TlsFiles};
 use rpi_sim::Cell;
 
-use crate::client::{Client, get, http, open, post, server, settings};
+use crate::client::{Client, PATIENCE, get, http, open, post, server, settings};
 use crate::nets::{ECHO, hold, swing};
 
 #[test]
@@ -63,9 +64,58 @@ fn wrong_tokens_and_pages_from_elsewhere_are_turned_away() {
     let wrong = ask("Authorization: Bearer close sesame");
     assert!(wrong.starts_with("HTTP/1.1 401"), "{wrong}");
     assert!(wrong.contains("the token is wrong"), "{wrong}");
+    assert_eq!(
+        server.warnings(),
+        [
+            "no token was shown, from this machine",
+            "a wrong token was shown, from this machine"
+        ]
+    );
     assert!(ask("Authorization: Bearer open sesame").starts_with("HTTP/1.1 200"));
     let stranger = "Authorization: Bearer open sesame\r\nOrigin: http://elsewhere";
     assert!(ask(stranger).starts_with("HTTP/1.1 403"));
+}
+
+/// Who guesses waits, and takes only a few of the places of connections; whoever knows the token comes in meanwhile.
+#[test]
+fn guessing_a_token_is_slow_and_holds_nobody_up() {
+    let token = "open sesame";
+    let limits = Limits {
+        connections: 16,
+        penance: Duration::from_secs(3),
+        ..Limits::default()
+    };
+    let settings = Settings {
+        token: Some(token.into()),
+        limits,
+        ..settings()
+    };
+    let server = server(&settings, ());
+    let address = server.address();
+    let ask = move |shown: &str| {
+        let header = format!("Authorization: Bearer {shown}");
+        http(
+            address,
+            &format!("GET /nets HTTP/1.1\r\nHost: cell\r\n{header}\r\n\r\n"),
+        )
+    };
+    let begin = Instant::now();
+    let guesses: Vec<_> = (0..12)
+        .map(|k| std::thread::spawn(move || ask(&format!("guess {k}"))))
+        .collect();
+    while !server
+        .warnings()
+        .iter()
+        .any(|told| told.contains("10 times"))
+    {
+        assert!(begin.elapsed() < PATIENCE, "they are not told");
+    }
+    assert!(ask(token).starts_with("HTTP/1.1 200"));
+    assert!(begin.elapsed() < limits.penance, "it had to wait");
+    let answers: Vec<String> = guesses.into_iter().map(|g| g.join().unwrap()).collect();
+    assert!(begin.elapsed() >= limits.penance, "they had not");
+    let told = answers.iter().filter(|a| a.contains("the token is wrong"));
+    assert_eq!(told.count(), 8, "{answers:?}");
 }
 
 #[test]
@@ -111,7 +161,7 @@ fn a_net_and_what_has_happened_can_be_looked_at() {
     client.ask(&format!("neab(\"{net}\")")).unwrap();
     client.wait("its end", |text| text.contains("TERMINATED").then_some(()));
     let log = get(address, "/log");
-    assert!(log.contains("of a client is opened") && log.contains("test has ended: aborted"));
+    assert!(log.contains("of a client is opened") && log.contains("(test) has ended: aborted"));
     let groups = get(address, "/extensions");
     assert!(groups.contains("<extension name=\"Core\" modules="));
     assert!(get(address, "/nets/n99/xml").contains("404"));
@@ -154,8 +204,8 @@ fn devices_come_and_go_unless_somebody_holds_them() {
 #[test]
 fn limits_are_told_and_ended_commands_make_room() {
     let limits = Limits {
-        session_commands: 2,
-        sessions: 2,
+        commands: 4,
+        sessions: 4,
         ..Limits::default()
     };
     let server = server(

@@ -27,17 +27,64 @@ fn session(server: &Server) -> (Client, String) {
     (client, session)
 }
 
+/// However many sessions a client opens: as much as it has stays free for others.
 #[test]
-fn the_memory_of_a_session_is_its_own() {
+fn one_client_does_not_take_the_memory_of_all() {
     let server = with(Limits {
-        session_memory: 20_000,
+        memory: 60_000,
         ..Limits::default()
     });
     let ((mut one, first), (mut two, second)) = (session(&server), session(&server));
     let load = |session: &str| format!("nene(\"{ECHO}\",\"{session}\",\"\",0,1)");
     let refused = (0..100).find_map(|_| one.ask(&load(&first)).err());
-    assert!(refused.unwrap().contains("memory of the session"));
+    assert!(refused.unwrap().contains("memory of one client"));
+    let more = one.ask("nse(\"more\")").unwrap();
+    let refused = one.ask(&load(&more)).unwrap_err();
+    assert!(refused.contains("memory of one client"), "{refused}");
     assert!(two.ask(&load(&second)).is_ok(), "the other has its own");
+}
+
+/// One client with all the sessions that it gets leaves room for the next one, in sessions and commands.
+#[test]
+fn one_client_does_not_take_all_places() {
+    let server = with(Limits {
+        sessions: 6,
+        commands: 12,
+        ..Limits::default()
+    });
+    let load = |session: &str| format!("nene(\"{ECHO}\",\"{session}\",\"\",0,1)");
+    let mut greedy = Client::dio(server.address());
+    let open = |k: usize| format!("nse(\"{k}\")");
+    let sessions: Vec<String> = (0..6).map_while(|k| greedy.ask(&open(k)).ok()).collect();
+    assert_eq!(sessions.len(), 3);
+    let all = sessions.iter().cycle().take(12);
+    let loaded = all.map_while(|session| greedy.ask(&load(session)).ok());
+    assert_eq!(loaded.count(), 6);
+    let (mut next, session) = self::session(&server);
+    let loaded = (0..12).map_while(|_| next.ask(&load(&session)).ok());
+    assert_eq!(loaded.count(), 3);
+}
+
+/// What runs on after its client is gone takes places of whoever comes from there next.
+#[test]
+fn what_a_client_leaves_behind_counts() {
+    let server = with(Limits {
+        sessions: 8,
+        ..Limits::default()
+    });
+    for _ in 0..6 {
+        let mut client = Client::dio(server.address());
+        let session = client.ask("nse(\"left\",\"run-on\")").unwrap();
+        let net = client.load(&session, ECHO);
+        client.ask(&format!("nest(\"{net}\")")).unwrap();
+    }
+    let begin = Instant::now();
+    let mut last = Client::dio(server.address());
+    while get(server.address(), "/log").matches("is gone").count() < 6 {
+        assert!(begin.elapsed() < PATIENCE, "they are still there");
+    }
+    let refused = last.ask("nse(\"one more\")").unwrap_err();
+    assert!(refused.contains("sessions of one client"), "{refused}");
 }
 
 #[test]
@@ -61,7 +108,7 @@ fn a_message_that_is_too_long_ends_the_connection() {
 #[test]
 fn rules_and_devices_are_counted() {
     let server = with(Limits {
-        rules: 2,
+        rules: 4,
         devices: 2,
         ..Limits::default()
     });
@@ -106,16 +153,20 @@ fn connections_are_counted_and_come_free_again() {
 
 /// The images of a task are kept for as long as it is there: they count, and so does each command that it has loaded.
 #[test]
-fn the_code_of_a_task_is_memory_of_its_session() {
-    use std::fmt::Write as _;
-    let mut text = "command Long () let n = 1 -> pre n + 1; x0 = real(n);\n".to_owned();
-    for k in 1..=2000 {
-        let _ = writeln!(text, "x{k} = cos(x{});", k - 1);
-    }
-    text.push_str("finish done when x2000 > 2.0; tel\ntask Once () let Long(); tel\n");
+fn the_code_of_a_task_is_memory_and_so_are_its_commands() {
+    let text = "command Long ()
+var line: real^8000;
+let
+  n = 1 -> pre n + 1;
+  x = real(n);
+  line = x^8000 -> pre line;
+  finish done when line[0] > 2.0;
+tel
+task Once () let Long(); tel
+";
     let load = |memory: usize| {
         let server = with(Limits {
-            session_memory: memory,
+            memory,
             ..Limits::default()
         });
         let mut owner = Owner::new(&server);
@@ -123,17 +174,14 @@ fn the_code_of_a_task_is_memory_of_its_session() {
         let loaded = owner.ask("task.load", &load);
         (server, owner, loaded)
     };
-    let (_server, _, refused) = load(text.len() + 10_000);
+    let (_server, _, refused) = load(2 * text.len() + 100);
     assert_eq!(refused["error"]["code"], -32004, "{refused}");
     let message = refused["error"]["message"].as_str().unwrap();
-    assert!(message.contains("memory of the session"), "{message}");
+    assert!(message.contains("memory"), "{message}");
     // Room for the images, and none for a command.
-    let most = (1..40).map(|k| text.len() + k * 10_000);
-    let task_only = most.map(load).find_map(|(server, owner, loaded)| {
-        let task = loaded["result"]["task"].clone();
-        task.is_string().then_some((server, owner, task))
-    });
-    let (_server, mut owner, task) = task_only.expect("it fits into 400 kB");
+    let (_server, mut owner, loaded) = load(50_000);
+    let task = loaded["result"]["task"].clone();
+    assert!(task.is_string(), "{loaded}");
     let task = json!({"task": task});
     owner.ask("task.start", &task);
     let begin = Instant::now();

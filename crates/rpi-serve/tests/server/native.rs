@@ -137,6 +137,20 @@ fn a_unix_socket_takes_a_message_per_line() {
     assert!(!path.exists());
 }
 
+#[test]
+fn an_address_that_is_taken_is_told_by_name() {
+    let first = open();
+    let cell = rpi_sim::Cell::parse("cell.toml", "").unwrap();
+    let settings = rpi_serve::Settings {
+        listen: first.address(),
+        ..settings()
+    };
+    let why = rpi_serve::Server::open(&cell, &settings, ()).unwrap_err();
+    let why = why.to_string();
+    assert!(why.starts_with(&first.address().to_string()), "{why}");
+    assert!(why.contains("another program listens there"), "{why}");
+}
+
 #[cfg(unix)]
 #[test]
 fn only_sockets_that_nobody_listens_at_are_replaced() {
@@ -149,14 +163,16 @@ fn only_sockets_that_nobody_listens_at_are_replaced() {
     };
     let refused = || {
         let why = rpi_serve::Server::open(&cell, &settings, ()).unwrap_err();
-        why.to_string().starts_with(path.to_str().unwrap())
+        let why = why.to_string();
+        assert!(why.starts_with(path.to_str().unwrap()), "{why}");
+        why
     };
     std::fs::write(&path, "notes").unwrap();
-    assert!(refused());
+    assert!(refused().ends_with("another file is there, which stays"));
     assert_eq!(std::fs::read_to_string(&path).unwrap(), "notes");
     std::fs::remove_file(&path).unwrap();
     let other = std::os::unix::net::UnixListener::bind(&path).unwrap();
-    assert!(refused() && path.exists());
+    assert!(refused().ends_with("another server listens there") && path.exists());
     // Closed, it leaves its file.
     drop(other);
     drop(rpi_serve::Server::open(&cell, &settings, ()).unwrap());

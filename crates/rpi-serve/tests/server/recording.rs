@@ -61,17 +61,21 @@ fn a_full_disk_is_told_at_once_and_stops_nothing() {
     let net = client.load(&session, &swing(0, 1e9));
     client.ask(&format!("nest(\"{net}\")")).unwrap();
     let begin = Instant::now();
-    while server.records() {
+    let mut warnings = Vec::new();
+    while warnings.is_empty() {
         assert!(begin.elapsed() < PATIENCE, "64 kB are not enough");
         std::thread::sleep(Duration::from_millis(5));
+        warnings = server.warnings();
     }
+    let told = "NOTHING IS RECORDED ANY MORE: no storage space";
+    assert_eq!(warnings, [told]);
+    assert!(server.warnings().is_empty(), "it is told once");
     let log = get(server.address(), "/log");
-    assert!(log.contains("NOTHING IS RECORDED ANY MORE"), "{log}");
+    assert!(log.contains(told), "{log}");
     let told = get(server.address(), "/nets");
     assert!(told.contains("Running"), "{told}");
     let why = server.close().unwrap_err();
-    // Its kind is lost where the writer of the format fails with it.
-    assert_eq!(why.to_string(), "no storage space");
+    assert_eq!(why.kind(), io::ErrorKind::StorageFull, "{why}");
 }
 
 /// Loads, values, a takeover, a cancel, an abort, unloads, the end of a session.

@@ -103,3 +103,83 @@ fn who_gives_no_sign_of_life_is_given_up() {
     };
     assert!(over, "it was silent for two seconds, and is still there");
 }
+
+/// What is misspelt, of the wrong kind or not told by name is said so, with what is meant: it would not be heard otherwise.
+#[test]
+fn parameters_that_no_method_has_are_refused() {
+    let server = open();
+    let mut client = Client::rpc(server.address());
+    let cases = [
+        (
+            "session.open",
+            json!({"on_los": "abort"}),
+            "session.open has no parameter on_los; did you mean on_loss?",
+        ),
+        (
+            "session.open",
+            json!({"on_loss": "dance"}),
+            "on_loss: one of run-on, cancel, abort is needed",
+        ),
+        (
+            "session.open",
+            json!({"name": 5}),
+            "name: a text is needed, found a number",
+        ),
+        (
+            "session.open",
+            json!(["test"]),
+            "params: parameters are given by their names, in an object",
+        ),
+        (
+            "command.start",
+            json!({}),
+            "the parameter command is missing: a text",
+        ),
+        (
+            "watch.command",
+            json!({"command": "n1", "period": -1}),
+            "period: from 0 to 3600 seconds, found -1.0",
+        ),
+    ];
+    for (id, (method, params, why)) in (1..).zip(cases) {
+        let error = call(&mut client, id, method, &params)["error"].clone();
+        assert_eq!(error["code"], -32602, "{error}");
+        assert_eq!(error["message"], why);
+    }
+    let near = call(&mut client, 90, "command.strat", &json!({}));
+    let message = near["error"]["message"].as_str().unwrap();
+    assert!(message.ends_with("did you mean command.start?"), "{near}");
+}
+
+/// JSON-RPC 2.0, section 4: an id is a text, a number or null, and comes back as it was.
+#[test]
+fn ids_that_could_not_come_back_are_refused() {
+    let server = open();
+    let mut client = Client::rpc(server.address());
+    for id in ["[1]", "{}", "true", "1.5", "123456789012345678901234567890"] {
+        client.send(&format!(
+            "{{\"jsonrpc\":\"2.0\",\"id\":{id},\"method\":\"ping\"}}"
+        ));
+        client.wait_for_next(id, |text| {
+            let answer: Value = serde_json::from_str(text).ok()?;
+            (answer["id"].is_null() && answer["error"]["code"] == -32600).then_some(())
+        });
+    }
+}
+
+/// However it is asked for: everything stops.
+#[test]
+fn an_emergency_stop_is_never_refused() {
+    for request in [
+        json!({"id": [1], "method": "emergency.stop"}),
+        json!({"id": 1, "method": "emergency.stop", "params": ["me"]}),
+        json!({"id": 1, "method": "emergency.stop", "params": {"bye": "me"}}),
+        json!({"method": "emergency.stop", "params": {"by": 5}}),
+    ] {
+        let server = open();
+        let mut client = Client::rpc(server.address());
+        client.send(&request.to_string());
+        let state = call(&mut client, 2, "emergency.state", &json!({}));
+        assert_eq!(state["result"]["stopped"], true, "{request}");
+    }
+}

@@ -1,0 +1,53 @@
+//! Where clients come from.
+
+use std::fmt;
+use std::net::{IpAddr, Ipv6Addr};
+
+/// Where a client comes from. Whoever is on this machine counts as one, by whichever way they come.
+#[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Debug)]
+pub(crate) enum Peer {
+    /// From this machine.
+    Here,
+    /// From an address; of one of IPv6 only the network counts, as a machine has as many addresses in it as it likes (RFC 4291).
+    There(IpAddr),
+}
+
+impl Peer {
+    pub(crate) fn of(address: IpAddr) -> Peer {
+        match address.to_canonical() {
+            address if address.is_loopback() => Peer::Here,
+            IpAddr::V6(six) => {
+                let network = six.to_bits() >> 64 << 64;
+                Peer::There(Ipv6Addr::from_bits(network).into())
+            }
+            four => Peer::There(four),
+        }
+    }
+}
+
+impl fmt::Display for Peer {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Peer::Here => f.write_str("this machine"),
+            Peer::There(IpAddr::V6(network)) => write!(f, "{network}/64"),
+            Peer::There(address) => address.fmt(f),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn addresses_of_one_machine_are_one_peer() {
+        let peer = |text: &str| Peer::of(text.parse().unwrap());
+        for here in ["127.0.0.1", "127.3.2.1", "::1", "::ffff:127.0.0.1"] {
+            assert_eq!(peer(here), Peer::Here, "{here}");
+        }
+        assert_eq!(peer("::ffff:10.0.0.7"), peer("10.0.0.7"));
+        assert_ne!(peer("10.0.0.7"), peer("10.0.0.8"));
+        assert_eq!(peer("2001:db8::1"), peer("2001:db8::ffff:2"));
+        assert_eq!(peer("2001:db8:0:1::1").to_string(), "2001:db8:0:1::/64");
+    }
+}
