@@ -159,9 +159,12 @@ impl Admission {
         }
         let order = Order::of(self.ways.iter().chain([&way]));
         let total_ns = together(all, &order);
+        if total_ns <= granted_ns {
+            return Ok(way);
+        }
         let before = self.claims.iter().filter(|(_, claim)| claim.counts());
         let taken_ns = together(before, &Order::of(self.ways.iter()));
-        if total_ns <= granted_ns.max(taken_ns) {
+        if total_ns <= taken_ns {
             return Ok(way);
         }
         let needed = self.claims.iter().filter(|(id, _)| way.start.contains(id));
