@@ -45,13 +45,16 @@ impl<'a> Body<'_, 'a> {
             self.declare_state(index, state.block, ast, &places);
             self.within(state.block, |body| body.declare_body(&ast.body, later));
         }
-        let passed = automaton
-            .states
-            .iter()
-            .filter(|state| is_only_passed(automaton, state));
-        let active = states.len() - passed.count();
-        for shared in &mut self.current().automata[index].shared {
-            shared.partial = shared.states.len() < active;
+        let active = states.iter().zip(&automaton.states);
+        let active = active.filter(|(_, ast)| !is_only_passed(automaton, ast));
+        let active: Vec<BlockId> = active.map(|(state, _)| state.block).collect();
+        for place in 0..places.len() {
+            let shared = &self.current().automata[index].shared[place];
+            let inner = shared.states.clone();
+            let defining = inner.iter().map(|flow| self.unit.flow(*flow).block);
+            let defining: Vec<BlockId> = defining.collect();
+            let missing = active.iter().filter(|state| !defining.contains(state));
+            self.current().automata[index].shared[place].missing = missing.copied().collect();
         }
         later.push((self.block, Later::Automaton(index, automaton)));
     }
@@ -76,7 +79,7 @@ impl<'a> Body<'_, 'a> {
             flows.push(Shared {
                 flow,
                 states: Vec::new(),
-                partial: true,
+                missing: Vec::new(),
             });
         }
         (flows, places)

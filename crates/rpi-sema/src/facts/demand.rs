@@ -2,7 +2,7 @@
 
 use super::presence::Inference;
 use super::reads::{Definition, Reads};
-use crate::typed::{Activation, Call, ExprId, Kind, Optional, Place, UnitKind};
+use crate::typed::{Activation, Call, ExprId, Kind, Optional, Place, Shared, UnitKind};
 use rpi_diag::{Code, Finding, Span};
 
 /// Reports what must be present and may not be.
@@ -22,8 +22,12 @@ pub(super) fn demand(inference: &Inference<'_>, reads: &Reads<'_>, findings: &mu
 
 fn flows(inference: &Inference<'_>, reads: &Reads<'_>, findings: &mut Vec<Finding>) {
     for definition in &reads.definitions {
-        let Definition::Equation(_, equation) = definition else {
-            continue;
+        let equation = match definition {
+            Definition::Equation(_, equation) => equation,
+            Definition::Shared(shared) => {
+                findings.extend(left_open(inference, shared));
+                continue;
+            }
         };
         let value = &inference.exprs[equation.value.0 as usize];
         let mut at = 0;
@@ -41,6 +45,30 @@ fn flows(inference: &Inference<'_>, reads: &Reads<'_>, findings: &mut Vec<Findin
             at += count;
         }
     }
+}
+
+/// A flow that is always present, and states that do not define it.
+fn left_open(inference: &Inference<'_>, shared: &Shared) -> Option<Finding> {
+    let unit = inference.unit;
+    let (first, others) = shared.missing.split_first()?;
+    if !inference.must_be_present(shared.flow) {
+        return None;
+    }
+    let flow = unit.flow(shared.flow);
+    let first = unit.block(*first);
+    let message = format!("`{}` is absent in the state `{}`", flow.name, first.name);
+    let finding = Finding::new(Code::RPI3001, message)
+        .at(first.span, format!("does not define `{}`", flow.name))
+        .also(
+            flow.span,
+            format!("`{}` is `{}`, which is always present", flow.name, flow.ty),
+        );
+    let others = others.iter().map(|block| unit.block(*block).span);
+    let finding = others.fold(finding, |f, state| f.also(state, "and neither does this"));
+    Some(finding.help(format!(
+        "define it there, too; `{0} = last {0};` keeps it as it was in the cycle before",
+        flow.name
+    )))
 }
 
 fn conditions(inference: &Inference<'_>, findings: &mut Vec<Finding>) {

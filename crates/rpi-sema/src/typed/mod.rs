@@ -310,8 +310,8 @@ pub struct Shared {
     pub flow: FlowId,
     /// The flow inside each state that defines it, in the order of the states.
     pub states: Vec<FlowId>,
-    /// Whether some state does not define it.
-    pub partial: bool,
+    /// The states that may be active and do not define it.
+    pub missing: Vec<BlockId>,
 }
 
 /// An expression.
