@@ -336,6 +336,14 @@ impl Machine {
         fits
     }
 
+    /// Makes an input one that has not been set: if it may be absent, it is.
+    pub fn clear_input(&mut self, index: usize) {
+        let input = self.image.inputs.get(index);
+        if let Some(updated) = input.and_then(|input| input.updated) {
+            self.force(updated, None);
+        }
+    }
+
     fn is_true(&self, signal: Signal) -> bool {
         self.value(signal).is_some_and(|v| v[0] != 0)
     }

@@ -202,5 +202,6 @@ fn column(shape: &PortShape) -> Column {
         key: shape.key.clone(),
         ty: shape.ty.scalar().unwrap_or(Scalar::Bool),
         values,
+        optional: shape.optional,
     }
 }

@@ -12,6 +12,8 @@ pub struct Column {
     pub ty: Scalar,
     /// The values of an enum in their order; empty for all other types.
     pub values: Vec<String>,
+    /// Whether the flow may be absent.
+    pub optional: bool,
 }
 
 impl Column {
@@ -91,6 +93,7 @@ mod tests {
             key: "x".to_owned(),
             ty,
             values: values.iter().map(ToString::to_string).collect(),
+            optional: false,
         }
     }
 

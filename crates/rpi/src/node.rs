@@ -79,7 +79,7 @@ impl Session {
     }
 
     /// One cycle; false if it could not be computed.
-    fn cycle(&mut self, given: &[Vec<u64>]) -> std::io::Result<bool> {
+    fn cycle(&mut self, given: &[Option<Vec<u64>>]) -> std::io::Result<bool> {
         let cycle = self.run.cycle(given);
         if let Some(row) = cycle.row {
             let row = self.kept(row);
@@ -136,7 +136,7 @@ impl Session {
         eprintln!(
             "inputs, separated by commas: {names}; an empty line for those of the last cycle"
         );
-        let mut given: Option<Vec<Vec<u64>>> = columns.is_empty().then(Vec::new);
+        let mut given: Option<Row> = columns.is_empty().then(Vec::new);
         for (number, line) in (1..).zip(stdin().lock().lines()) {
             let line = line?;
             if !line.trim().is_empty() {
@@ -173,7 +173,7 @@ impl Session {
         }
         let mut random = random.unwrap_or_else(|| Random::new(0));
         for _ in 0..cycles.ok_or("how long? Say --cycles N")? {
-            let given: Vec<Vec<u64>> = columns.iter().map(|c| random.cells(c)).collect();
+            let given: Row = columns.iter().map(|c| random.given(c)).collect();
             if !self.cycle(&given)? {
                 return Ok(Exit::Fault);
             }

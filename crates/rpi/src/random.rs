@@ -19,8 +19,16 @@ impl Random {
         self.0 >> 11
     }
 
+    /// The cells of one value; of four that may be absent, one is.
+    pub(crate) fn given(&mut self, column: &Column) -> Option<Vec<u64>> {
+        match column.optional && self.next().is_multiple_of(4) {
+            true => None,
+            false => Some(self.cells(column)),
+        }
+    }
+
     /// The cells of one value: small integers, values of the enum, reals between -5 and 5.
-    pub(crate) fn cells(&mut self, column: &Column) -> Vec<u64> {
+    fn cells(&mut self, column: &Column) -> Vec<u64> {
         match column.ty {
             Scalar::Bool => vec![self.next() % 2],
             Scalar::Int => match column.values.len() as u64 {

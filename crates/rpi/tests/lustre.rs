@@ -3,6 +3,7 @@
 use std::path::Path;
 use std::process::{Command, Output};
 
+use rpi_image::Scalar;
 use rpi_testkit::files_below;
 
 fn rpi(args: &[&str]) -> Output {
@@ -124,15 +125,40 @@ fn emitted(program: &Path, table: &str) -> (String, String) {
         found.map_or(cell.to_owned(), |(_, k): (_, i32)| k.to_string())
     };
     let mut lines = table.lines();
-    let head: Vec<String> = lines
-        .next()
-        .unwrap_or_default()
-        .split(',')
-        .map(plain)
+    let head = lines.next().unwrap_or_default().split(',');
+    let optional: Vec<Option<Scalar>> = head
+        .clone()
+        .map(|name| type_if_optional(&node, name))
         .collect();
-    let rows = lines.map(|line| line.split(',').map(number).collect::<Vec<_>>().join(","));
-    let rows: Vec<String> = std::iter::once(head.join(",")).chain(rows).collect();
+    let names = head
+        .zip(&optional)
+        .flat_map(|(name, optional)| match optional {
+            Some(_) => vec![plain(name), format!("{}_is", plain(name))],
+            None => vec![plain(name)],
+        });
+    let names: Vec<String> = names.collect();
+    let cells = |(cell, optional): (&str, &Option<Scalar>)| match (cell, optional) {
+        ("", Some(Scalar::Bool)) => "false,false".to_owned(),
+        ("", Some(_)) => "0,false".to_owned(),
+        (cell, Some(_)) => format!("{},true", number(cell)),
+        (cell, None) => number(cell),
+    };
+    let rows = lines.map(|line| {
+        line.split(',')
+            .zip(&optional)
+            .map(cells)
+            .collect::<Vec<_>>()
+    });
+    let rows = rows.map(|row| row.join(","));
+    let rows: Vec<String> = std::iter::once(names.join(",")).chain(rows).collect();
     (text, rows.join("\n") + "\n")
+}
+
+/// The type of an in-port that may be absent: in Lustre another beside it tells whether it is there.
+fn type_if_optional(node: &rpi_driver::Node, name: &str) -> Option<Scalar> {
+    let mut columns = node.inputs.iter();
+    let column = columns.find(|column| column.key == name)?;
+    column.optional.then_some(column.ty)
 }
 
 /// The columns of a table by plain name.

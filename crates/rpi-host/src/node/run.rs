@@ -75,11 +75,15 @@ impl NodeRun {
     }
 
     /// One cycle. `given` has the cells of every in-port, in their order.
-    pub fn cycle(&mut self, given: &[Vec<u64>]) -> Cycle {
+    pub fn cycle(&mut self, given: &[Option<Vec<u64>>]) -> Cycle {
         let now = Moment::default();
         for (input, cells) in self.inputs.iter().zip(given) {
-            if let Some(index) = input {
-                self.machine.set_input(*index, cells, now.net_ns);
+            match (input, cells) {
+                (Some(index), Some(cells)) => {
+                    self.machine.set_input(*index, cells, now.net_ns);
+                }
+                (Some(index), None) => self.machine.clear_input(*index),
+                (None, _) => {}
             }
         }
         let number = self.machine.cycle();

@@ -53,11 +53,11 @@ impl<'c> Reader<'c> {
         })
     }
 
-    /// The cells of every in-port in one row.
+    /// The cells of every in-port in one row; none where one that may be absent is.
     ///
     /// # Errors
     /// If a field is missing or no value of its flow.
-    pub fn row(&self, number: usize, text: &str) -> Result<Vec<Vec<u64>>, BadTable> {
+    pub fn row(&self, number: usize, text: &str) -> Result<super::Row, BadTable> {
         let bad = |message: String| BadTable {
             line: number,
             message,
@@ -72,11 +72,44 @@ impl<'c> Reader<'c> {
         }
         let cells = |(column, field): (&Column, &usize)| {
             let text = fields.get(*field).map_or("", |field| field.as_str());
-            let value = column.read(text);
+            if text.is_empty() && column.optional {
+                return Ok(None);
+            }
+            if text.is_empty() {
+                let message = "the field is empty, and this is always present";
+                return Err(bad(format!("{}: {message}", column.key)));
+            }
+            let value = column.read(text).map(Some);
             value.map_err(|message| bad(format!("{}: {message}", column.key)))
         };
-        self.columns.iter().zip(&self.fields).map(cells).collect()
+        let row: super::Row = self
+            .columns
+            .iter()
+            .zip(&self.fields)
+            .map(cells)
+            .collect::<Result<_, _>>()?;
+        match self.half_given(&row) {
+            Some(flow) => Err(bad(format!(
+                "a part of `{flow}` is given, and another is not"
+            ))),
+            None => Ok(row),
+        }
     }
+
+    /// A flow of several columns that is there and absent.
+    fn half_given(&self, row: &super::Row) -> Option<&'c str> {
+        let flows = self.columns.iter().map(|column| flow_of(&column.key));
+        let flows = flows.zip(row.iter().map(Option::is_some));
+        let beside = flows.clone().zip(flows.skip(1));
+        let mut half =
+            beside.filter(|((flow, given), (next, other))| flow == next && given != other);
+        half.next().map(|((flow, _), _)| flow)
+    }
+}
+
+/// The flow that a column is a part of.
+fn flow_of(key: &str) -> &str {
+    key.split(['.', '[']).next().unwrap_or(key)
 }
 
 fn no_column(key: &str, names: &[String]) -> String {
@@ -154,6 +187,7 @@ mod tests {
             key: key.to_owned(),
             ty,
             values: Vec::new(),
+            optional: false,
         }
     }
 
@@ -164,7 +198,7 @@ mod tests {
             let reader = Reader::new(&columns, header).unwrap();
             assert_eq!(
                 reader.row(2, "true,-3,?").unwrap(),
-                [vec![(-3i64).cast_unsigned()], vec![1]]
+                [Some(vec![(-3i64).cast_unsigned()]), Some(vec![1])]
             );
         }
     }
@@ -184,6 +218,28 @@ mod tests {
         );
         let error = Reader::new(&columns, "m").unwrap_err();
         assert!(error.message.contains("no column is called `n`"));
+    }
+
+    #[test]
+    fn only_what_may_be_absent_is_left_empty_and_as_a_whole() {
+        let optional = |key| Column {
+            optional: true,
+            ..column(key, Scalar::Int)
+        };
+        let columns = [optional("p.a"), optional("p.b"), optional("q")];
+        let reader = Reader::new(&columns, "p.a,p.b,q").unwrap();
+        let seven = Some(vec![7]);
+        assert_eq!(reader.row(2, ",,7").unwrap(), [None, None, seven.clone()]);
+        assert_eq!(reader.row(2, "7,7,").unwrap(), [seven.clone(), seven, None]);
+        let error = reader.row(2, "7,,7").unwrap_err().to_string();
+        assert_eq!(error, "2: a part of `p` is given, and another is not");
+        let columns = [column("n", Scalar::Int)];
+        let reader = Reader::new(&columns, "n").unwrap();
+        let error = reader.row(3, "").unwrap_err().to_string();
+        assert_eq!(
+            error,
+            "3: n: the field is empty, and this is always present"
+        );
     }
 
     #[test]

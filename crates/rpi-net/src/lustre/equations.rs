@@ -6,6 +6,7 @@ use super::value::{literal, neutral, type_name};
 use crate::net::{Input, NodeId, PortRef};
 use crate::passes::Sureness;
 use rpi_image::{CommandFlow, Need, PortType, Role, Scalar, Type, Value};
+use std::collections::BTreeSet;
 
 /// A value and when it is there.
 struct Result {
@@ -62,6 +63,8 @@ impl Writer<'_> {
 
     /// What is set from outside is an input of the node, under its key.
     pub(super) fn take_inputs(&mut self) {
+        let read = self.net().nodes.iter().flat_map(|node| &node.inputs);
+        let read: BTreeSet<PortRef> = read.filter_map(Input::port).collect();
         for id in self.net().node_ids() {
             let node = self.net().node(id);
             let port = PortRef { node: id, port: 0 };
@@ -73,9 +76,16 @@ impl Writer<'_> {
                 continue;
             };
             let (key, scalar) = (key.to_owned(), *scalar);
-            if let Some(name) = self.input(&key, scalar) {
-                self.is_input(port, name);
+            let Some(name) = self.input(&key, scalar) else {
+                continue;
+            };
+            // When it was set is only asked to know whether it was.
+            let updated = PortRef { node: id, port: 1 };
+            if read.contains(&updated) {
+                self.inputs.push(format!("{name}_is: bool"));
+                self.is_input(updated, name.clone());
             }
+            self.is_input(port, name);
         }
     }
 
@@ -109,7 +119,7 @@ impl Writer<'_> {
             Role::Delay => self.delay(id, scalar),
             Role::First => self.first(id),
             Role::IsAbsent => {
-                let seen = self.operand(id, 0)?;
+                let seen = self.looked_at(id, 0)?;
                 let value = format!("not {}", seen.is.text());
                 let is = Is::Always;
                 Some(Result { value, is })
@@ -121,6 +131,12 @@ impl Writer<'_> {
 
     /// What an in-port sees; what stands in for an open one that has a default.
     fn operand(&mut self, id: NodeId, k: usize) -> Option<Seen> {
+        let seen = self.looked_at(id, k)?;
+        seen.value.is_some().then_some(seen)
+    }
+
+    /// The same where only its presence may matter: some values have no form here.
+    fn looked_at(&mut self, id: NodeId, k: usize) -> Option<Seen> {
         let node = self.net().node(id);
         let declared = node.desc().inputs.get(k)?;
         let PortType::One(scalar) = declared.ty else {
@@ -131,8 +147,7 @@ impl Writer<'_> {
             return None;
         }
         let fragment = node.fragment;
-        let seen = self.seen(fragment, &input, scalar);
-        seen.value.is_some().then_some(seen)
+        Some(self.seen(fragment, &input, scalar))
     }
 
     fn operands(&mut self, id: NodeId) -> Option<Vec<Seen>> {

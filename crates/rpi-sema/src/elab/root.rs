@@ -1,15 +1,19 @@
 //! What is run: a command, or a node by itself.
 
+use super::families::Family;
 use super::scope::{Scope, State};
 use super::signal::{Signal, Wire, single};
 use super::{At, Claims, Elab, Mode, NotConstant, Sampled};
 use crate::facts::Facts;
 use crate::ty::Ty;
-use crate::typed::{BlockId, ExprId, FlowId, FlowRole, Leaf, Unit, UnitId, UnitKind};
+use crate::typed::{BlockId, ExprId, FlowId, FlowRole, Leaf, Optional, Unit, UnitId, UnitKind};
 use rpi_diag::Finding;
 use rpi_image::{Scalar, Value};
 use rpi_net::{Driver, ExportPort, Input, Net, Origin, ResultKind, ResultPort};
 use rpi_syntax::ast::EndKind;
+
+/// The port of an input that tells when it was set last, absent before.
+const UPDATED: u8 = 1;
 
 /// What a parameter of a command is when it is loaded.
 #[derive(Clone, PartialEq, Debug)]
@@ -29,6 +33,8 @@ pub struct PortShape {
     pub key: String,
     /// Its type.
     pub ty: Ty,
+    /// Whether it may be absent.
+    pub optional: bool,
 }
 
 /// A flow that is neither read nor written from outside, but can be looked at.
@@ -248,6 +254,7 @@ impl<'u> Elab<'u> {
             let declared = unit.flow(*flow);
             self.begin(&declared.name);
             let default = declared.default.map(|id| self.expr(scope, id, At::ROOT));
+            let optional = declared.optional == Optional::Declared(true);
             let mut leaves: Vec<(String, Ty)> = Vec::new();
             declared.ty.leaves(&mut |path, ty| {
                 leaves.push((format!("{}{path}", declared.name), ty.clone()))
@@ -257,12 +264,37 @@ impl<'u> Elab<'u> {
                 let default = default.as_ref().and_then(|wire| wire.get(k));
                 let value = default.and_then(|signal| self.settled_constant(signal));
                 let scalar = ty.scalar().unwrap_or(Scalar::Bool);
-                wire.push(self.outside_at((&key, value), scalar, At::ROOT, declared.span));
-                shapes.push(PortShape { key, ty });
+                let given = self.outside_at((&key, value), scalar, At::ROOT, declared.span);
+                wire.push(match optional {
+                    true => self.unless_given(&given, scalar, default, declared.span),
+                    false => given,
+                });
+                shapes.push(PortShape { key, ty, optional });
             }
             *scope.state(*flow) = State::Known(wire.into());
         }
         shapes
+    }
+
+    /// An input that may be absent is what it is otherwise, or absent, until it is set.
+    fn unless_given(
+        &mut self,
+        given: &Signal,
+        scalar: Scalar,
+        default: Option<&Signal>,
+        span: rpi_diag::Span,
+    ) -> Signal {
+        let Signal::Port(value) = given else {
+            return given.clone();
+        };
+        let updated = Signal::Port(rpi_net::PortRef {
+            port: UPDATED,
+            ..*value
+        });
+        let is_open = self.family(Family::IsNull, Scalar::Time, &[updated], At::ROOT, span);
+        let otherwise = default.cloned().unwrap_or(Signal::Absent);
+        let inputs = [is_open, otherwise, given.clone()];
+        self.family(Family::Conditional, scalar, &inputs, At::ROOT, span)
     }
 
     /// A value that the program leaves open is set from outside, if anybody sets it.
@@ -296,7 +328,7 @@ impl<'u> Elab<'u> {
         at: At,
         span: rpi_diag::Span,
     ) -> Signal {
-        let Some(prim) = super::families::member(super::families::Family::Input, scalar) else {
+        let Some(prim) = super::families::member(Family::Input, scalar) else {
             return Signal::Absent;
         };
         let value = |param: &rpi_image::Param| match param.name {
@@ -329,7 +361,8 @@ impl<'u> Elab<'u> {
             });
             for ((key, ty), signal) in leaves.into_iter().zip(wire.iter()) {
                 self.export(&key, signal, &ty, declared.span);
-                shapes.push(PortShape { key, ty });
+                let optional = declared.optional != Optional::Declared(false);
+                shapes.push(PortShape { key, ty, optional });
             }
         }
         shapes
@@ -386,7 +419,8 @@ impl<'u> Elab<'u> {
             for ((key, ty), signal) in leaves.into_iter().zip(wire.iter()) {
                 if let Some(port) = self.export_port(&key, signal, &ty, At::ROOT, declared.span) {
                     self.watched.push(port);
-                    shapes.push(PortShape { key, ty });
+                    let optional = declared.optional != Optional::Declared(false);
+                    shapes.push(PortShape { key, ty, optional });
                 }
             }
         }
