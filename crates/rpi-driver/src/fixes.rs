@@ -130,7 +130,7 @@ fn neutral(ty: &Ty) -> Option<String> {
                 ))
             });
             let fields: Option<Vec<String>> = fields.collect();
-            Some(format!("{} {{{}}}", of.name, fields?.join("; ")))
+            Some(format!("{}{{{}}}", of.name, fields?.join("; ")))
         }
         _ => None,
     }

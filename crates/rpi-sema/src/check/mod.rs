@@ -92,6 +92,7 @@ use std::rc::Rc;
 pub(crate) use names::predeclared_name;
 pub use names::result_identity;
 pub(crate) use prim::{machine_type, packed, param_default};
+pub(crate) use statics::{params, params_of};
 pub(crate) use unknown::no_module;
 #[cfg(test)]
 pub(crate) use words::operator_names;
@@ -155,11 +156,6 @@ pub fn check(program: &Program<'_>) -> Checked {
             .retain(|finding| !sample::may_be_its_fault(finding));
     }
     only_what_is_wrong(&mut checker.findings);
-    // What has a fault may have been meant to use it.
-    let is_fault = |finding: &Finding| finding.severity() == Severity::Error;
-    if !checker.findings.iter().any(is_fault) {
-        checker.findings.extend(program.needless_uses());
-    }
     let root = program
         .root()
         .decls

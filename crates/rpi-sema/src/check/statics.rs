@@ -35,7 +35,7 @@ pub(super) type Statics = BTreeMap<Name, Static>;
 
 /// A static parameter, declared.
 #[derive(Clone, Copy)]
-pub(super) enum Param<'a> {
+pub(crate) enum Param<'a> {
     /// `type t`
     Type(&'a Ident),
     /// `n: int = 3`
@@ -45,7 +45,7 @@ pub(super) enum Param<'a> {
 }
 
 impl<'a> Param<'a> {
-    pub(super) fn name(&self) -> &'a Ident {
+    pub(crate) fn name(&self) -> &'a Ident {
         match self {
             Param::Type(name) | Param::Value(name, _) => name,
             Param::Node(signature) => &signature.name,
@@ -54,7 +54,7 @@ impl<'a> Param<'a> {
 }
 
 /// The static parameters of a declaration, one by one.
-pub(super) fn params<'a>(statics: &'a [StaticParam]) -> Vec<Param<'a>> {
+pub(crate) fn params<'a>(statics: &'a [StaticParam]) -> Vec<Param<'a>> {
     let mut all = Vec::new();
     for param in statics {
         match &param.kind {
@@ -103,7 +103,7 @@ impl<'a> Checker<'a> {
 }
 
 /// The static parameters of a callable declaration.
-pub(super) fn params_of(kind: DeclKind<'_>) -> Vec<Param<'_>> {
+pub(crate) fn params_of(kind: DeclKind<'_>) -> Vec<Param<'_>> {
     match kind {
         DeclKind::Node(d) => [params(&d.signature.statics), size_params(d)].concat(),
         DeclKind::Fragment(d) => params(&d.signature.statics),

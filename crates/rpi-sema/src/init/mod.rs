@@ -25,7 +25,7 @@ mod solve;
 use crate::hash::{Map, Set};
 use known::Known;
 use phases::PHASES;
-use rpi_diag::{Code, Finding, Fix};
+use rpi_diag::{Code, Finding, Fix, Span};
 use rpi_image::Role;
 use rpi_net::claim::is_for_claim;
 use rpi_net::passes::Users;
@@ -59,10 +59,44 @@ pub fn check(net: &Net) -> Vec<Finding> {
         }
         by_flow[place].1.push(root);
     }
-    for (flow, roots) in by_flow {
-        findings.push(finding(net, flow, &roots));
+    for (flow, roots) in whole(net, by_flow) {
+        findings.push(finding(net, flow.as_deref(), &roots));
     }
     findings
+}
+
+/// Parts of one value that have no first value for the same reason, by their places in the text, become that value.
+fn whole(
+    net: &Net,
+    by_flow: Vec<(Option<&str>, Vec<NodeId>)>,
+) -> Vec<(Option<String>, Vec<NodeId>)> {
+    let mut all: Vec<(Option<String>, Vec<NodeId>)> = Vec::new();
+    let mut known: Map<(String, Vec<Span>), usize> = Map::default();
+    for (flow, roots) in by_flow {
+        let flow = flow.map(without_calls);
+        let places = roots
+            .iter()
+            .map(|root| net.node(*root).origin.span)
+            .collect();
+        let of = flow
+            .as_deref()
+            .and_then(|flow| flow.split(['[', '.']).next());
+        let same = of.map(|of| *known.entry((of.to_owned(), places)).or_insert(all.len()));
+        let same = same.filter(|same| *same < all.len());
+        match (same.and_then(|same| all[same].0.as_mut()), &flow) {
+            (Some(name), Some(flow)) => name.truncate(in_common(name, flow)),
+            _ => all.push((flow, roots)),
+        }
+    }
+    all
+}
+
+/// How many bytes the names of two parts of one value have in common, as far as these are a name.
+fn in_common(a: &str, b: &str) -> usize {
+    let starts = a.match_indices(['[', '.']).map(|(at, _)| at);
+    let starts = starts.chain([a.len()]);
+    let mut both = starts.filter(|at| b.get(..*at) == Some(&a[..*at]));
+    both.next_back().unwrap_or(a.len())
 }
 
 /// What was found out about a net without findings, in words.
@@ -190,10 +224,7 @@ fn finding(net: &Net, flow: Option<&str>, roots: &[NodeId]) -> Finding {
             .at(place(one), "there may be cycles before the first tick")
             .help("say that its clock ticks in the first cycle, or what it is until then: `if seen then current x else y`");
     }
-    let what = flow.map_or_else(
-        || "a flow".to_owned(),
-        |flow| format!("`{}`", without_calls(flow)),
-    );
+    let what = flow.map_or_else(|| "a flow".to_owned(), |flow| format!("`{flow}`"));
     let mut finding = Finding::new(
         Code::RPI5001,
         format!("{what} has no value in the first cycle"),

@@ -3,10 +3,13 @@
 use super::{
     Decl, DeclId, DeclKind, Extent, Library, Module, ModuleId, Program, Source, Space, Use,
 };
-use crate::check::no_module;
+use crate::check::{no_module, params};
 use crate::hash::Map;
 use rpi_diag::{Code, Finding, Span};
-use rpi_syntax::ast::{Doc, File, Ident, Item, ItemKind, TypeDef, TypeKind};
+use rpi_syntax::ast::{
+    DeclaredKind, Doc, File, Ident, Item, ItemKind, Signature, StaticParam, TypeDef, TypeKind,
+    VarDecl,
+};
 use rpi_syntax::{Mode, Name};
 use std::cell::Cell;
 
@@ -92,12 +95,24 @@ impl<'a> Collector<'a> {
                 }
             }
             ItemKind::Type(defs) => defs.iter().for_each(|def| self.type_def(def, doc)),
-            ItemKind::Node(d) => self.one(&d.signature.name, doc, DeclKind::Node(d)),
-            ItemKind::Fragment(d) => self.one(&d.signature.name, doc, DeclKind::Fragment(d)),
-            ItemKind::Primitive(d) => self.one(&d.signature.name, doc, DeclKind::Primitive(d)),
-            ItemKind::Device(d) => self.one(&d.name, doc, DeclKind::Device(d)),
+            ItemKind::Node(d) => self.callable(&d.signature, doc, DeclKind::Node(d)),
+            ItemKind::Fragment(d) => self.callable(&d.signature, doc, DeclKind::Fragment(d)),
+            ItemKind::Primitive(d) => self.callable(&d.signature, doc, DeclKind::Primitive(d)),
+            ItemKind::Device(d) => {
+                let kind = match self.apart(&d.statics, &[]) {
+                    true => DeclKind::Device(d),
+                    false => DeclKind::Broken(DeclaredKind::Device),
+                };
+                self.one(&d.name, doc, kind);
+            }
             ItemKind::Frame(d) => self.all(&d.names, doc, DeclKind::Frame(d)),
-            ItemKind::Command(d) => self.one(&d.name, doc, DeclKind::Command(d)),
+            ItemKind::Command(d) => {
+                let kind = match self.apart(&d.statics, &[&d.params, &d.given]) {
+                    true => DeclKind::Command(d),
+                    false => DeclKind::Broken(DeclaredKind::Command),
+                };
+                self.one(&d.name, doc, kind);
+            }
             ItemKind::Task(d) => self.one(&d.name, doc, DeclKind::Task(d)),
             ItemKind::Test(d) => {
                 self.nameless(&d.title, doc, DeclKind::Test(d));
@@ -108,6 +123,37 @@ impl<'a> Collector<'a> {
                 }
             }
         }
+    }
+
+    fn callable(&mut self, signature: &'a Signature, doc: Option<&'a Doc>, kind: DeclKind<'a>) {
+        let ports = [&signature.inputs, &signature.outputs];
+        let ports = ports.map(|ports| ports.as_deref().unwrap_or_default());
+        let kind = match self.apart(&signature.statics, &ports) {
+            true => kind,
+            false => DeclKind::Broken(DeclaredKind::Callable),
+        };
+        self.one(&signature.name, doc, kind);
+    }
+
+    /// Whether static parameters have names of their own. Where two have one name it is open which of them is meant
+    /// wherever it stands.
+    fn apart(&mut self, statics: &[StaticParam], ports: &[&[VarDecl]]) -> bool {
+        let statics = params(statics);
+        let ports = ports.iter().flat_map(|ports| ports.iter());
+        let ports = ports.flat_map(|port| &port.names);
+        let mut known: Map<&Name, &Ident> = Map::default();
+        let before = self.findings.len();
+        for name in statics.iter().map(|param| param.name()) {
+            if let Some(first) = known.insert(&name.name, name) {
+                self.findings.push(twice(&name.name, name.span, first.span));
+            }
+        }
+        for port in ports {
+            if let Some(first) = known.get(&port.name) {
+                self.findings.push(twice(&port.name, port.span, first.span));
+            }
+        }
+        self.findings.len() == before
     }
 
     fn type_def(&mut self, def: &'a TypeDef, doc: Option<&'a Doc>) {
