@@ -97,6 +97,7 @@ codes! {
     RPI1014 Error "parts that do not belong together";
     RPI1015 Warning "fault in what nobody calls";
     RPI1016 Warning "module that nothing uses";
+    RPI1017 Warning "parameter that nothing uses";
     RPI1101 Error "unknown primitive";
     RPI1102 Warning "unknown in-port";
     RPI1103 Error "unknown parameter";
@@ -153,6 +154,7 @@ codes! {
     RPI8004 Error "value that nothing hands over";
     RPI8005 Error "device that two strands drive";
     RPI8006 Error "number of repetitions out of range";
+    RPI8007 Warning "step that nothing leads to";
     RPI9001 Error "claim that does not hold";
     RPI9002 Error "claim that was never made";
     RPI9003 Error "fault while running";
@@ -190,7 +192,10 @@ impl Code {
 
     /// Whether it is about text that does nothing, which editors show faded.
     pub fn is_about_needless_text(self) -> bool {
-        matches!(self, Code::RPI1016 | Code::RPI3002 | Code::RPI3101)
+        matches!(
+            self,
+            Code::RPI1016 | Code::RPI1017 | Code::RPI3002 | Code::RPI3101 | Code::RPI8007
+        )
     }
 
     /// How much it weighs.

@@ -139,6 +139,9 @@ fn checked<T>(
         found.retain(|finding| !needless(finding));
         findings.append(&mut found);
     }
+    if !has_errors(&findings) {
+        findings.extend(rpi_sema::needless(&program));
+    }
     crate::fixes::typed(&mut findings, &checked);
     // What is only worth knowing about a library is not the business of who uses it.
     let own = texts.first().map_or(0, |root| root.files.len());

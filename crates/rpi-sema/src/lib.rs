@@ -18,6 +18,7 @@ pub mod elab;
 pub mod facts;
 mod hash;
 pub mod init;
+mod needless;
 pub mod program;
 pub mod query;
 mod sound;
@@ -27,5 +28,6 @@ pub mod typed;
 pub mod units;
 
 pub use check::{Checked, check, result_identity};
+pub use needless::needless;
 pub use sound::sound;
 pub use told::told;

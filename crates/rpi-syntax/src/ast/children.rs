@@ -55,7 +55,7 @@ fn bounds(slice: &Slice) -> Vec<&Expr> {
         .collect()
 }
 
-fn of_path(path: &[Access]) -> Vec<&Expr> {
+pub(super) fn of_path(path: &[Access]) -> Vec<&Expr> {
     let step = |access| match access {
         &Access::Field(_) => Vec::new(),
         Access::Index(index) => vec![index],

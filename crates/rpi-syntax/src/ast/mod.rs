@@ -14,6 +14,7 @@
 //! | `decl.rs` | top-level declarations |
 //! | `task.rs` | tasks |
 //! | `children.rs`, `children_mut.rs` | what an expression is made of |
+//! | `reads.rs` | which names a declaration reads |
 //! | `build.rs` | short ways to make nodes that have no text |
 
 mod body;
@@ -23,6 +24,7 @@ mod children_mut;
 mod decl;
 mod expr;
 mod literal;
+mod reads;
 mod task;
 mod ty;
 
@@ -30,6 +32,7 @@ pub use body::*;
 pub use decl::*;
 pub use expr::*;
 pub use literal::*;
+pub use reads::Reads;
 pub use task::*;
 pub use ty::*;
 

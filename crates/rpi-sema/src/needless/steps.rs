@@ -1,0 +1,174 @@
+//! Steps of tasks to which nothing leads.
+
+use crate::program::{DeclKind, Lookup, ModuleId, Program};
+use rpi_diag::{Code, Finding, Span};
+use rpi_syntax::Name;
+use rpi_syntax::ast::{Ident, Next, OnResult, Run, Step, StepKind, TaskDecl};
+
+/// A warning for each step to which nothing leads. What only follows such a step is not told, too.
+pub(super) fn unreached(program: &Program<'_>, module: ModuleId, task: &TaskDecl) -> Vec<Finding> {
+    let mut steps = Steps {
+        program,
+        module,
+        all: Vec::new(),
+    };
+    let start = steps.list(&task.steps, None, &[]);
+    let reached = steps.reached_from(start.into_iter().collect());
+    let all = 0..steps.all.len();
+    let mut left: Vec<usize> = all
+        .filter(|at| !reached[*at] && steps.all[*at].place.is_some())
+        .collect();
+    let led = |to: &usize| {
+        left.iter()
+            .any(|at| at != to && steps.all[*at].leads.contains(to))
+    };
+    let mut told: Vec<usize> = left.iter().copied().filter(|at| !led(at)).collect();
+    let follow = steps.reached_from(told.clone());
+    left.retain(|at| !follow[*at]);
+    // Those left lead to one another in turn.
+    while let Some(first) = left.first().copied() {
+        told.push(first);
+        let follow = steps.reached_from(vec![first]);
+        left.retain(|at| !follow[*at]);
+    }
+    let places = told.into_iter().filter_map(|at| steps.all[at].place);
+    places.map(finding).collect()
+}
+
+/// A step and where it leads.
+#[derive(Default)]
+struct Node<'a> {
+    /// Its name, and where it runs something; of several steps the first. None for what runs nothing.
+    place: Option<(Option<&'a Ident>, Span)>,
+    leads: Vec<usize>,
+}
+
+/// The steps of a task, those of inner lists behind those of the list around them.
+struct Steps<'p, 'a> {
+    program: &'p Program<'p>,
+    module: ModuleId,
+    all: Vec<Node<'a>>,
+}
+
+impl<'a> Steps<'_, 'a> {
+    /// Adds a list of steps, which leads to `behind`, and gives the one that is first. Of the names that can be reached
+    /// the innermost come last.
+    fn list(
+        &mut self,
+        steps: &'a [Step],
+        behind: Option<usize>,
+        around: &[(&'a Name, usize)],
+    ) -> Option<usize> {
+        let first = self.all.len();
+        self.all.resize_with(first + steps.len(), Node::default);
+        let mut names = around.to_vec();
+        for (at, step) in (first..).zip(steps) {
+            if let StepKind::Run(run) = &step.kind {
+                names.extend(run.label.iter().map(|label| (&label.name, at)));
+            }
+        }
+        let mut start = (!steps.is_empty()).then_some(first).or(behind);
+        for (at, step) in (first..).zip(steps) {
+            let is_last = at + 1 == first + steps.len();
+            let next = if is_last { behind } else { Some(at + 1) };
+            if let StepKind::Start(label) = &step.kind {
+                start = named(&names, &label.name);
+            }
+            self.all[at] = self.step(step, at, next, &names);
+        }
+        start
+    }
+
+    fn step(
+        &mut self,
+        step: &'a Step,
+        at: usize,
+        next: Option<usize>,
+        names: &[(&'a Name, usize)],
+    ) -> Node<'a> {
+        let (place, leads) = match &step.kind {
+            StepKind::Run(run) => (place_of(step), self.targets(run, next, names)),
+            StepKind::Repeat { count, steps } => {
+                let body = self.list(steps, Some(at), names);
+                let next = next.filter(|_| count.is_some());
+                (place_of(step), body.into_iter().chain(next).collect())
+            }
+            StepKind::Parallel(strands) => {
+                let strands = strands.iter();
+                let starts = strands.filter_map(|strand| self.list(&strand.steps, None, &[]));
+                let starts: Vec<usize> = starts.collect();
+                (place_of(step), starts.into_iter().chain(next).collect())
+            }
+            StepKind::Start(_) | StepKind::Broken(_) => (None, next.into_iter().collect()),
+        };
+        Node { place, leads }
+    }
+
+    /// Where a step leads: to those that its branches name, and to the next if they leave a result open.
+    fn targets(&self, run: &Run, next: Option<usize>, names: &[(&'a Name, usize)]) -> Vec<usize> {
+        let branches = run.branches.iter();
+        let to = branches.clone().filter_map(|branch| match &branch.then {
+            Next::Step(label) => named(names, &label.name),
+            Next::End(_) => None,
+        });
+        let is_any = |on: &OnResult| matches!(on, OnResult::Any(_));
+        let mut on = branches.flat_map(|branch| &branch.on);
+        // Of a command with branches each result has one; a task has none but `fail`.
+        let goes_on = run.branches.is_empty() || self.is_task(run) && !on.any(is_any);
+        to.chain(next.filter(|_| goes_on)).collect()
+    }
+
+    fn is_task(&self, run: &Run) -> bool {
+        match self.program.lookup(self.module, &run.callee.name.name) {
+            Lookup::Found(id) => matches!(self.program.decl(id).kind, DeclKind::Task(_)),
+            Lookup::Missing => false,
+        }
+    }
+
+    /// For each step whether it is one of these or comes after one.
+    fn reached_from(&self, mut open: Vec<usize>) -> Vec<bool> {
+        let mut reached = vec![false; self.all.len()];
+        while let Some(at) = open.pop() {
+            if !std::mem::replace(&mut reached[at], true) {
+                open.extend(&self.all[at].leads);
+            }
+        }
+        reached
+    }
+}
+
+fn named(names: &[(&Name, usize)], label: &Name) -> Option<usize> {
+    let found = names.iter().rev().find(|(name, _)| *name == label);
+    found.map(|(_, at)| *at)
+}
+
+/// The name of a step, and where it runs something first.
+fn place_of(step: &Step) -> Option<(Option<&Ident>, Span)> {
+    match &step.kind {
+        StepKind::Run(run) => Some((run.label.as_ref(), run.callee.span)),
+        StepKind::Repeat { steps, .. } => first_in(steps),
+        StepKind::Parallel(strands) => strands.iter().find_map(|strand| first_in(&strand.steps)),
+        StepKind::Start(_) | StepKind::Broken(_) => None,
+    }
+}
+
+fn first_in(steps: &[Step]) -> Option<(Option<&Ident>, Span)> {
+    let (_, span) = steps.iter().find_map(place_of)?;
+    Some((None, span))
+}
+
+fn finding((label, span): (Option<&Ident>, Span)) -> Finding {
+    let (what, help) = match label {
+        Some(Ident { name, .. }) => (
+            format!("the step `{name}`"),
+            format!("let a branch lead to it (`then {name}`), or delete it"),
+        ),
+        None => (
+            "this step".to_owned(),
+            "what stands before it never goes on to the next step: give this one a name and let a branch lead there, or delete it".to_owned(),
+        ),
+    };
+    Finding::new(Code::RPI8007, format!("nothing leads to {what}"))
+        .at(span, "this is never run")
+        .help(help)
+}

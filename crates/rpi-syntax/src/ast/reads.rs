@@ -1,0 +1,292 @@
+//! Which names a declaration reads, for tools that look for names without minding what they mean.
+//!
+//! Every name that stands for something is one of them, but not where it is declared or defined as a whole.
+
+use super::children::of_path;
+use super::{
+    Automaton, Body, Callee, Claim, Clock, CommandDecl, ConstDef, Contract, DeviceDecl, Equation,
+    Expr, ExprKind, FragmentDecl, Locals, Name, NamedType, NodeDecl, NodeDef, Run, Signature,
+    Statement, StatementKind, StaticArg, StaticParam, StaticParamKind, StaticValue, Step, StepKind,
+    TaskDecl, Tick, Type, TypeKind, Unit, VarDecl,
+};
+
+/// Tells the names that declarations read, a name maybe several times.
+pub struct Reads<'w, 'a> {
+    with: &'w mut dyn FnMut(&'a Name),
+}
+
+impl<'a> Reads<'_, 'a> {
+    /// Whoever is told.
+    pub fn new<'w>(with: &'w mut dyn FnMut(&'a Name)) -> Reads<'w, 'a> {
+        Reads { with }
+    }
+
+    /// What a node or function reads.
+    pub fn node(&mut self, node: &'a NodeDecl) {
+        self.signature(&node.signature);
+        self.contract(node.contract.as_ref());
+        match &node.definition {
+            NodeDef::Body(body) => self.body(body),
+            NodeDef::Alias(callee) => self.callee(callee),
+            NodeDef::Extern => {}
+        }
+    }
+
+    /// What a fragment, declared or in place reads.
+    pub fn fragment(&mut self, fragment: &'a FragmentDecl) {
+        self.signature(&fragment.signature);
+        let when = fragment.when.iter().map(|when| &when.condition);
+        self.exprs(when.chain(&fragment.budget));
+        self.contract(fragment.contract.as_ref());
+        self.body(&fragment.body);
+    }
+
+    /// What a device type reads.
+    pub fn device(&mut self, device: &'a DeviceDecl) {
+        self.statics(&device.statics);
+        let ports = device.sections.iter().flat_map(|section| &section.ports);
+        ports.for_each(|port| self.vars(&port.alternatives));
+    }
+
+    /// What a command reads.
+    pub fn command(&mut self, command: &'a CommandDecl) {
+        self.statics(&command.statics);
+        self.vars(&command.params);
+        self.vars(&command.given);
+        self.exprs(&command.budget);
+        self.contract(command.contract.as_ref());
+        self.body(&command.body);
+    }
+
+    /// What a task reads.
+    pub fn task(&mut self, task: &'a TaskDecl) {
+        self.statics(&task.statics);
+        self.vars(&task.params);
+        self.steps(&task.steps);
+    }
+
+    fn signature(&mut self, signature: &'a Signature) {
+        self.statics(&signature.statics);
+        let ports = [&signature.inputs, &signature.outputs];
+        ports
+            .into_iter()
+            .flatten()
+            .for_each(|ports| self.vars(ports));
+    }
+
+    fn statics(&mut self, params: &'a [StaticParam]) {
+        for param in params {
+            match &param.kind {
+                StaticParamKind::Type(_) => {}
+                StaticParamKind::Value(def) => self.constant(def),
+                StaticParamKind::Node(_, signature) => self.signature(signature),
+            }
+        }
+    }
+
+    fn vars(&mut self, vars: &'a [VarDecl]) {
+        for var in vars {
+            self.ty(&var.ty);
+            var.clock.iter().for_each(|clock| self.clock(clock));
+            self.exprs(&var.default);
+        }
+    }
+
+    fn constant(&mut self, def: &'a ConstDef) {
+        def.ty.iter().for_each(|ty| self.ty(ty));
+        self.exprs(&def.value);
+    }
+
+    fn locals(&mut self, all: &'a [Locals]) {
+        for section in all {
+            match section {
+                Locals::Var(vars) => self.vars(vars),
+                Locals::Const(defs) => defs.iter().for_each(|def| self.constant(def)),
+            }
+        }
+    }
+
+    fn contract(&mut self, contract: Option<&'a Contract>) {
+        let Some(contract) = contract else { return };
+        self.locals(&contract.locals);
+        for together in &contract.together {
+            self.vars(&together.vars);
+            self.expr(&together.equation.value);
+        }
+        let modes = contract.modes.iter();
+        let of_modes = modes.flat_map(|mode| mode.requires.iter().chain(&mode.ensures));
+        let claims = contract.claims.iter().chain(of_modes);
+        claims.for_each(|claim| self.claim(claim));
+        self.exprs(contract.imports.iter().map(|import| &import.call));
+    }
+
+    fn claim(&mut self, claim: &'a Claim) {
+        self.exprs([&claim.condition].into_iter().chain(&claim.provided));
+    }
+
+    fn body(&mut self, body: &'a Body) {
+        self.locals(&body.locals);
+        self.statements(&body.statements);
+    }
+
+    fn statements(&mut self, statements: &'a [Statement]) {
+        for statement in statements {
+            self.statement(&statement.kind);
+        }
+    }
+
+    fn statement(&mut self, statement: &'a StatementKind) {
+        match statement {
+            StatementKind::Equation(equation) => self.equation(equation),
+            StatementKind::Call(call) => self.expr(call),
+            StatementKind::Claim(claim) => self.claim(claim),
+            StatementKind::End(end) => self.expr(&end.condition),
+            StatementKind::Export(flows) => flows
+                .iter()
+                .filter_map(|flow| flow.parts.first())
+                .for_each(|first| (self.with)(&first.name)),
+            StatementKind::Fragment(fragment) => self.fragment(fragment),
+            StatementKind::Automaton(automaton) => self.automaton(automaton),
+            StatementKind::Choice(choice) => {
+                let branches = choice.branches.iter();
+                self.exprs(branches.clone().map(|branch| &branch.condition));
+                let branches = branches.map(|branch| &branch.statements);
+                let all = branches.chain(&choice.otherwise);
+                all.for_each(|statements| self.statements(statements));
+            }
+            StatementKind::Keep(keep) => {
+                self.statements(&keep.initial);
+                self.statements(&keep.statements);
+            }
+            StatementKind::Broken(_) => {}
+        }
+    }
+
+    fn equation(&mut self, equation: &'a Equation) {
+        for target in equation.targets.iter().filter(|t| !t.path.is_empty()) {
+            (self.with)(&target.name.name);
+            self.exprs(of_path(&target.path));
+        }
+        self.expr(&equation.value);
+    }
+
+    fn automaton(&mut self, automaton: &'a Automaton) {
+        for state in &automaton.states {
+            let transitions = state.unless.iter().chain(&state.until);
+            self.exprs(transitions.filter_map(|transition| transition.condition.as_ref()));
+            self.body(&state.body);
+        }
+    }
+
+    fn steps(&mut self, steps: &'a [Step]) {
+        for step in steps {
+            match &step.kind {
+                StepKind::Run(run) => self.run(run),
+                StepKind::Repeat { count, steps } => {
+                    self.exprs(count);
+                    self.steps(steps);
+                }
+                StepKind::Parallel(strands) => {
+                    strands.iter().for_each(|strand| self.steps(&strand.steps));
+                }
+                StepKind::Start(_) | StepKind::Broken(_) => {}
+            }
+        }
+    }
+
+    fn run(&mut self, run: &'a Run) {
+        self.callee(&run.callee);
+        self.exprs(run.args.iter().map(|arg| &arg.value));
+    }
+
+    fn exprs(&mut self, exprs: impl IntoIterator<Item = &'a Expr>) {
+        exprs.into_iter().for_each(|expr| self.expr(expr));
+    }
+
+    /// All names in an expression. Expressions may be nested deeply: those inside wait in a list.
+    fn expr(&mut self, expr: &'a Expr) {
+        let mut open = vec![expr];
+        while let Some(expr) = open.pop() {
+            self.beside_children(expr);
+            open.extend(expr.children());
+        }
+    }
+
+    /// The names of an expression that are in no expression inside.
+    fn beside_children(&mut self, expr: &'a Expr) {
+        match &expr.kind {
+            ExprKind::Name(name) => (self.with)(name),
+            ExprKind::Quantity(quantity) => self.unit(&quantity.unit),
+            ExprKind::When(when) => self.clock(&when.clock),
+            ExprKind::Call(call) => self.callee(&call.callee),
+            ExprKind::Struct(of) => {
+                (self.with)(&of.ty.name);
+                self.static_args(&of.statics);
+            }
+            ExprKind::Quantified(of) => self.vars(&of.vars),
+            ExprKind::Ascribed(of) => self.ty(&of.ty),
+            ExprKind::EmptySet(types) => self.static_args(types),
+            _ => {}
+        }
+    }
+
+    fn callee(&mut self, callee: &'a Callee) {
+        (self.with)(&callee.name.name);
+        self.static_args(&callee.statics);
+    }
+
+    fn static_args(&mut self, args: &'a [StaticArg]) {
+        for arg in args {
+            match &arg.value {
+                StaticValue::Expr(expr) => self.expr(expr),
+                StaticValue::Type(ty) => self.ty(ty),
+                StaticValue::Op(_) => {}
+                StaticValue::Callee(callee) => self.callee(callee),
+            }
+        }
+    }
+
+    fn clock(&mut self, clock: &'a Clock) {
+        (self.with)(&clock.flow.name);
+        if let Tick::Value(value) = &clock.tick {
+            (self.with)(&value.name);
+        }
+    }
+
+    fn unit(&mut self, unit: &'a Unit) {
+        for factor in &unit.factors {
+            (self.with)(&factor.unit.name);
+        }
+    }
+
+    fn ty(&mut self, ty: &'a Type) {
+        match &ty.kind {
+            TypeKind::Bool | TypeKind::Int | TypeKind::Real(None) | TypeKind::Broken => {}
+            TypeKind::Real(Some(unit)) => self.unit(unit),
+            TypeKind::Named(named) => self.named(named),
+            TypeKind::Array(array) => {
+                self.ty(&array.element);
+                self.expr(&array.size);
+            }
+            TypeKind::Optional(inner) => self.ty(inner),
+            TypeKind::Subrange(range) => self.exprs(range.from.iter().chain(&range.to)),
+            TypeKind::Tuple(types) => types.iter().for_each(|ty| self.ty(ty)),
+            TypeKind::Refined(refined) => {
+                self.ty(&refined.base);
+                self.expr(&refined.condition);
+            }
+            TypeKind::Data(all) => all.iter().for_each(|one| self.vars(&one.fields)),
+            TypeKind::Enum(_) => {}
+            TypeKind::Struct(fields) => self.vars(fields),
+        }
+    }
+
+    fn named(&mut self, named: &'a NamedType) {
+        (self.with)(&named.name.name);
+        self.static_args(&named.statics);
+        let frames = named.frames.iter();
+        let frames = frames.flat_map(|frames| frames.of.iter().chain([&frames.in_frame]));
+        let first = frames.filter_map(|frame| frame.parts.first());
+        first.for_each(|name| (self.with)(&name.name));
+    }
+}
