@@ -120,7 +120,7 @@ impl Desk {
     pub(super) fn send(&mut self, job: Job) {
         let number = job.number;
         if !self.jobs.push(job) {
-            self.reject(number, Failure::Busy);
+            self.reject(number, Failure::Limit("loads that wait, of one client"));
         }
     }
 

@@ -202,11 +202,26 @@ impl fmt::Display for Failure {
     }
 }
 
+/// Where a command is in its life, with what helps.
+fn told(state: State) -> &'static str {
+    match state {
+        State::Loading => "it is being loaded",
+        State::Rejected => "it cannot run here",
+        State::Ready => "it is ready, and does not run",
+        State::Scheduled => {
+            "it is scheduled, a rule will start it; withdrawing that, or unloading it, takes it off"
+        }
+        State::Running => "it runs already",
+        State::Cancelling => "it runs, and was asked to end",
+        State::Terminated => "it has ended; what is to run again is loaded again",
+    }
+}
+
 /// Why the core has refused something; `actuator` is what people call the one that is held.
 pub(crate) fn refused(why: Refused, actuator: &str) -> String {
     match why {
         Refused::Unknown => "the control core does not know it".to_owned(),
-        Refused::State(state) => format!("that does not fit the state {state:?}"),
+        Refused::State(state) => format!("that does not fit its state: {}", told(state)),
         Refused::Held { .. } => format!("{actuator} is held by another command"),
         Refused::Successor => "a command would follow itself or start twice".to_owned(),
         Refused::Never => "the rule could never fire".to_owned(),

@@ -38,7 +38,8 @@ pub(crate) fn page(office: &Office, parts: &[&str]) -> Response {
         ["nets", name, "xml"] => found(parts_of(office, name), Response::xml),
         ["nets", name, "debug"] => found(debug(office, name), Response::xml),
         ["nets", name, "stats"] => found(stats(office, name), Response::xml),
-        _ => Response::refused(404, "there is no such page"),
+        ["rpc" | "DirectIO"] => Response::refused(426, "a websocket speaks here, and no page"),
+        _ => Response::refused(404, "there is no such page; / tells which there are"),
     }
 }
 

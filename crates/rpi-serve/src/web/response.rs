@@ -19,6 +19,7 @@ const REASONS: &[(u16, &str)] = &[
     (404, "Not Found"),
     (405, "Method Not Allowed"),
     (413, "Content Too Large"),
+    (426, "Upgrade Required"),
     (503, "Service Unavailable"),
 ];
 
@@ -53,6 +54,7 @@ impl Response {
         // What a client has to show belongs to this answer (RFC 9110, section 15.5.2).
         let challenge = match self.status {
             401 => "WWW-Authenticate: Bearer\r\n",
+            426 => "Upgrade: websocket\r\n",
             _ => "",
         };
         let text = format!(

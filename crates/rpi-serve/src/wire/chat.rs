@@ -4,7 +4,8 @@ use std::io::{self, Read, Write};
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 
-use tungstenite::protocol::{Role, WebSocketConfig};
+use tungstenite::protocol::frame::coding::CloseCode;
+use tungstenite::protocol::{CloseFrame, Role, WebSocketConfig};
 use tungstenite::{Error, Message, WebSocket};
 
 use super::head::is_pause;
@@ -36,6 +37,36 @@ pub(crate) enum End {
     Over,
     /// The client does not read what it is sent.
     Deaf,
+    /// The client has sent what is no text.
+    Binary,
+    /// The client has sent too much at once.
+    TooLong,
+    /// Nothing was heard of the client.
+    Silent,
+    /// The server closes.
+    Closing,
+}
+
+impl End {
+    /// What a client is told of it (RFC 6455, section 7.4.1): a message may have so many bytes.
+    fn frame(self, most: usize) -> Option<CloseFrame> {
+        let (code, reason) = match self {
+            End::Over => return None,
+            End::Deaf => (CloseCode::Policy, "what is sent is not read".to_owned()),
+            End::Binary => (CloseCode::Unsupported, "messages are texts".to_owned()),
+            End::TooLong => (
+                CloseCode::Size,
+                format!("a message has at most {most} bytes"),
+            ),
+            End::Silent => (
+                CloseCode::Policy,
+                "nothing was heard for too long".to_owned(),
+            ),
+            End::Closing => (CloseCode::Away, "the server closes".to_owned()),
+        };
+        let reason = reason.into();
+        Some(CloseFrame { code, reason })
+    }
 }
 
 /// Talks over a websocket until one side has enough. `rest` was read already.
@@ -55,36 +86,45 @@ pub(crate) fn websocket(
         .accept_unmasked_frames(true);
     let mut socket = WebSocket::from_partially_read(stream, rest, Role::Server, Some(config));
     let mut life = Life::new(silence);
-    let mut end = End::Over;
-    loop {
-        let heard = match socket.read() {
-            Ok(Message::Text(text)) if front.hear(&text) => {
-                life.sign();
-                true
-            }
-            Ok(Message::Ping(_) | Message::Pong(_)) => {
-                life.sign();
-                false
-            }
-            Err(Error::Io(e)) if is_pause(&e) => false,
-            _ => break,
+    let end = loop {
+        let heard = match hear(socket.read(), front, &mut life) {
+            Ok(heard) => heard,
+            Err(end) => break end,
         };
-        if life.is_due() && socket.write(Message::Ping(Vec::new().into())).is_err()
-            || life.is_over()
-        {
-            break;
+        if life.is_over() {
+            break End::Silent;
+        }
+        if life.is_due() && socket.write(Message::Ping(Vec::new().into())).is_err() {
+            break End::Over;
         }
         if is_closing(closing) {
-            break;
+            break End::Closing;
         }
-        if let Some(why) = sent(out, || send(&mut socket, out, heard)) {
-            end = why;
-            break;
+        if let Some(end) = sent(out, || send(&mut socket, out, heard)) {
+            break end;
         }
-    }
-    let _ = socket.close(None);
+    };
+    let _ = socket.close(end.frame(most));
     let _ = socket.flush();
     end
+}
+
+/// Hears what has come: whether that wants an answer, or how the conversation has ended by it.
+fn hear(read: Result<Message, Error>, front: &mut dyn Front, life: &mut Life) -> Result<bool, End> {
+    match read {
+        Ok(Message::Text(text)) if front.hear(&text) => {
+            life.sign();
+            Ok(true)
+        }
+        Ok(Message::Ping(_) | Message::Pong(_)) => {
+            life.sign();
+            Ok(false)
+        }
+        Ok(Message::Binary(_)) => Err(End::Binary),
+        Err(Error::Io(e)) if is_pause(&e) => Ok(false),
+        Err(Error::Capacity(_)) => Err(End::TooLong),
+        _ => Err(End::Over),
+    }
 }
 
 /// Sends what waits; how the conversation has ended, if it has by that.

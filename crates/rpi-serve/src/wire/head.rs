@@ -30,7 +30,9 @@ impl Head {
         loop {
             if let Some(end) = bytes.windows(4).position(|w| w == b"\r\n\r\n") {
                 let rest = bytes.split_off(end + 4);
-                return Head::parse(&bytes[..end], rest).ok_or_else(|| bad("this is no request"));
+                return Head::parse(&bytes[..end], rest).ok_or_else(|| {
+                    bad("this is no request of HTTP/1.1; is another scheme meant, or another port?")
+                });
             }
             if bytes.len() > LONGEST || begin.elapsed() > patience {
                 return Err(bad("a request that is too long or too slow"));

@@ -98,8 +98,13 @@ impl Reception {
     }
 
     fn serve(&self, mut stream: Box<dyn Stream>, peer: Peer) {
-        let Ok(head) = Head::read(&mut stream, self.limits.patience) else {
-            return;
+        let head = match Head::read(&mut stream, self.limits.patience) {
+            Ok(head) => head,
+            Err(why) if why.kind() == io::ErrorKind::InvalidData => {
+                let _ = web::Response::refused(400, &why.to_string()).send(&mut stream);
+                return;
+            }
+            Err(_) => return,
         };
         let _ = if !self.guard.is_no_stranger(&head) {
             web::Response::refused(403, "pages from elsewhere may not come in").send(&mut stream)
@@ -148,7 +153,11 @@ impl Reception {
             let _ = web::Response::refused(404, "no conversation is held here").send(&mut stream);
             return;
         };
-        let key = head.header("sec-websocket-key").unwrap_or_default();
+        let Some(key) = head.header("sec-websocket-key") else {
+            let lacks = "a websocket needs a key (RFC 6455, section 4.1)";
+            let _ = web::Response::refused(400, lacks).send(&mut stream);
+            return;
+        };
         let accept = derive_accept_key(key.as_bytes());
         let agreed = write!(
             stream,

@@ -127,6 +127,18 @@ fn the_server_tells_what_there_is() {
     assert!(get(address, "/devices").contains("robotarm"));
     let missing = ["/nets/n1/dio", "/nowhere"].map(|page| get(address, page));
     assert!(missing.iter().all(|answer| answer.contains("404")));
+    let no_page = ["/rpc", "/DirectIO"].map(|page| get(address, page));
+    assert!(no_page.iter().all(|answer| answer.contains("426")));
+    let no_key = http(address, "GET /rpc HTTP/1.1\r\nUpgrade: websocket\r\n\r\n");
+    assert!(
+        no_key.contains("400") && no_key.contains("needs a key"),
+        "{no_key}"
+    );
+    let no_request = http(address, "hello\r\n\r\n");
+    assert!(
+        no_request.contains("400") && no_request.contains("HTTP/1.1"),
+        "{no_request}"
+    );
     let eval = post(
         address,
         "//eval/",

@@ -87,6 +87,18 @@ fn what_a_client_leaves_behind_counts() {
     assert!(refused.contains("sessions of one client"), "{refused}");
 }
 
+/// Why the server closes a connection, in its words.
+fn closed(client: &mut Client) -> String {
+    let (begin, mut why) = (Instant::now(), String::new());
+    while client.socket_mut().can_read() {
+        assert!(begin.elapsed() < PATIENCE, "it is still listened to");
+        if let Ok(tungstenite::Message::Close(Some(frame))) = client.socket_mut().read() {
+            why = frame.reason.to_string();
+        }
+    }
+    why
+}
+
 #[test]
 fn a_message_that_is_too_long_ends_the_connection() {
     let server = with(Limits {
@@ -95,11 +107,12 @@ fn a_message_that_is_too_long_ends_the_connection() {
     });
     let (mut client, _) = session(&server);
     client.send(&format!("x=ver(\"{}\")", " ".repeat(2000)));
-    let begin = Instant::now();
-    while client.socket_mut().can_read() {
-        assert!(begin.elapsed() < PATIENCE, "it is still listened to");
-        let _ = client.socket_mut().read();
-    }
+    let why = closed(&mut client);
+    assert_eq!(why, "a message has at most 1000 bytes");
+    let (mut client, _) = session(&server);
+    let binary = tungstenite::Message::binary(vec![1, 2, 3]);
+    client.socket_mut().send(binary).unwrap();
+    assert_eq!(closed(&mut client), "messages are texts");
     let body = format!("dionet={}", "x".repeat(2000));
     assert!(post(server.address(), "/eval", &body).starts_with("HTTP/1.1 413"));
     assert!(get(server.address(), "/sessions").starts_with("HTTP/1.1 200"));

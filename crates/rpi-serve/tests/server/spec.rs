@@ -183,3 +183,24 @@ fn an_emergency_stop_is_never_refused() {
         assert_eq!(state["result"]["stopped"], true, "{request}");
     }
 }
+
+/// What a state does not allow is told with what the state is, and with what helps.
+#[test]
+fn what_does_not_fit_a_state_is_told_with_it() {
+    let server = open();
+    let mut owner = crate::rules::Owner::new(&server);
+    let count = owner.load(crate::rules::COUNT, "count", "rpi");
+    let command = json!({"command": count});
+    let mut why = |method: &str| {
+        let told = owner.ask(method, &command);
+        told["error"]["message"]
+            .as_str()
+            .unwrap_or_default()
+            .to_owned()
+    };
+    assert!(why("command.cancel").ends_with("it is ready, and does not run"));
+    assert_eq!(why("command.start"), "");
+    assert!(why("command.start").ends_with("it runs already"));
+    assert_eq!(why("command.abort"), "");
+    assert!(why("command.start").ends_with("loaded again"));
+}
