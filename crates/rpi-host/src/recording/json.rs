@@ -166,6 +166,21 @@ mod tests {
         value["v"].clone()
     }
 
+    /// O6: what was recorded is read as it was written, to the last bit.
+    #[test]
+    fn numbers_come_back_as_they_were() {
+        let mut bits = 1_u64;
+        for value in std::iter::repeat_with(|| {
+            bits = bits.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1);
+            f64::from_bits(bits >> 2 | 0x3000_0000_0000_0000)
+        })
+        .take(10_000)
+        .chain([125.205_557_217_261_67])
+        {
+            assert_eq!(written(&[value], Scalar::Real.into()).as_f64(), Some(value));
+        }
+    }
+
     #[test]
     fn values_are_json_that_viewers_know() {
         let pose = written(&[1.0, 2.0, 3.0, 0.0, 0.0, 0.0, 1.0], Scalar::Pose.into());

@@ -204,3 +204,25 @@ fn what_does_not_fit_a_state_is_told_with_it() {
     assert_eq!(why("command.abort"), "");
     assert!(why("command.start").ends_with("loaded again"));
 }
+
+/// A number arrives as the client's language writes it, to the last bit.
+#[test]
+fn numbers_keep_every_bit() {
+    let server = open();
+    let mut owner = crate::rules::Owner::new(&server);
+    let echo = owner.load(crate::nets::ECHO, "echo", "rpinet");
+    let gain = 125.205_557_217_261_67;
+    let set = json!({"command": echo, "values": {"gain": gain}});
+    assert_eq!(owner.ask("command.set", &set)["result"], json!({}));
+    let command = json!({"command": echo});
+    owner.ask("command.start", &command);
+    let begin = Instant::now();
+    let twice = loop {
+        let told = owner.ask("command.describe", &command)["result"]["values"].clone();
+        match told["twice"].as_str() {
+            Some(twice) => break twice.parse::<f64>().unwrap(),
+            None => assert!(begin.elapsed() < Duration::from_secs(30), "{told}"),
+        }
+    };
+    assert_eq!(twice, 2.0 * gain);
+}
