@@ -133,6 +133,7 @@ codes! {
     RPI3007 Error "clocks that do not meet";
     RPI3101 Warning "flow that nothing uses";
     RPI3102 Warning "claim that can never hold";
+    RPI3103 Warning "state that nothing leads to";
     RPI4001 Error "dependency cycle";
     RPI4002 Error "port that stands for itself";
     RPI4003 Error "assumption about what it allows";
@@ -194,7 +195,12 @@ impl Code {
     pub fn is_about_needless_text(self) -> bool {
         matches!(
             self,
-            Code::RPI1016 | Code::RPI1017 | Code::RPI3002 | Code::RPI3101 | Code::RPI8007
+            Code::RPI1016
+                | Code::RPI1017
+                | Code::RPI3002
+                | Code::RPI3101
+                | Code::RPI3103
+                | Code::RPI8007
         )
     }
 

@@ -5,9 +5,11 @@
 //! | file | idea |
 //! |---|---|
 //! | `params.rs` | parameters and in-ports that nothing reads |
+//! | `states.rs` | states of automata to which nothing leads |
 //! | `steps.rs` | steps of tasks to which nothing leads |
 
 mod params;
+mod states;
 mod steps;
 
 use crate::program::{DeclKind, Program};
@@ -23,10 +25,41 @@ pub fn needless(program: &Program<'_>) -> Vec<Finding> {
         for id in &program.root().decls {
             let decl = program.decl(*id);
             findings.extend(params::unread(decl));
+            findings.extend(states::unreached(decl.kind));
             if let DeclKind::Task(task) = decl.kind {
                 findings.extend(steps::unreached(program, decl.module, task));
             }
         }
     }
     findings
+}
+
+/// Of things that lead to one another those to which nothing leads from the `start`, but not what only follows them. Things
+/// that do not count are passed over.
+fn heads(leads: &[&[usize]], start: Option<usize>, counts: impl Fn(usize) -> bool) -> Vec<usize> {
+    let reached = reached_from(leads, start.into_iter().collect());
+    let all = 0..leads.len();
+    let mut left: Vec<usize> = all.filter(|at| !reached[*at] && counts(*at)).collect();
+    let led = |to: &usize| left.iter().any(|at| at != to && leads[*at].contains(to));
+    let mut told: Vec<usize> = left.iter().copied().filter(|at| !led(at)).collect();
+    let follow = reached_from(leads, told.clone());
+    left.retain(|at| !follow[*at]);
+    // Those left lead to one another in turn.
+    while let Some(first) = left.first().copied() {
+        told.push(first);
+        let follow = reached_from(leads, vec![first]);
+        left.retain(|at| !follow[*at]);
+    }
+    told
+}
+
+/// For each thing whether it is one of these or comes after one.
+fn reached_from(leads: &[&[usize]], mut open: Vec<usize>) -> Vec<bool> {
+    let mut reached = vec![false; leads.len()];
+    while let Some(at) = open.pop() {
+        if !std::mem::replace(&mut reached[at], true) {
+            open.extend(leads[at]);
+        }
+    }
+    reached
 }

@@ -1,5 +1,6 @@
 //! Steps of tasks to which nothing leads.
 
+use super::heads;
 use crate::program::{DeclKind, Lookup, ModuleId, Program};
 use rpi_diag::{Code, Finding, Span};
 use rpi_syntax::Name;
@@ -13,24 +14,8 @@ pub(super) fn unreached(program: &Program<'_>, module: ModuleId, task: &TaskDecl
         all: Vec::new(),
     };
     let start = steps.list(&task.steps, None, &[]);
-    let reached = steps.reached_from(start.into_iter().collect());
-    let all = 0..steps.all.len();
-    let mut left: Vec<usize> = all
-        .filter(|at| !reached[*at] && steps.all[*at].place.is_some())
-        .collect();
-    let led = |to: &usize| {
-        left.iter()
-            .any(|at| at != to && steps.all[*at].leads.contains(to))
-    };
-    let mut told: Vec<usize> = left.iter().copied().filter(|at| !led(at)).collect();
-    let follow = steps.reached_from(told.clone());
-    left.retain(|at| !follow[*at]);
-    // Those left lead to one another in turn.
-    while let Some(first) = left.first().copied() {
-        told.push(first);
-        let follow = steps.reached_from(vec![first]);
-        left.retain(|at| !follow[*at]);
-    }
+    let leads: Vec<&[usize]> = steps.all.iter().map(|step| &step.leads[..]).collect();
+    let told = heads(&leads, start, |at| steps.all[at].place.is_some());
     let places = told.into_iter().filter_map(|at| steps.all[at].place);
     places.map(finding).collect()
 }
@@ -123,17 +108,6 @@ impl<'a> Steps<'_, 'a> {
             Lookup::Found(id) => matches!(self.program.decl(id).kind, DeclKind::Task(_)),
             Lookup::Missing => false,
         }
-    }
-
-    /// For each step whether it is one of these or comes after one.
-    fn reached_from(&self, mut open: Vec<usize>) -> Vec<bool> {
-        let mut reached = vec![false; self.all.len()];
-        while let Some(at) = open.pop() {
-            if !std::mem::replace(&mut reached[at], true) {
-                open.extend(&self.all[at].leads);
-            }
-        }
-        reached
     }
 }
 
