@@ -39,9 +39,14 @@ fn ports(device: &DeviceTy, actuators: bool) -> String {
 
 /// The outputs to choose from, where it is a call that has them.
 fn outputs(ty: &Ty) -> Option<String> {
-    let Ty::Tuple(members) = ty else { return None };
+    let what = match ty {
+        Ty::Tuple(_) => "outputs",
+        Ty::Struct(_) => "fields",
+        _ => return None,
+    };
+    let members = ty.members();
     let names: Vec<&str> = members.iter().filter_map(|m| m.name.as_deref()).collect();
-    (!names.is_empty()).then(|| format!("its outputs are {}", names.join(", ")))
+    (!names.is_empty()).then(|| format!("its {what} are {}", names.join(", ")))
 }
 
 impl<'a> Body<'_, 'a> {

@@ -171,7 +171,9 @@ impl<'a> Body<'_, 'a> {
                     value.field.span,
                     near,
                 );
-                self.report(finding);
+                let names = ty.fields.iter().filter_map(|f| f.name.as_deref());
+                let names: Vec<&str> = names.collect();
+                self.report(finding.help(format!("its fields are {}", names.join(", "))));
                 continue;
             };
             self.expect(id, &ty.fields[k].ty, &Wanted::Here);

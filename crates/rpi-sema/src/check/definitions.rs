@@ -1,7 +1,7 @@
 //! Every flow is defined, and once.
 
 use super::body::Body;
-use crate::typed::{self, FlowId, FlowRole, Place, Target};
+use crate::typed::{self, BlockId, FlowId, FlowRole, Place, Target, Unit};
 use rpi_diag::{Code, Finding, Span};
 
 impl Body<'_, '_> {
@@ -16,7 +16,7 @@ impl Body<'_, '_> {
             let own: Vec<DefinedPart> = own.collect();
             let defined = matches!(flow.role, FlowRole::Output | FlowRole::Local);
             if defined && !flow.ty.has_unknown() && !self.broken.contains(&id) {
-                findings.extend(definition_fault(flow, &own));
+                findings.extend(definition_fault(&self.unit, flow, &own));
             }
         }
         self.findings.append(&mut findings);
@@ -53,25 +53,27 @@ impl Body<'_, '_> {
 
     fn defined_parts(&self) -> Vec<DefinedPart> {
         let mut parts = Vec::new();
-        for block in &self.unit.blocks {
+        for (number, block) in (0..).zip(&self.unit.blocks) {
             let targets = block.equations.iter().flat_map(|e| &e.targets);
-            parts.extend(targets.filter_map(DefinedPart::of));
+            let part = |target| DefinedPart::of(target, BlockId(number));
+            parts.extend(targets.filter_map(part));
             let shared = block
                 .automata
                 .iter()
                 .flat_map(|automaton| &automaton.shared);
-            parts.extend(shared.map(|shared| self.whole(shared.flow)));
+            parts.extend(shared.map(|shared| self.whole(shared.flow, BlockId(number))));
         }
         parts
     }
 
-    fn whole(&self, flow: FlowId) -> DefinedPart {
+    fn whole(&self, flow: FlowId, block: BlockId) -> DefinedPart {
         let count = self.unit.flow(flow).ty.leaf_count();
         DefinedPart {
             flow,
             at: 0,
             count: u32::try_from(count).unwrap_or(u32::MAX),
             span: self.unit.flow(flow).span,
+            block,
         }
     }
 }
@@ -83,10 +85,12 @@ struct DefinedPart {
     at: u32,
     count: u32,
     span: Span,
+    /// The block in which it stands.
+    block: BlockId,
 }
 
 impl DefinedPart {
-    fn of(target: &Target) -> Option<DefinedPart> {
+    fn of(target: &Target, block: BlockId) -> Option<DefinedPart> {
         let Place::Flow { flow, at } = target.place else {
             return None;
         };
@@ -95,15 +99,25 @@ impl DefinedPart {
             at,
             count: u32::try_from(target.ty.leaf_count()).unwrap_or(u32::MAX),
             span: target.span,
+            block,
         })
     }
 }
 
 /// What is wrong with the definitions of a flow; `parts` are sorted by place.
-fn definition_fault(flow: &typed::Flow, parts: &[DefinedPart]) -> Option<Finding> {
+fn definition_fault(unit: &Unit, flow: &typed::Flow, parts: &[DefinedPart]) -> Option<Finding> {
     for pair in parts.windows(2) {
+        let finding = defined_twice(flow, pair[1].span, pair[0].span);
+        if are_states(unit, pair[0].block, pair[1].block) {
+            let name = &flow.name;
+            let message = format!("`{name}` is defined by its parts in several states");
+            return Some(Finding { message, ..finding }.help(format!(
+                "a state defines a flow of its surroundings as a whole: `{name} = ...;`"
+            )));
+        }
         if pair[0].at + pair[0].count > pair[1].at {
-            return Some(defined_twice(flow, pair[1].span, pair[0].span));
+            let help = "a flow has one equation; merge the alternatives by `if` or `??`";
+            return Some(finding.help(help));
         }
     }
     let defined: usize = parts.iter().map(|part| part.count as usize).sum();
@@ -124,7 +138,18 @@ fn defined_twice(flow: &typed::Flow, again: Span, first: Span) -> Finding {
     Finding::new(Code::RPI1008, format!("`{}` is defined twice", flow.name))
         .at(again, "defined again here")
         .also(first, "first defined here")
-        .help("a flow has one equation; merge the alternatives by `if` or `??`")
+}
+
+/// Whether two blocks are states of one automaton.
+fn are_states(unit: &Unit, one: BlockId, other: BlockId) -> bool {
+    let automata = unit.blocks.iter().flat_map(|block| &block.automata);
+    let is_state = |automaton: &typed::Automaton, block| {
+        let mut states = automaton.states.iter();
+        states.any(|state| state.block == block)
+    };
+    let holds =
+        |automaton: &typed::Automaton| is_state(automaton, one) && is_state(automaton, other);
+    one != other && automata.into_iter().any(holds)
 }
 
 fn undefined(flow: &typed::Flow, parts: &[DefinedPart]) -> Finding {

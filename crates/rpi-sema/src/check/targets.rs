@@ -6,7 +6,7 @@ use super::order::{Goal, flatten};
 use super::report::{Wanted, unknown};
 use crate::program::Lookup;
 use crate::ty::{Subst, Ty, fit, join};
-use crate::typed::{Equation, ExprId, FlowId, FlowRole, Place, Target};
+use crate::typed::{Equation, ExprId, FlowId, FlowRole, Place, Target, UnitKind};
 use rpi_diag::counted;
 use rpi_diag::{Code, Finding, Span};
 use rpi_syntax::ast::{self, Ident};
@@ -111,19 +111,23 @@ impl<'a> Body<'_, 'a> {
             Some(Local::Constant(_)) => self.not_definable(name, "a constant"),
             Some(Local::Block(_)) => self.not_definable(name, "a fragment"),
             None if name.name == "_" => (Place::Nowhere, Ty::Unknown),
-            None => self.no_place(name),
+            None => self.no_place(name, !target.path.is_empty()),
         }
     }
 
     /// Nothing in this body has the name.
-    fn no_place(&mut self, name: &Ident) -> (Place, Ty) {
+    fn no_place(&mut self, name: &Ident, in_part: bool) -> (Place, Ty) {
         if let Lookup::Found(id) = self.c.program.lookup(self.module, &name.name) {
             return self.not_definable(name, self.c.program.decl(id).kind.what());
         }
         if self.is_new_unknown(&name.name) {
             let near = self.c.suggest(&name.name, self.local_names());
             let finding = unknown("flow", &name.name, name.span, near);
-            self.report(finding.help("flows are declared after `returns` or `var`"));
+            let help = match in_part && self.unit.kind == UnitKind::Command {
+                true => "a device is a parameter of the command: `command C (arm: Arm)`",
+                false => "flows are declared after `returns` or `var`",
+            };
+            self.report(finding.help(help));
         }
         (Place::Nowhere, Ty::Unknown)
     }

@@ -30,6 +30,21 @@ pub(super) fn needless_word(found: &Found<'_, '_>) -> Option<Habit> {
     Some(Habit { finding, mend })
 }
 
+/// `var z: int;` behind `let`.
+pub(super) fn late_declaration(found: &Found<'_, '_>) -> Option<Habit> {
+    let at = found.fault.at;
+    let typed = matches!(found.token(at + 2), Some(Token::Colon | Token::Comma));
+    if !found.expects_equation() || found.token(at) != Some(Token::Var) || !typed {
+        return None;
+    }
+    let end = found.structure.phrase(at).end;
+    let finding = habit("locals are declared before `let`")
+        .at(found.span_at(at), "this stands among the equations")
+        .help("write it between the ports and `let`; in `.rpi` files it may be left out: an equation introduces its flow");
+    let mend = Mend::Tokens(vec![(at..(end + 1).min(found.lexemes.len()), Vec::new())]);
+    Some(Habit { finding, mend })
+}
+
 /// `n += 1;` and `n++;`
 pub(super) fn compound(found: &Found<'_, '_>) -> Option<Habit> {
     use Token::{Eq, Minus, Plus, Slash, Star};

@@ -77,6 +77,7 @@ const HABITS: &[fn(&Found<'_, '_>) -> Option<Habit>] = &[
     heads::comma,
     heads::type_first,
     bodies::needless_word,
+    bodies::late_declaration,
     bodies::compound,
     bodies::returned,
     bodies::choice,
