@@ -4,12 +4,14 @@ from __future__ import annotations
 
 import asyncio
 from dataclasses import dataclass, field, fields
-from typing import TYPE_CHECKING, Any, AsyncIterator, Sequence
+from typing import TYPE_CHECKING, Any, AsyncIterator, Sequence, TypeVar
 
 from ._core import RpiError
 
 if TYPE_CHECKING:
     from ._core import Core
+
+_Told = TypeVar("_Told", "Ending", "Overruns")
 
 
 @dataclass(frozen=True)
@@ -30,13 +32,6 @@ class Ending:
     braked: list[str] = field(default_factory=list)
 
 
-    @classmethod
-    def of(cls, told: dict[str, Any]) -> Ending:
-        """From what the server tells; a newer one may tell more."""
-        known = {entry.name for entry in fields(cls)}
-        return cls(**{key: value for key, value in told.items() if key in known})
-
-
 @dataclass(frozen=True)
 class Overruns:
     """Ticks of the server that ended too late and in which a command took the longest: how many; of the worst how long the command
@@ -46,6 +41,12 @@ class Overruns:
     took: float = 0.0
     late: float = 0.0
     fragment: str = ""
+
+
+def _as(kind: type[_Told], told: dict[str, Any]) -> _Told:
+    """From what the server tells; a newer one may tell more."""
+    known = {entry.name for entry in fields(kind)}
+    return kind(**{key: value for key, value in told.items() if key in known})
 
 
 @dataclass(frozen=True)
@@ -151,9 +152,9 @@ class Goal:
 
     async def overruns(self) -> Overruns:
         """Its cycles that took too long."""
-        told = (await self._core.call("command.describe", command=self.name)).get("overruns", {})
-        known = {entry.name for entry in fields(Overruns)}
-        return Overruns(**{key: value for key, value in told.items() if key in known and value is not None})
+        described = await self._core.call("command.describe", command=self.name)
+        told = described.get("overruns", {})
+        return _as(Overruns, {key: value for key, value in told.items() if value is not None})
 
     async def unload(self) -> None:
         """Lets go of it."""
@@ -180,7 +181,7 @@ class Goal:
         self._state = update.get("state", self._state)
         self._news.put_nowait(Feedback(self._state, dict(self._values)))
         if "ending" in update and not self._ending.done():
-            self._ending.set_result(Ending.of(update["ending"]))
+            self._ending.set_result(_as(Ending, update["ending"]))
             self._news.put_nowait(None)
         elif self._state == "unloaded" and not self._ending.done():
             self._ending.set_exception(RpiError(-32001, "it was unloaded before it ran", []))
