@@ -134,3 +134,55 @@ fn static_parameters_may_be_many() {
         format!("node f <<p0: int = 1{params}>> (x: int) returns (y: int) let y = x + p2000; tel");
     assert_eq!(found(&node), []);
 }
+
+#[test]
+fn default_values_in_a_long_row_cost_no_stack() {
+    let nodes = row(20_000, |k| {
+        let next = k + 1;
+        format!("node n{k} (x: int = n{next}()) returns (y: int) let y = x; tel")
+    });
+    let last = "node n20000 (x: int = 1) returns (y: int) let y = x; tel\n";
+    is_said(&(nodes + last), Code::RPI1011);
+}
+
+#[test]
+fn contracts_in_a_long_row_cost_no_stack() {
+    let contracts = row(20_000, |k| {
+        let next = k + 1;
+        format!("contract c{k} (x: int) returns (y: int); let import c{next}(x) returns (y); tel")
+    });
+    let last = "contract c20000 (x: int) returns (y: int); let tel\n";
+    is_said(&(contracts + last), Code::RPI1011);
+}
+
+#[test]
+fn names_for_names_may_be_some_and_not_many() {
+    let names = |n: usize| {
+        row(n, |k| format!("node n{k} = n{};", k + 1))
+            + &format!("node n{n} (x: int) returns (y: int) let y = x; tel\n")
+    };
+    assert_eq!(found(&names(50)), []);
+    is_said(&names(4_000), Code::RPI1011);
+}
+
+const COMMAND: &str = "command C (n: int) let finish d when time > real(n) * 1[s]; tel\n";
+
+/// A task is written out wherever another one runs it.
+#[test]
+fn tasks_that_double_are_not_written_out_without_end() {
+    let inner = row(40, |k| {
+        format!(
+            "task T{k} (n: int) let T{0}(2 * n); T{0}(2 * n + 1); tel",
+            k + 1
+        )
+    });
+    let ends = "task T40 (n: int) let C(n); tel\ntask Whole let T0(1); tel\n";
+    is_said(&format!("{COMMAND}{inner}{ends}"), Code::RPI1011);
+}
+
+#[test]
+fn tasks_in_a_long_row_are_too_deep_and_not_endless() {
+    let inner = row(4_000, |k| format!("task T{k} let T{}(); tel", k + 1));
+    let last = "task T4000 let C(1); tel\n";
+    is_said(&format!("{COMMAND}{inner}{last}"), Code::RPI1011);
+}

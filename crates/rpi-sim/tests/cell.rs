@@ -246,6 +246,16 @@ fn each_fault_has_its_place_and_its_words() {
     }
 }
 
+/// Of a long line only the part around the fault is shown.
+#[test]
+fn a_fault_far_to_the_right_is_shown() {
+    let told = faults(&format!("a = {}", "[".repeat(100_000)));
+    assert!(told.contains("cell.toml:1:"), "{told}");
+    assert!(told.lines().all(|line| line.len() < 300), "{told}");
+    let (_, marked) = told.split_once('^').expect("the fault is marked");
+    assert!(!marked.is_empty());
+}
+
 #[test]
 fn no_prefix_of_a_description_panics() {
     for end in 0..EVERYTHING.len() {

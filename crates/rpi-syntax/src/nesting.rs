@@ -125,6 +125,24 @@ fn is_operator(token: Token) -> bool {
             | If
             | With
             | Dot
+            | Percent
+            | In
+            | BitAnd
+            | BitOr
+            | BitNot
+            | ShiftLeft
+            | ShiftRight
+            | Forall
+            | Exists
+            | Match
+            | Int8
+            | Int16
+            | Int32
+            | Int64
+            | UInt8
+            | UInt16
+            | UInt32
+            | UInt64
     )
 }
 

@@ -6,6 +6,7 @@ use rpi_sema::program::ModuleId;
 use rpi_sema::typed::{TaskStep, Unit, UnitId};
 use rpi_syntax::Name;
 use rpi_syntax::ast::{Expr, Run};
+use std::collections::BTreeMap;
 
 use crate::source::Front;
 
@@ -111,6 +112,10 @@ fn text(front: &Front<'_>, span: Span) -> String {
 #[derive(Default)]
 pub(super) struct Instances {
     pub(super) all: Vec<Instance>,
+    /// For each text the names of what it stands for, by unit and arguments.
+    by_text: BTreeMap<String, BTreeMap<String, String>>,
+    /// Nodes of the plans that have been made.
+    pub(super) planned: usize,
 }
 
 impl Instances {
@@ -144,14 +149,16 @@ impl Instances {
 
     /// The same text may mean different values where tasks with parameters run one another: those are numbered.
     fn named(&mut self, text: String, unit: UnitId, args: Vec<Argument>) -> String {
-        let mut name = text.clone();
-        for number in 2.. {
-            match self.all.iter().find(|known| known.name == name) {
-                Some(known) if (known.unit, &known.args) == (unit, &args) => return name,
-                Some(_) => name = format!("{text} #{number}"),
-                None => break,
-            }
+        let same = self.by_text.entry(text.clone()).or_default();
+        let key = format!("{unit:?} {args:?}");
+        if let Some(name) = same.get(&key) {
+            return name.clone();
         }
+        let name = match same.len() {
+            0 => text,
+            others => format!("{text} #{}", others + 1),
+        };
+        same.insert(key, name.clone());
         self.all.push(Instance {
             name: name.clone(),
             unit,

@@ -14,8 +14,10 @@ mod plan;
 pub(crate) use instance::Instance;
 use instance::Instances;
 
+use plan::Unplanned;
+use rpi_diag::{Code, Finding};
 use rpi_net::plan::Target;
-use rpi_sema::typed::{UnitId, UnitKind};
+use rpi_sema::typed::{Unit, UnitId, UnitKind};
 
 use crate::source::Front;
 
@@ -42,19 +44,40 @@ pub struct TaskPlan {
 }
 
 /// The tasks of a program, in the order of the text, and the instances of commands that they need.
-pub(crate) fn tasks(front: &Front<'_>) -> (Vec<Task>, Vec<Instance>) {
+/// Tasks that are too large are reported.
+pub(crate) fn tasks(front: &Front<'_>, findings: &mut Vec<Finding>) -> (Vec<Task>, Vec<Instance>) {
     let is_task = |unit: UnitId| front.checked.unit(unit).kind == UnitKind::Task;
     let mut instances = Instances::default();
     let mut tasks = Vec::new();
     for (decl, unit) in front.checked.runnable.iter().copied() {
-        if is_task(unit) && front.is_sound(unit) {
-            tasks.push(Task {
-                name: front.checked.unit(unit).name.to_string(),
-                plan: plan::plan(front, decl, unit, &mut instances),
-            });
+        if !is_task(unit) || !front.is_sound(unit) {
+            continue;
         }
+        let task = front.checked.unit(unit);
+        let plan = match plan::plan(front, decl, unit, &mut instances) {
+            Ok(plan) => Ok(plan),
+            Err(Unplanned::Said(why)) => Err(why),
+            Err(Unplanned::TooLarge) => {
+                findings.push(too_large(task));
+                break;
+            }
+        };
+        let name = task.name.to_string();
+        tasks.push(Task { name, plan });
     }
     (tasks, instances.all)
+}
+
+fn too_large(task: &Unit) -> Finding {
+    let message = format!("written out `{}` is too large", task.name);
+    let what = format!(
+        "with this one the tasks have more than {} steps, or more than {} tasks run one another in a row",
+        plan::MOST,
+        plan::DEEPEST
+    );
+    Finding::new(Code::RPI1011, message)
+        .at(task.span, what)
+        .help("a task is written out wherever another one runs it; `repeat n times let ... tel` is written out once")
 }
 
 #[cfg(test)]

@@ -11,6 +11,33 @@ use super::instance::{self, Given, Instances};
 use super::{TaskNode, TaskPlan};
 use crate::source::Front;
 
+/// The most nodes of all plans together: a task is written out wherever another one runs it.
+pub(super) const MOST: usize = 20_000;
+
+/// The most tasks that run one another in a row.
+pub(super) const DEEPEST: usize = 400;
+
+/// What keeps a task from being run.
+#[derive(Debug)]
+pub(super) enum Unplanned {
+    /// Something that is told when it is to be run.
+    Said(String),
+    /// It is too large to be written out.
+    TooLarge,
+}
+
+impl From<String> for Unplanned {
+    fn from(said: String) -> Self {
+        Unplanned::Said(said)
+    }
+}
+
+impl From<&str> for Unplanned {
+    fn from(said: &str) -> Self {
+        Unplanned::Said(said.to_owned())
+    }
+}
+
 /// The plan of a task that is run by itself.
 ///
 /// # Errors
@@ -20,22 +47,26 @@ pub(super) fn plan(
     decl: DeclId,
     unit: UnitId,
     instances: &mut Instances,
-) -> Result<TaskPlan, String> {
+) -> Result<TaskPlan, Unplanned> {
     let mut builder = Builder {
         front,
         nodes: Vec::new(),
+        depth: 0,
         instances,
         unit: front.checked.unit(unit),
         known: instance::by_itself(front, front.checked.unit(unit)),
     };
     let start = builder.task(decl, None, None)?;
     let nodes = builder.nodes;
+    instances.planned += nodes.len();
     Ok(TaskPlan { nodes, start })
 }
 
 struct Builder<'f> {
     front: &'f Front<'f>,
     nodes: Vec<TaskNode>,
+    /// How many tasks run one another to get here.
+    depth: usize,
     instances: &'f mut Instances,
     /// The task that is being put in place.
     unit: &'f Unit,
@@ -56,7 +87,12 @@ struct Scope {
 
 impl<'f> Builder<'f> {
     /// Puts a task in place; gives its first node. Tasks do not run themselves: the checker has seen to that.
-    fn task(&mut self, decl: DeclId, exit: Target, fail: Option<Target>) -> Result<Target, String> {
+    fn task(
+        &mut self,
+        decl: DeclId,
+        exit: Target,
+        fail: Option<Target>,
+    ) -> Result<Target, Unplanned> {
         let DeclKind::Task(task) = self.front.program.decl(decl).kind else {
             return Ok(exit);
         };
@@ -74,8 +110,11 @@ impl<'f> Builder<'f> {
         steps: &[Step],
         behind: Target,
         mut scope: Scope,
-    ) -> Result<Target, String> {
+    ) -> Result<Target, Unplanned> {
         let first = self.nodes.len();
+        if self.instances.planned + first + steps.len() > MOST || self.depth > DEEPEST {
+            return Err(Unplanned::TooLarge);
+        }
         self.nodes.resize(first + steps.len(), TaskNode::Pass(None));
         for (at, step) in (first..).zip(steps) {
             if let StepKind::Run(run) = &step.kind
@@ -102,7 +141,7 @@ impl<'f> Builder<'f> {
         Ok(start)
     }
 
-    fn step(&mut self, step: &Step, next: Target, scope: &Scope) -> Result<TaskNode, String> {
+    fn step(&mut self, step: &Step, next: Target, scope: &Scope) -> Result<TaskNode, Unplanned> {
         match &step.kind {
             StepKind::Run(run) => self.run(run, next, scope),
             StepKind::Repeat { count, steps } => {
@@ -114,7 +153,7 @@ impl<'f> Builder<'f> {
             }
             StepKind::Parallel(strands) => self.parallel(strands, next, scope),
             StepKind::Start(_) => Ok(TaskNode::Pass(next)),
-            StepKind::Broken(_) => Err("a step that cannot be read".to_owned()),
+            StepKind::Broken(_) => Err("a step that cannot be read".into()),
         }
     }
 
@@ -124,7 +163,7 @@ impl<'f> Builder<'f> {
         steps: &[Step],
         then: Target,
         scope: &Scope,
-    ) -> Result<TaskNode, String> {
+    ) -> Result<TaskNode, Unplanned> {
         let at = self.nodes.len();
         self.nodes.push(TaskNode::Pass(None));
         let body = self.steps(steps, Some(at), scope.clone())?;
@@ -139,7 +178,7 @@ impl<'f> Builder<'f> {
         strands: &[Strand],
         then: Target,
         scope: &Scope,
-    ) -> Result<TaskNode, String> {
+    ) -> Result<TaskNode, Unplanned> {
         let at = self.nodes.len();
         self.nodes.push(TaskNode::Pass(None));
         self.nodes.push(TaskNode::Join);
@@ -164,7 +203,7 @@ impl<'f> Builder<'f> {
         Ok(TaskNode::Pass(Some(at)))
     }
 
-    fn run(&mut self, run: &Run, next: Target, scope: &Scope) -> Result<TaskNode, String> {
+    fn run(&mut self, run: &Run, next: Target, scope: &Scope) -> Result<TaskNode, Unplanned> {
         let branches = branches(&run.branches, scope)?;
         let otherwise = branches.any.or(run.branches.is_empty().then_some(next));
         let on_fail = branches.fail.or(branches.any).or(scope.fail);
@@ -176,7 +215,9 @@ impl<'f> Builder<'f> {
         if callee.kind == UnitKind::Task {
             let unit = std::mem::replace(&mut self.unit, callee);
             let known = std::mem::replace(&mut self.known, given);
+            self.depth += 1;
             let start = self.task(step.decl, otherwise.unwrap_or(next), on_fail)?;
+            self.depth -= 1;
             (self.unit, self.known) = (unit, known);
             return Ok(TaskNode::Pass(start));
         }
@@ -189,7 +230,7 @@ impl<'f> Builder<'f> {
     }
 
     /// How often something is repeated.
-    fn times(&self, count: Span) -> Result<u64, String> {
+    fn times(&self, count: Span) -> Result<u64, Unplanned> {
         let mut counts = self.unit.counts.iter();
         let (_, id) = counts
             .find(|(span, _)| *span == count)
@@ -198,10 +239,11 @@ impl<'f> Builder<'f> {
         match elab::argument(&self.front.checked.units, self.unit, *id, &known) {
             Argument::Value(leaves) => {
                 let times = leaves.first().and_then(|leaf| leaf.as_int()).unwrap_or(0);
-                u64::try_from(times)
-                    .map_err(|_| format!("{times} repetitions, which are no number of times"))
+                u64::try_from(times).map_err(|_| {
+                    format!("{times} repetitions, which are no number of times").into()
+                })
             }
-            _ => Err("a number of repetitions that has no value before the task runs".to_owned()),
+            _ => Err("a number of repetitions that has no value before the task runs".into()),
         }
     }
 }

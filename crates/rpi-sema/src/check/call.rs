@@ -142,7 +142,7 @@ impl<'a> Body<'_, 'a> {
         if bound.faulty {
             return None;
         }
-        if self.c.is_ring_of_names(id) {
+        if self.c.is_ring_of_names(id) || !self.c.may_stand_for(callee.span) {
             return None;
         }
         self.compare_ports(id, &bound.statics);

@@ -74,7 +74,14 @@ impl<'a> Checker<'a> {
         if let Some(header) = self.headers.get(&key) {
             return header.clone();
         }
+        // A default value may call something that has one.
+        let is_inside = self.headers_open > 0;
+        if is_inside && !self.may_nest("call", self.program.decl(id).span) {
+            return None;
+        }
+        self.headers_open += 1;
         let header = self.new_header(id, statics).map(Rc::new);
+        self.headers_open -= 1;
         self.headers.insert(key, header.clone());
         header
     }

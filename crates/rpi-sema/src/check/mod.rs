@@ -226,6 +226,10 @@ struct Checker<'a> {
     open: Vec<DeclId>,
     /// How many expressions and declarations are being checked, each for the sake of the one before.
     nesting: u32,
+    /// Callables whose ports are just being found.
+    headers_open: u32,
+    /// What tasks do with devices.
+    task_uses: Map<DeclId, Rc<task::Uses>>,
     too_deep: bool,
     /// The other names for callables that are being looked up, each for the sake of the one before.
     aliases: Vec<DeclId>,
@@ -262,6 +266,8 @@ impl<'a> Checker<'a> {
             findings: Vec::new(),
             open: Vec::new(),
             nesting: 0,
+            headers_open: 0,
+            task_uses: Map::default(),
             too_deep: false,
             aliases: Vec::new(),
             ringed: BTreeSet::new(),

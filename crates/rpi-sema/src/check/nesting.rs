@@ -12,6 +12,9 @@ use rpi_diag::{Code, Finding, Span};
 /// expression the parser limits it.
 const MAX_NESTING: u32 = 420;
 
+/// The most names in a row of which each stands for the next.
+const MAX_NAMES: usize = 64;
+
 /// The deepest nesting of structs and arrays in a type.
 const MAX_LEVELS: u32 = 420;
 
@@ -67,7 +70,15 @@ impl Checker<'_> {
 
     /// Whether a declaration that is needed by what is being checked can be looked at now; says so once if not.
     pub(super) fn may_nest(&mut self, what: &str, span: Span) -> bool {
-        let may = self.nesting < MAX_NESTING;
+        self.may(self.nesting < MAX_NESTING, what, span)
+    }
+
+    /// Whether one more name may stand for another one; says so once if not.
+    pub(super) fn may_stand_for(&mut self, span: Span) -> bool {
+        self.may(self.aliases.len() < MAX_NAMES, "node", span)
+    }
+
+    fn may(&mut self, may: bool, what: &str, span: Span) -> bool {
         if !may && !std::mem::replace(&mut self.too_deep, true) {
             self.findings.push(
                 Finding::new(

@@ -144,10 +144,14 @@ impl<'a> Checker<'a> {
 
     /// Checks a unit and all that it calls, for a constant that needs them.
     pub(super) fn check_now(&mut self, id: UnitId) {
+        let is_queued = |c: &Self, id: UnitId| c.entries[id.0 as usize].state == Progress::Queued;
+        if !is_queued(self, id) || !self.may_nest("call", self.units[id.0 as usize].span) {
+            return;
+        }
         let mut open = vec![id];
         while let Some(id) = open.pop() {
-            if self.entries[id.0 as usize].state == Progress::Queued {
-                self.check_unit(id);
+            if is_queued(self, id) {
+                self.nested(|c| c.check_unit(id));
                 open.extend(self.calls_of(id));
             }
         }

@@ -14,6 +14,9 @@ pub struct CellError {
     pub help: Option<String>,
 }
 
+/// How many characters of a line are shown at most.
+const WIDEST: usize = 120;
+
 /// All faults of one description, in the order of their places. Prints each with file, line, column and the line itself.
 #[derive(Clone, Debug, PartialEq)]
 pub struct CellErrors {
@@ -39,7 +42,11 @@ impl CellErrors {
         let (line, column) = self.place(error);
         let text = self.text.lines().nth(line - 1).unwrap_or("");
         let marked = self.text.get(error.span.clone()).unwrap_or("");
-        let width = marked.lines().next().unwrap_or("").chars().count().max(1);
+        let width = marked.lines().next().unwrap_or("").chars().count();
+        let width = width.clamp(1, WIDEST / 2);
+        // Of a long line only what is around the fault.
+        let left_out = (column - 1).saturating_sub(WIDEST / 2);
+        let text: String = text.chars().skip(left_out).take(WIDEST).collect();
         let gutter = line.to_string().len();
         writeln!(f, "{}:{line}:{column}: {}", self.file, error.message)?;
         writeln!(f, " {line} | {text}")?;
@@ -49,7 +56,7 @@ impl CellErrors {
             "",
             "",
             "^".repeat(width),
-            indent = column - 1
+            indent = column - 1 - left_out
         )?;
         match &error.help {
             Some(help) => writeln!(f, " {:gutter$} = {help}", ""),

@@ -1,9 +1,9 @@
 //! Programs with faults: which findings, and where. Each file of `tests/broken` ends with comments
 //! that say what is found in it; `BLESS=1` writes them anew.
 
-use rpi_diag::{FileId, Finding, SourceMap};
+use rpi_diag::{Code, FileId, Finding, SourceMap};
 use rpi_syntax::ast::{ItemKind, StatementKind};
-use rpi_syntax::{Mode, parse};
+use rpi_syntax::{Mode, format, parse};
 use std::path::{Path, PathBuf};
 
 const MARK: &str = "\n-- found:\n";
@@ -131,6 +131,31 @@ fn deep_nesting_is_refused_before_it_hurts() {
     ] {
         let parsed = parse(FileId(0), &text, Mode::Rpi);
         assert!(!parsed.findings.is_empty());
+    }
+}
+
+/// Each of these may stand before or behind itself without a bracket that would limit it.
+#[test]
+fn every_operator_of_lustre_counts_as_a_level() {
+    for (before, behind) in [
+        ("forall (a: int) ", ""),
+        ("exists (a: int) ", ""),
+        ("! ", ""),
+        ("", " lsh 1"),
+        ("", " rsh 1"),
+        ("", " && 1"),
+        ("", " || 1"),
+        ("", " % 1"),
+        ("", " | 1"),
+    ] {
+        let [before, behind] = [before, behind].map(|text| text.repeat(50_000));
+        let text = format!("node f () returns (x: int); let x = {before}1{behind}; tel");
+        let found = parse(FileId(0), &text, Mode::Lustre).findings;
+        assert!(
+            found.iter().any(|f| f.code == Code::RPI0011),
+            "{before:.20} {behind:.20}: {found:?}"
+        );
+        assert!(format(&text, Mode::Lustre).is_err());
     }
 }
 

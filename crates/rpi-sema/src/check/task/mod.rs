@@ -15,6 +15,8 @@ mod parallel;
 mod results;
 mod takeover;
 
+pub(super) use parallel::Uses;
+
 use super::body::Body;
 use super::call::Fitted;
 use super::report::{Wanted, not_a, unknown};

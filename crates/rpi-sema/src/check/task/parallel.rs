@@ -3,28 +3,31 @@
 //! Devices are followed by their names: through what steps give to commands, and to the tasks that they run. Two names are two
 //! devices, unless a task is given one device for two of its parameters: that is looked at where it is run.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
+use std::rc::Rc;
 
 use super::takeover::driven;
 use crate::check::body::Body;
 use crate::check::names::plain_name;
+use crate::hash::Map;
 use crate::program::{DeclId, DeclKind, Lookup, ModuleId, Program};
 use rpi_diag::{Code, Finding, Span};
 use rpi_syntax::Name;
 use rpi_syntax::ast::{Arg, Run, Step, StepKind, TaskDecl, VarDecl};
 
 /// What steps do with devices, by the names that these have there.
-#[derive(Default)]
-struct Uses {
+#[derive(Clone, Default)]
+pub(in crate::check) struct Uses {
     /// What they drive, and where first.
     drives: BTreeMap<Name, Span>,
     /// Devices that are driven at once.
-    apart: Vec<(Name, Name)>,
+    apart: BTreeSet<(Name, Name)>,
     /// What is driven twice at once.
     clashes: Vec<Clash>,
 }
 
 /// A device that two strands drive, with both places.
+#[derive(Clone)]
 struct Clash {
     device: Name,
     first: Span,
@@ -36,8 +39,9 @@ struct Clash {
 impl Body<'_, '_> {
     /// Checks that strands which run at once drive devices of their own.
     pub(super) fn strands_apart(&mut self, task: &TaskDecl) {
-        let looked = Looked {
+        let mut looked = Looked {
             program: self.c.program,
+            known: &mut self.c.task_uses,
             open: Vec::new(),
         };
         let uses = looked.steps(&task.steps, self.module);
@@ -47,24 +51,28 @@ impl Body<'_, '_> {
     }
 }
 
-/// Looks through tasks.
-struct Looked<'p> {
+/// Looks through tasks, through each once.
+struct Looked<'c, 'p> {
     program: &'p Program<'p>,
+    /// What tasks do, by their own names.
+    known: &'c mut Map<DeclId, Rc<Uses>>,
     /// Tasks that are being looked at: one that runs itself is another finding.
     open: Vec<DeclId>,
 }
 
-impl Looked<'_> {
-    fn steps(&self, steps: &[Step], module: ModuleId) -> Uses {
+/// More tasks in a row than this are refused when they are written out.
+const DEEPEST: usize = 400;
+
+impl Looked<'_, '_> {
+    fn steps(&mut self, steps: &[Step], module: ModuleId) -> Uses {
         let mut all = Uses::default();
         for step in steps {
             match &step.kind {
                 StepKind::Run(run) => all.add(self.run(run, module)),
                 StepKind::Repeat { steps, .. } => all.add(self.steps(steps, module)),
                 StepKind::Parallel(strands) => {
-                    let mut strands = strands.iter().map(|s| self.steps(&s.steps, module));
-                    let first = strands.next().unwrap_or_default();
-                    all.add(strands.fold(first, Uses::beside));
+                    let strands = strands.iter().map(|s| self.steps(&s.steps, module));
+                    all.add(strands.reduce(Uses::beside).unwrap_or_default());
                 }
                 StepKind::Start(_) | StepKind::Broken(_) => {}
             }
@@ -73,31 +81,39 @@ impl Looked<'_> {
     }
 
     /// What a step does, by the names of the task in which it stands.
-    fn run(&self, run: &Run, module: ModuleId) -> Uses {
+    fn run(&mut self, run: &Run, module: ModuleId) -> Uses {
         let name = &run.callee.name.name;
         let Lookup::Found(id) = self.program.lookup(module, name) else {
             return Uses::default();
         };
         let decl = self.program.decl(id);
-        let (params, inner) = match decl.kind {
+        match decl.kind {
             DeclKind::Command(command) => {
                 let drives = driven(command).into_iter();
                 let inner = Uses {
                     drives: drives.map(|name| (name.clone(), run.callee.span)).collect(),
                     ..Uses::default()
                 };
-                (&command.params, inner)
+                inner.passed(run, &command.params)
             }
-            DeclKind::Task(task) if !self.open.contains(&id) => {
-                let deeper = Looked {
-                    program: self.program,
-                    open: self.open.iter().copied().chain([id]).collect(),
-                };
-                (&task.params, deeper.steps(&task.steps, decl.module))
-            }
-            _ => return Uses::default(),
-        };
-        inner.passed(run, params)
+            DeclKind::Task(task) => self.task(id, task, decl.module).passed(run, &task.params),
+            _ => Uses::default(),
+        }
+    }
+
+    /// What a task does, by its own names.
+    fn task(&mut self, id: DeclId, task: &TaskDecl, module: ModuleId) -> Rc<Uses> {
+        if let Some(known) = self.known.get(&id) {
+            return known.clone();
+        }
+        if self.open.contains(&id) || self.open.len() > DEEPEST {
+            return Rc::default();
+        }
+        self.open.push(id);
+        let uses = Rc::new(self.steps(&task.steps, module));
+        self.open.pop();
+        self.known.insert(id, uses.clone());
+        uses
     }
 }
 
@@ -116,7 +132,7 @@ impl Uses {
         for (device, second) in &other.drives {
             for (own, first) in &self.drives {
                 if own != device {
-                    self.apart.push((own.clone(), device.clone()));
+                    self.apart.insert((own.clone(), device.clone()));
                     continue;
                 }
                 self.clashes.push(Clash {
@@ -133,7 +149,7 @@ impl Uses {
 
     /// The same by the names of whoever runs a command or task with these parameters. What clashes in a task by itself is found
     /// there.
-    fn passed(self, run: &Run, params: &[VarDecl]) -> Uses {
+    fn passed(&self, run: &Run, params: &[VarDecl]) -> Uses {
         let names: Vec<&Name> = params
             .iter()
             .flat_map(|p| &p.names)
@@ -149,15 +165,17 @@ impl Uses {
         for device in self.drives.keys().filter_map(outside) {
             all.drives.insert(device, span);
         }
-        for (a, b) in self.apart {
-            match (outside(&a), outside(&b)) {
+        for (a, b) in &self.apart {
+            match (outside(a), outside(b)) {
                 (Some(one), Some(other)) if one == other => all.clashes.push(Clash {
                     device: one,
                     first: span,
                     second: span,
-                    within: Some((run.callee.name.name.clone(), a, b)),
+                    within: Some((run.callee.name.name.clone(), a.clone(), b.clone())),
                 }),
-                (Some(one), Some(other)) => all.apart.push((one, other)),
+                (Some(one), Some(other)) => {
+                    all.apart.insert((one, other));
+                }
                 _ => {}
             }
         }
