@@ -7,7 +7,7 @@ use std::path::Path;
 use std::time::Duration;
 
 use rpi_diag::{Style, render};
-use rpi_driver::{Asked, Compiled};
+use rpi_driver::{Asked, Compiled, Program};
 use rpi_host::claims::ClaimSink;
 use rpi_host::control::Budget;
 use rpi_host::plot;
@@ -60,7 +60,11 @@ pub(crate) fn run(args: &RunArgs) -> exit::Outcome {
     let interrupt = Interrupt::listen()?;
     let mut outcome = execute(args, &script, &interrupt, &mut several)?;
     outcome.digest = digest.map(|digest| digest.digits());
-    let (findings, summary) = claims.told(&outcome);
+    let (mut findings, summary) = claims.told(&outcome);
+    // What an image was made of is not there with it.
+    if !matches!(compiled.program, Program::Image(_)) {
+        findings.extend(outcome.find_faults(&compiled.sources));
+    }
     let style = Style::of(&std::io::stderr());
     eprint!("{}{summary}", render(&findings, &compiled.sources, style));
     let file = record.unwrap_or(Path::new("")).display();

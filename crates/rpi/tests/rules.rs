@@ -77,3 +77,44 @@ tel
     let last = &places[places.len() - 2..];
     assert_eq!(last[0], last[1], "it stands in the end");
 }
+
+/// What a command that faults says about it: where it stands in the text, in which cycle, and what happened.
+#[test]
+fn a_fault_of_a_command_has_its_place_in_the_text() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("program.rpi");
+    let counter = "node Counter (on: bool) returns (n: int)
+con
+  guarantee \"small\" n < 3;
+noc
+let
+  n = 0 -> pre n + (if on then 1 else 0);
+tel
+command Count
+let
+  n = Counter(true);
+  finish over when n > 9;
+tel
+";
+    let divided = counter.replace("pre n +", "pre n + 0 div (pre n - 2) +");
+    let cases = [
+        (counter, "fault", 3, "an assertion does not hold"),
+        (&divided, "off", 6, "integer division by zero"),
+    ];
+    for (text, contracts, line, what) in cases {
+        std::fs::write(&path, text).unwrap();
+        for json in [false, true] {
+            let mut rpi = Command::new(env!("CARGO_BIN_EXE_rpi"));
+            rpi.args(["run", "--contracts", contracts]).arg(&path);
+            let output = rpi.args(json.then_some("--json")).output().unwrap();
+            assert_eq!(output.status.code(), Some(3));
+            let [out, err] =
+                [output.stdout, output.stderr].map(|bytes| String::from_utf8(bytes).unwrap());
+            let place = format!("program.rpi:{line}:");
+            assert!(out.contains(&place) && out.contains(what), "{out}");
+            assert!(err.contains("RPI9011") && err.contains(&place), "{err}");
+            let cycle = format!("cycle 3 of `Count`: {what}");
+            assert!(err.contains(&cycle), "{err}");
+        }
+    }
+}

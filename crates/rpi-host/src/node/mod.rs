@@ -8,7 +8,7 @@
 
 mod run;
 mod table;
-mod told;
+pub(crate) mod told;
 
 pub use run::{Cycle, NodeRun, Row};
 pub use table::{BadTable, Reader, header, line};

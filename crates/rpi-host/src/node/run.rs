@@ -97,7 +97,7 @@ impl NodeRun {
 
     fn seen(&mut self, number: u64) -> Cycle {
         if let Some(fault) = self.machine.fault() {
-            let finding = told::fault(self.machine.image(), fault, number);
+            let finding = told::fault(self.machine.image(), fault, number, None);
             return Cycle {
                 row: None,
                 findings: vec![finding],

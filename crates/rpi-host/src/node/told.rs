@@ -4,9 +4,10 @@ use rpi_diag::{Code, FileId, Finding, Span};
 use rpi_image::Image;
 use rpi_prims::Fault;
 
-/// A fault: what happened, where, in which cycle.
-pub(super) fn fault(image: &Image, fault: Fault, cycle: u64) -> Finding {
+/// A fault: what happened, where, in which cycle; `of` says of what, if that has to be told.
+pub(crate) fn fault(image: &Image, fault: Fault, cycle: u64, of: Option<&str>) -> Finding {
     let what = crate::run::fault_text(fault.code);
+    let of = of.map_or_else(String::new, |of| format!(" of `{of}`"));
     let place = image.place_of(fault.cell);
     let span = place.and_then(|place| place.text).map(|text| Span {
         file: FileId(text.file),
@@ -19,6 +20,6 @@ pub(super) fn fault(image: &Image, fault: Fault, cycle: u64) -> Finding {
         let name = flow.split('#').next().unwrap_or(&flow);
         format!("for `{name}`")
     });
-    Finding::new(Code::RPI9011, format!("cycle {cycle}: {what}"))
+    Finding::new(Code::RPI9011, format!("cycle {cycle}{of}: {what}"))
         .at(span.unwrap_or(Span::NONE), label)
 }

@@ -8,6 +8,7 @@ use rpi_prims::FaultCode;
 use rpi_sim::Cell;
 
 use super::outcome::RunEnd;
+use crate::node::told;
 
 /// The named result by which a command has ended.
 pub(super) fn result_of(image: &Image, ending: Ending) -> Option<&EndResult> {
@@ -30,6 +31,14 @@ pub(super) fn of(image: &Image, ending: Ending) -> RunEnd {
             place: image
                 .place_of(fault.cell)
                 .map_or_else(String::new, |p| p.path.clone()),
+            at: None,
+            // The cycle that could not be computed counts, and the first has the number 0.
+            told: Box::new(told::fault(
+                image,
+                fault,
+                ending.cycles.saturating_sub(1),
+                Some(&image.name),
+            )),
         },
         Cause::Terminate if number == 0 => RunEnd::Terminated,
         Cause::Terminate => RunEnd::Error { number, name: None },

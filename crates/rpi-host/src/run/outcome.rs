@@ -1,5 +1,6 @@
 //! What has become of a run.
 
+use rpi_diag::{Finding, SourceMap};
 use serde::Serialize;
 
 use crate::realtime::Figures;
@@ -121,6 +122,12 @@ pub enum RunEnd {
         what: String,
         /// The node to which it happened.
         place: String,
+        /// Where that stands: `file:line:column`. Known as soon as [`Outcome::find_faults`] has been told the texts.
+        #[serde(skip_serializing_if = "Option::is_none")]
+        at: Option<String>,
+        /// The same for people, in the text that the image was made of.
+        #[serde(skip)]
+        told: Box<Finding>,
     },
     /// Cut off, as it had run as long as asked for.
     CutOff,
@@ -190,6 +197,27 @@ impl Outcome {
         let all = all.map(|c| c.end.status());
         all.max_by_key(|status| *status as u8)
             .unwrap_or(Status::Good)
+    }
+
+    /// Finds where the faults of commands stand in the texts that their images were made of, and gives what is told of each.
+    #[must_use]
+    pub fn find_faults(&mut self, sources: &SourceMap) -> Vec<Finding> {
+        let mut found = Vec::new();
+        for command in &mut self.commands {
+            let RunEnd::Fault { at, told, .. } = &mut command.end else {
+                continue;
+            };
+            let span = told.span();
+            if !span.is_none() {
+                *at = Some(format!(
+                    "{}:{}",
+                    sources.name(span.file),
+                    sources.line_col(span)
+                ));
+                found.push((**told).clone());
+            }
+        }
+        found
     }
 
     /// The outcome for programs: one JSON object, indented.

@@ -146,8 +146,17 @@ impl fmt::Display for RunEnd {
                 name: Some(name),
             } => write!(f, "FAILED with {name} (error {number})"),
             RunEnd::Error { number, name: None } => write!(f, "FAILED with error {number}"),
-            RunEnd::Fault { what, place } if place.is_empty() => write!(f, "FAULT: {what}"),
-            RunEnd::Fault { what, place } => write!(f, "FAULT at {place}: {what}"),
+            RunEnd::Fault {
+                what, place, at, ..
+            } => {
+                let at = at.as_deref();
+                let places = [Some(&place[..]).filter(|place| !place.is_empty()), at];
+                let places: Vec<&str> = places.into_iter().flatten().collect();
+                match &places[..] {
+                    [] => write!(f, "FAULT: {what}"),
+                    places => write!(f, "FAULT at {}: {what}", places.join(", ")),
+                }
+            }
             RunEnd::CutOff => f.write_str("cut off"),
             RunEnd::Stopped { why } => write!(f, "STOPPED: {why}"),
             RunEnd::Refused { why } => write!(f, "REFUSED: {why}"),
