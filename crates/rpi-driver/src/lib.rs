@@ -4,6 +4,7 @@
 //! one of its commands. [`inspect`] does the same for an editor, which asks for more than findings. This crate knows files and the order of the stages; it must not know what any of them finds, nor
 //! what a command does once it runs.
 
+mod agreed;
 mod compile;
 mod doctext;
 pub mod emit;

@@ -14,6 +14,7 @@ use rpi_sema::typed::{BlockId, Kind, Unit, UnitId, UnitKind};
 use rpi_sema::{Checked, check};
 use rpi_syntax::with_stack;
 
+use crate::agreed::Found;
 use crate::compile::Asked;
 use crate::files::Disk;
 use crate::modules::Modules;
@@ -165,7 +166,7 @@ fn roots(front: &Front<'_>, asked: Asked, findings: &mut Vec<Finding>) -> Roots 
     let (claims, checked) = (asked.claims, front.checked);
     front.told.replace(asked.told.then(Vec::new));
     let called = called(&checked.units);
-    let mut roots = Roots::default();
+    let (mut roots, mut found) = (Roots::default(), Found::default());
     for (_, unit) in &checked.runnable {
         let kind = checked.unit(*unit).kind;
         if !front.is_sound(*unit) {
@@ -179,7 +180,7 @@ fn roots(front: &Front<'_>, asked: Asked, findings: &mut Vec<Finding>) -> Roots 
             continue;
         }
         let args = arguments(front, *unit);
-        let made = one(front, *unit, &args, findings);
+        let made = one(front, *unit, &args, found.net_of(*unit));
         let made = made.filter(|_| !args.contains(&Argument::Unknown));
         match (kind, made) {
             (UnitKind::Command, Some(made)) => {
@@ -195,14 +196,15 @@ fn roots(front: &Front<'_>, asked: Asked, findings: &mut Vec<Finding>) -> Roots 
     let mut nodes = 0;
     for made in instances {
         if nodes > MOST_OF_INSTANCES {
-            findings.push(too_many(front, &made));
+            found.net_of(made.unit).push(too_many(front, &made));
             break;
         }
-        if let Some(net) = instance(front, made, claims, findings) {
+        if let Some(net) = instance(front, made, claims, &mut found) {
             nodes += net.nodes.len();
             roots.nets.push(net);
         }
     }
+    findings.extend(found.agreed());
     roots.tasks = tasks;
     roots.told = front.told.take().unwrap_or_default();
     roots
@@ -226,10 +228,10 @@ fn instance(
     front: &Front<'_>,
     instance: Instance,
     claims: Claims,
-    findings: &mut Vec<Finding>,
+    found: &mut Found,
 ) -> Option<Net> {
     let Instance { name, unit, args } = instance;
-    let made = one(front, unit, &args, findings)?;
+    let made = one(front, unit, &args, found.net_of(unit))?;
     if let Some(told) = front
         .told
         .borrow_mut()

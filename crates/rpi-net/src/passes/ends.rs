@@ -48,6 +48,11 @@ fn never(background: Background<'_>, condition: &Input) -> bool {
     }
 }
 
+/// Whether it is told that a result can never happen: true of a command only if it is of each of its nets.
+pub fn is_unreachable(finding: &Finding) -> bool {
+    finding.code == Code::RPI6103
+}
+
 fn unreachable(result: &ResultPort) -> Finding {
     let message = format!("result `{}` can never happen", result.name);
     Finding::new(Code::RPI6103, message)

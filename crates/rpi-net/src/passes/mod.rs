@@ -24,6 +24,7 @@ pub use crate::tree::Item;
 pub use analysis::{Analysis, PASSES, Pass, analyse, analyse_unless_ring, has_ring};
 pub use conjunction::Conjunction;
 pub use dependencies::{Dependence, Dependencies, Reader};
+pub use ends::is_unreachable;
 pub use presence::{Presences, Sureness, View};
 pub use schedule::Schedule;
 pub use users::Users;
