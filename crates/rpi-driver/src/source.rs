@@ -4,7 +4,7 @@ use std::cell::RefCell;
 use std::collections::BTreeSet;
 use std::path::Path;
 
-use rpi_diag::{Code, Finding, Severity, SourceMap, Span};
+use rpi_diag::{Finding, Severity, SourceMap, Span};
 use rpi_net::passes::{Analysis, Machine, over_budget};
 use rpi_net::{FragmentId, Net};
 use rpi_sema::elab::{Argument, Claims, Elaborated, Room, elaborate, elaborate_steps};
@@ -193,34 +193,13 @@ fn roots(front: &Front<'_>, asked: Asked, findings: &mut Vec<Finding>) -> Roots 
         }
     }
     let (tasks, instances) = task::tasks(front, findings);
-    let mut nodes = 0;
-    for made in instances {
-        if nodes > MOST_OF_INSTANCES {
-            found.net_of(made.unit).push(too_many(front, &made));
-            break;
-        }
-        if let Some(net) = instance(front, made, claims, &mut found) {
-            nodes += net.nodes.len();
-            roots.nets.push(net);
-        }
-    }
+    let nets = instances.into_iter();
+    let nets = nets.filter_map(|made| instance(front, made, claims, &mut found));
+    roots.nets.extend(nets);
     findings.extend(found.agreed());
     roots.tasks = tasks;
     roots.told = front.told.take().unwrap_or_default();
     roots
-}
-
-/// The most nodes of nets that tasks ask for, together; one net more may begin.
-const MOST_OF_INSTANCES: usize = 400_000;
-
-fn too_many(front: &Front<'_>, next: &Instance) -> Finding {
-    let unit = front.checked.unit(next.unit);
-    let message = format!(
-        "written out the commands of the tasks are more than {MOST_OF_INSTANCES} primitives"
-    );
-    Finding::new(Code::RPI1011, message)
-        .at(unit.span, format!("`{}` is one more", next.name))
-        .help("a command is written out for each choice of arguments with which a task runs it")
 }
 
 /// The net of a command for the arguments that a task gives it.

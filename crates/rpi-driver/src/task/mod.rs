@@ -15,9 +15,10 @@ pub(crate) use instance::Instance;
 use instance::Instances;
 
 use plan::Unplanned;
-use rpi_diag::{Code, Finding};
+use rpi_diag::Finding;
 use rpi_net::plan::Target;
-use rpi_sema::typed::{Unit, UnitId, UnitKind};
+use rpi_sema::elab::task_too_large;
+use rpi_sema::typed::{UnitId, UnitKind};
 
 use crate::source::Front;
 
@@ -58,7 +59,7 @@ pub(crate) fn tasks(front: &Front<'_>, findings: &mut Vec<Finding>) -> (Vec<Task
             Ok(plan) => Ok(plan),
             Err(Unplanned::Said(why)) => Err(why),
             Err(Unplanned::TooLarge) => {
-                findings.push(too_large(task));
+                findings.push(task_too_large(task, plan::MOST, plan::DEEPEST));
                 break;
             }
         };
@@ -66,18 +67,6 @@ pub(crate) fn tasks(front: &Front<'_>, findings: &mut Vec<Finding>) -> (Vec<Task
         tasks.push(Task { name, plan });
     }
     (tasks, instances.all)
-}
-
-fn too_large(task: &Unit) -> Finding {
-    let message = format!("written out `{}` is too large", task.name);
-    let what = format!(
-        "with this one the tasks have more than {} steps, or more than {} tasks run one another in a row",
-        plan::MOST,
-        plan::DEEPEST
-    );
-    Finding::new(Code::RPI1011, message)
-        .at(task.span, what)
-        .help("a task is written out wherever another one runs it; `repeat n times let ... tel` is written out once")
 }
 
 #[cfg(test)]

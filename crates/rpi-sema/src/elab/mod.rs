@@ -39,7 +39,7 @@ mod settle;
 mod signal;
 
 pub use claims::Claims;
-pub use room::Room;
+pub use room::{Room, task_too_large};
 pub use root::{
     Argument, Elaborated, Local, PortShape, elaborate, elaborate_alone, elaborate_steps, parameters,
 };

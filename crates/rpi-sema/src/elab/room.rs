@@ -2,6 +2,7 @@
 
 use crate::check::Checked;
 use crate::program::Program;
+use crate::typed::Unit;
 use rpi_diag::{Code, Finding, Span};
 use std::cell::Cell;
 
@@ -53,4 +54,17 @@ impl Room {
                 .help("divide the program into several files")
         })
     }
+}
+
+/// What is to be said of a task with which all that are written out have more than `steps` steps, or in which more than
+/// `row` run one another in a row.
+#[must_use]
+pub fn task_too_large(task: &Unit, steps: usize, row: usize) -> Finding {
+    let message = format!("written out `{}` is too large", task.name);
+    let what = format!(
+        "with this one the tasks have more than {steps} steps, or more than {row} tasks run one another in a row"
+    );
+    Finding::new(Code::RPI1011, message)
+        .at(task.span, what)
+        .help("a task is written out wherever another one runs it; `repeat n times let ... tel` is written out once")
 }
