@@ -97,7 +97,7 @@ impl<'a> Body<'_, 'a> {
     }
 
     /// The command that a step runs, once its arguments are known.
-    fn command_of(&self, run: &Run) -> Option<UnitId> {
+    pub(super) fn command_of(&self, run: &Run) -> Option<UnitId> {
         let mut steps = self.unit.steps.iter();
         let step = steps.find(|step| step.span == run.callee.span)?;
         let is_command = matches!(self.c.program.decl(step.decl).kind, DeclKind::Command(_));

@@ -5,6 +5,8 @@ use crate::check::body::Body;
 use crate::check::names::{ends_of, plain_name};
 use crate::check::report::listed;
 use crate::program::{DeclKind, Lookup};
+use crate::ty::Ty;
+use crate::typed::Place;
 use rpi_diag::{Code, Finding};
 use rpi_syntax::Name;
 use rpi_syntax::ast::{
@@ -20,7 +22,8 @@ impl<'a> Body<'_, 'a> {
         next: &[&'a Run],
         labels: &Labels<'a>,
     ) {
-        let moving = given_to(&driven(command), command, run);
+        let moved = self.moved(run);
+        let moving = given_to(&moved.iter().collect::<Vec<_>>(), command, run);
         let yields = ends_of(command).into_iter();
         for end in yields.filter(|end| end.kind == EndKind::Yield) {
             let follows = target(run, &end.result.name, next, labels);
@@ -42,6 +45,22 @@ impl<'a> Body<'_, 'a> {
         }
     }
 
+    /// The parameters of a command by which it writes what can move.
+    fn moved(&mut self, run: &Run) -> Vec<Name> {
+        let Some(unit) = self.command_of(run) else {
+            return Vec::new();
+        };
+        self.c.check_now(unit);
+        let unit = &self.c.units[unit.0 as usize];
+        let equations = unit.blocks.iter().flat_map(|block| &block.equations);
+        let targets = equations.flat_map(|equation| &equation.targets);
+        let moved = targets.filter_map(|target| match target.place {
+            Place::Port { device, .. } if can_move(&target.ty) => Some(device),
+            _ => None,
+        });
+        moved.map(|flow| unit.flow(flow).name.clone()).collect()
+    }
+
     /// The devices that these steps drive together; nothing if one of them is no command.
     fn taken_by<'r>(&self, runs: &[&'r Run]) -> Option<Vec<&'r str>> {
         let mut taken = Vec::new();
@@ -56,6 +75,16 @@ impl<'a> Body<'_, 'a> {
             taken.extend(given_to(&driven(successor), successor, run));
         }
         Some(taken)
+    }
+}
+
+/// Whether what a port takes may be a place that is gone to: what is switched or counted is there at once.
+fn can_move(ty: &Ty) -> bool {
+    match ty {
+        Ty::Bool | Ty::Int | Ty::Enum(_) => false,
+        Ty::Array(element, _) => can_move(element),
+        Ty::Struct(_) | Ty::Tuple(_) => ty.members().iter().any(|member| can_move(&member.ty)),
+        _ => true,
     }
 }
 
