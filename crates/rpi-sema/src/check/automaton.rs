@@ -15,6 +15,9 @@ use rpi_syntax::ast::{self, Ident, StatementKind};
 /// The states of an automaton, and the place of each by its name.
 type States<'a, 'm> = (&'a ast::Automaton, &'m Map<Name, u32>);
 
+/// States that do not define a flow that are kept, for messages: every state may have a flow of its own.
+const MISSING: usize = 8;
+
 impl<'a> Body<'_, 'a> {
     /// Declares an automaton's states, what is in them, and the flows that they share.
     pub(super) fn declare_automaton(
@@ -52,8 +55,10 @@ impl<'a> Body<'_, 'a> {
             let shared = &self.current().automata[index].shared[place];
             let inner = shared.states.clone();
             let defining = inner.iter().map(|flow| self.unit.flow(*flow).block);
-            let defining: Vec<BlockId> = defining.collect();
-            let missing = active.iter().filter(|state| !defining.contains(state));
+            let mut defining: Vec<BlockId> = defining.collect();
+            defining.sort_unstable();
+            let is_missing = |state: &&BlockId| defining.binary_search(state).is_err();
+            let missing = active.iter().filter(is_missing).take(MISSING);
             self.current().automata[index].shared[place].missing = missing.copied().collect();
         }
         later.push((self.block, Later::Automaton(index, automaton)));

@@ -40,8 +40,13 @@ fn heads(leads: &[&[usize]], start: Option<usize>, counts: impl Fn(usize) -> boo
     let reached = reached_from(leads, start.into_iter().collect());
     let all = 0..leads.len();
     let mut left: Vec<usize> = all.filter(|at| !reached[*at] && counts(*at)).collect();
-    let led = |to: &usize| left.iter().any(|at| at != to && leads[*at].contains(to));
-    let mut told: Vec<usize> = left.iter().copied().filter(|at| !led(at)).collect();
+    let mut led = vec![false; leads.len()];
+    for at in &left {
+        for to in leads[*at].iter().filter(|to| *to != at) {
+            led[*to] = true;
+        }
+    }
+    let mut told: Vec<usize> = left.iter().copied().filter(|at| !led[*at]).collect();
     let follow = reached_from(leads, told.clone());
     left.retain(|at| !follow[*at]);
     // Those left lead to one another in turn.

@@ -1,6 +1,7 @@
 //! States of automata to which nothing leads.
 
 use super::heads;
+use crate::hash::Map;
 use crate::program::DeclKind;
 use rpi_diag::{Code, Finding};
 use rpi_syntax::ast::{Automaton, Body, NodeDef, State, Statement, StatementKind};
@@ -38,7 +39,11 @@ fn within(statements: &[Statement], findings: &mut Vec<Finding>) {
 
 fn of_automaton(automaton: &Automaton) -> impl Iterator<Item = Finding> + '_ {
     let states = &automaton.states;
-    let leads = states.iter().map(|state| targets(automaton, state));
+    let mut places: Map<&str, usize> = Map::default();
+    for (at, state) in states.iter().enumerate() {
+        places.entry(state.name.name.as_str()).or_insert(at);
+    }
+    let leads = states.iter().map(|state| targets(state, &places));
     let leads: Vec<Vec<usize>> = leads.collect();
     let leads: Vec<&[usize]> = leads.iter().map(|to| &to[..]).collect();
     let start = states.iter().position(|state| state.initial);
@@ -46,17 +51,10 @@ fn of_automaton(automaton: &Automaton) -> impl Iterator<Item = Finding> + '_ {
     told.into_iter().map(|at| finding(&states[at]))
 }
 
-fn targets(automaton: &Automaton, state: &State) -> Vec<usize> {
+fn targets(state: &State, places: &Map<&str, usize>) -> Vec<usize> {
     let transitions = state.unless.iter().chain(&state.until);
-    let place = |name| {
-        automaton
-            .states
-            .iter()
-            .position(|state| state.name.name == name)
-    };
-    transitions
-        .filter_map(|transition| place(transition.target.name.clone()))
-        .collect()
+    let found = transitions.filter_map(|one| places.get(one.target.name.as_str()));
+    found.copied().collect()
 }
 
 fn finding(state: &State) -> Finding {

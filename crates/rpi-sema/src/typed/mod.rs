@@ -310,7 +310,7 @@ pub struct Shared {
     pub flow: FlowId,
     /// The flow inside each state that defines it, in the order of the states.
     pub states: Vec<FlowId>,
-    /// The states that may be active and do not define it.
+    /// States that may be active and do not define it: some of them if there are many.
     pub missing: Vec<BlockId>,
 }
 
