@@ -59,7 +59,7 @@ pub(crate) fn tasks(front: &Front<'_>, findings: &mut Vec<Finding>) -> (Vec<Task
             Ok(plan) => Ok(plan),
             Err(Unplanned::Said(why)) => Err(why),
             Err(Unplanned::TooLarge) => {
-                findings.push(task_too_large(task, plan::MOST, plan::DEEPEST));
+                findings.push(task_too_large(task));
                 break;
             }
         };

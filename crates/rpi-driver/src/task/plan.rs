@@ -2,7 +2,7 @@
 
 use rpi_diag::Span;
 use rpi_net::plan::Target;
-use rpi_sema::elab::{self, Argument};
+use rpi_sema::elab::{self, Argument, MAX_STEPS, MAX_TASKS_IN_A_ROW};
 use rpi_sema::program::{DeclId, DeclKind};
 use rpi_sema::typed::{TaskStep, Unit, UnitId, UnitKind};
 use rpi_syntax::ast::{Branch, Next, OnResult, Run, Step, StepKind, Strand};
@@ -10,12 +10,6 @@ use rpi_syntax::ast::{Branch, Next, OnResult, Run, Step, StepKind, Strand};
 use super::instance::{self, Given, Instances};
 use super::{TaskNode, TaskPlan};
 use crate::source::Front;
-
-/// The most nodes of all plans together: a task is written out wherever another one runs it.
-pub(super) const MOST: usize = 20_000;
-
-/// The most tasks that run one another in a row.
-pub(super) const DEEPEST: usize = 400;
 
 /// What keeps a task from being run.
 #[derive(Debug)]
@@ -112,7 +106,9 @@ impl<'f> Builder<'f> {
         mut scope: Scope,
     ) -> Result<Target, Unplanned> {
         let first = self.nodes.len();
-        if self.instances.planned + first + steps.len() > MOST || self.depth > DEEPEST {
+        if self.instances.planned + first + steps.len() > MAX_STEPS
+            || self.depth > MAX_TASKS_IN_A_ROW
+        {
             return Err(Unplanned::TooLarge);
         }
         self.nodes.resize(first + steps.len(), TaskNode::Pass(None));

@@ -52,8 +52,8 @@ impl<'a> Body<'_, 'a> {
         let active = active.filter(|(_, ast)| !is_only_passed(automaton, ast));
         let active: Vec<BlockId> = active.map(|(state, _)| state.block).collect();
         for place in 0..places.len() {
-            let shared = &self.current().automata[index].shared[place];
-            let inner = shared.states.clone();
+            let block = &self.unit.blocks[self.block.0 as usize];
+            let inner = &block.automata[index].shared[place].states;
             let defining = inner.iter().map(|flow| self.unit.flow(*flow).block);
             let mut defining: Vec<BlockId> = defining.collect();
             defining.sort_unstable();

@@ -107,17 +107,17 @@ impl DefinedPart {
 /// What is wrong with the definitions of a flow; `parts` are sorted by place.
 fn definition_fault(unit: &Unit, flow: &typed::Flow, parts: &[DefinedPart]) -> Option<Finding> {
     for pair in parts.windows(2) {
-        let finding = defined_twice(flow, pair[1].span, pair[0].span);
+        let twice = || defined_twice(flow, pair[1].span, pair[0].span);
         if are_states(unit, pair[0].block, pair[1].block) {
             let name = &flow.name;
             let message = format!("`{name}` is defined by its parts in several states");
-            return Some(Finding { message, ..finding }.help(format!(
+            return Some(Finding { message, ..twice() }.help(format!(
                 "a state defines a flow of its surroundings as a whole: `{name} = ...;`"
             )));
         }
         if pair[0].at + pair[0].count > pair[1].at {
             let help = "a flow has one equation; merge the alternatives by `if` or `??`";
-            return Some(finding.help(help));
+            return Some(twice().help(help));
         }
     }
     let defined: usize = parts.iter().map(|part| part.count as usize).sum();

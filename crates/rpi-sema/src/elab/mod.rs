@@ -39,7 +39,7 @@ mod settle;
 mod signal;
 
 pub use claims::Claims;
-pub use room::{Room, task_too_large};
+pub use room::{MAX_STEPS, MAX_TASKS_IN_A_ROW, Room, task_too_large};
 pub use root::{
     Argument, Elaborated, Local, PortShape, elaborate, elaborate_alone, elaborate_steps, parameters,
 };

@@ -15,6 +15,12 @@ const PER_BYTE: usize = 2;
 /// What a step of a task pays for: its command may have a net of its own, for its arguments.
 const PER_STEP: usize = 2_000;
 
+/// The most steps of all tasks of a program together: a task is written out wherever another one runs it.
+pub const MAX_STEPS: usize = 20_000;
+
+/// The most tasks that run one another in a row.
+pub const MAX_TASKS_IN_A_ROW: usize = 400;
+
 /// The room for nodes.
 #[derive(Debug)]
 pub struct Room {
@@ -56,13 +62,13 @@ impl Room {
     }
 }
 
-/// What is to be said of a task with which all that are written out have more than `steps` steps, or in which more than
-/// `row` run one another in a row.
+/// What is to be said of a task with which those that are written out have more than [`MAX_STEPS`], or in which more than
+/// [`MAX_TASKS_IN_A_ROW`] run one another.
 #[must_use]
-pub fn task_too_large(task: &Unit, steps: usize, row: usize) -> Finding {
+pub fn task_too_large(task: &Unit) -> Finding {
     let message = format!("written out `{}` is too large", task.name);
     let what = format!(
-        "with this one the tasks have more than {steps} steps, or more than {row} tasks run one another in a row"
+        "with this one the tasks have more than {MAX_STEPS} steps, or more than {MAX_TASKS_IN_A_ROW} tasks run one another in a row"
     );
     Finding::new(Code::RPI1011, message)
         .at(task.span, what)

@@ -9,6 +9,7 @@ use std::rc::Rc;
 use super::takeover::driven;
 use crate::check::body::Body;
 use crate::check::names::plain_name;
+use crate::elab::MAX_TASKS_IN_A_ROW;
 use crate::hash::Map;
 use crate::program::{DeclId, DeclKind, Lookup, ModuleId, Program};
 use rpi_diag::{Code, Finding, Span};
@@ -60,9 +61,6 @@ struct Looked<'c, 'p> {
     open: Vec<DeclId>,
 }
 
-/// More tasks in a row than this are refused when they are written out.
-const DEEPEST: usize = 400;
-
 impl Looked<'_, '_> {
     fn steps(&mut self, steps: &[Step], module: ModuleId) -> Uses {
         let mut all = Uses::default();
@@ -106,7 +104,7 @@ impl Looked<'_, '_> {
         if let Some(known) = self.known.get(&id) {
             return known.clone();
         }
-        if self.open.contains(&id) || self.open.len() > DEEPEST {
+        if self.open.contains(&id) || self.open.len() > MAX_TASKS_IN_A_ROW {
             return Rc::default();
         }
         self.open.push(id);
