@@ -14,6 +14,7 @@ use rpi_syntax::Mode;
 use crate::doctext;
 use crate::files::Disk;
 use crate::input::{Input, InputError, Kind};
+use crate::marks::{self, Marks};
 use crate::modules::Modules;
 use crate::source::{self, Told};
 use crate::task::Task;
@@ -35,6 +36,8 @@ pub struct Compiled {
     pub tests: Vec<Test>,
     /// What the analyses established about each thing that can be run, if that was asked for.
     pub told: Vec<Told>,
+    /// What tests can reach, if that was asked for.
+    pub marks: Vec<Marks>,
 }
 
 /// What is asked for besides the findings.
@@ -44,6 +47,8 @@ pub struct Asked {
     pub claims: Claims,
     /// Whether the analyses tell what they established.
     pub told: bool,
+    /// Whether it is told what tests can reach.
+    pub marks: bool,
     /// The period of a cycle, nanoseconds, where it is not the one of the machine.
     pub period_ns: Option<u64>,
 }
@@ -53,6 +58,7 @@ impl From<Claims> for Asked {
         Asked {
             claims,
             told: false,
+            marks: false,
             period_ns: None,
         }
     }
@@ -105,6 +111,10 @@ fn program(input: &Input, text: &str, asked: Asked) -> Compiled {
         tests: built.tests,
         told: built.told,
         tasks: built.tasks,
+        marks: asked
+            .marks
+            .then(|| marks::of_modules(&modules))
+            .unwrap_or_default(),
     }
 }
 
@@ -128,6 +138,7 @@ pub fn compile_example(input: &Input, lines: &[Range<usize>]) -> Result<Compiled
         tests: built.tests,
         told: built.told,
         tasks: built.tasks,
+        marks: Vec::new(),
     })
 }
 
@@ -155,6 +166,7 @@ fn image(input: &Input) -> Result<Compiled, InputError> {
         tasks: Vec::new(),
         tests: Vec::new(),
         told: Vec::new(),
+        marks: Vec::new(),
     })
 }
 
@@ -171,6 +183,7 @@ fn net(input: &Input, text: &str) -> Compiled {
         tasks: Vec::new(),
         tests: Vec::new(),
         told,
+        marks: Vec::new(),
     }
 }
 

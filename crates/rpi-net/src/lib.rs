@@ -6,6 +6,7 @@
 
 pub mod claim;
 mod column;
+mod landmark;
 pub mod literal;
 pub mod lustre;
 pub mod net;
@@ -19,10 +20,11 @@ mod violation;
 
 pub use claim::{Claim, ClaimKind, ClaimRead};
 pub use column::Column;
+pub use landmark::{Choice, Exit, Exits, Landmarks, Side};
 pub use net::{
-    Absent, Activation, Alternatives, Driver, Exit, Exits, ExportPort, Fragment, FragmentId,
-    FragmentPort, Input, Inputs, Net, Node, NodeId, Origin, PortRef, Restart, ResultKind,
-    ResultPort, Types, without_calls,
+    Absent, Activation, Alternatives, Driver, ExportPort, Fragment, FragmentId, FragmentPort,
+    Input, Inputs, Net, Node, NodeId, Origin, PortRef, Restart, ResultKind, ResultPort, Types,
+    without_calls,
 };
 pub use rpi_prims::PrimId;
 pub use tree::{Item, Tree};

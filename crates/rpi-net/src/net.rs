@@ -1,6 +1,7 @@
 //! The net itself: plain data, built by the elaboration or the `.rpinet` reader, read by every pass.
 
 use crate::claim::Claim;
+use crate::landmark::Landmarks;
 use rpi_diag::Span;
 use rpi_image::{PrimDesc, Type, Value};
 use rpi_prims::PrimId;
@@ -228,26 +229,6 @@ pub struct Alternatives {
     pub ports: Vec<String>,
 }
 
-/// What may leave a state of an automaton at one end of a cycle: for those who watch a run.
-#[derive(Clone, PartialEq, Debug)]
-pub struct Exits {
-    /// Whether the automaton is in that state: a Boolean.
-    pub here: Input,
-    /// The transitions in the order in which they are tried: the first one whose condition holds is taken.
-    pub transitions: Vec<Exit>,
-    /// The automaton.
-    pub automaton: Span,
-}
-
-/// A transition out of a state.
-#[derive(Clone, PartialEq, Debug)]
-pub struct Exit {
-    /// When: a Boolean.
-    pub condition: Input,
-    /// The transition.
-    pub span: Span,
-}
-
 /// A net: one command, ready for the passes.
 #[derive(Clone, PartialEq, Debug)]
 pub struct Net {
@@ -265,8 +246,8 @@ pub struct Net {
     pub alternatives: Vec<Alternatives>,
     /// What the program claims of itself, as far as that is published.
     pub claims: Vec<Claim>,
-    /// The transitions of its automata, where they were asked for.
-    pub exits: Vec<Exits>,
+    /// What was made from which place of the text, where that was asked for.
+    pub landmarks: Landmarks,
     /// Whether it is a test: one that does not finish fails when it runs.
     pub is_test: bool,
 }
@@ -299,7 +280,7 @@ impl Net {
             exports: Vec::new(),
             alternatives: Vec::new(),
             claims: Vec::new(),
-            exits: Vec::new(),
+            landmarks: Landmarks::default(),
             is_test: false,
         }
     }

@@ -106,8 +106,8 @@ fn compile(args: &RunArgs) -> Result<Compiled, Box<dyn Error>> {
     }
     let asked = Asked {
         claims: args.contracts.into(),
-        told: false,
         period_ns: args.target.period,
+        ..Asked::default()
     };
     program::load(&args.program, asked)
 }

@@ -5,7 +5,7 @@ use std::io::IsTerminal;
 use std::path::Path;
 
 use rpi_diag::{Code, Finding, Format, Severity, SourceMap, Span, Style, render_as};
-use rpi_driver::{Asked, Claims, Compiled};
+use rpi_driver::{Asked, Compiled};
 
 use crate::args::CheckArgs;
 use crate::mend::mend;
@@ -33,14 +33,12 @@ pub(crate) fn check(args: &CheckArgs) -> Outcome {
 
 /// A file, compiled; the analyses tell what they established if that is asked for.
 pub(crate) fn compile(path: &Path, told: bool) -> Result<Compiled, Box<dyn std::error::Error>> {
-    let claims = Claims::Off;
     let input = rpi_driver::read(path)?;
     Ok(rpi_driver::compile_with(
         &input,
         Asked {
-            claims,
             told,
-            period_ns: None,
+            ..Asked::default()
         },
     )?)
 }

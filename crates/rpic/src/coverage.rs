@@ -1,23 +1,42 @@
 //! What the tests of a file have seen of it, all together, and how that is told.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::fmt::Write as _;
 
 use rpi_diag::{FileId, SourceMap, Span};
+use rpi_driver::Marks;
 use rpi_host::testing::Coverage;
 
 /// What was seen, by places in the text: what is instantiated several times counts once.
 #[derive(Default)]
 pub(crate) struct Seen {
+    called: BTreeSet<Span>,
     /// A path, and whether any instance was active.
     fragments: BTreeMap<Span, (String, bool)>,
     branches: BTreeMap<Span, [bool; 2]>,
     transitions: BTreeMap<Span, bool>,
 }
 
+/// How many there are of something, and how many of them were seen.
+#[derive(Default)]
+struct Count {
+    seen: usize,
+    all: usize,
+}
+
+/// The counts of what can be reached, and a line for each thing that was not.
+#[derive(Default)]
+struct Account {
+    fragments: Count,
+    branches: Count,
+    transitions: Count,
+    missing: String,
+}
+
 impl Seen {
     /// Adds what one test has seen.
     pub(crate) fn add(&mut self, coverage: &Coverage) {
+        self.called.extend(&coverage.called);
         for (place, path, active) in &coverage.fragments {
             let seen = self.fragments.entry(*place);
             seen.or_insert((path.clone(), false)).1 |= active;
@@ -32,45 +51,79 @@ impl Seen {
     }
 
     /// A line that counts, and one for each thing that was not seen. What stands in the standard library is left out: that
-    /// has tests of its own.
-    pub(crate) fn text(mut self, sources: &SourceMap) -> String {
-        self.fragments.retain(|place, _| is_own(sources, *place));
-        self.branches.retain(|place, _| is_own(sources, *place));
-        self.transitions.retain(|place, _| is_own(sources, *place));
-        format!("coverage: {}\n{}", self.counts(), self.missing(sources))
-    }
-
-    fn counts(&self) -> String {
-        let active = self.fragments.values().filter(|seen| seen.1).count();
-        let ways = self.branches.values().flatten().filter(|way| **way).count();
-        let taken = self.transitions.values().filter(|taken| **taken).count();
+    /// has tests of its own. So is what no test calls of the other modules that the program uses.
+    pub(crate) fn text(&self, marks: &[Marks], sources: &SourceMap) -> String {
+        let mut account = Account::default();
+        let own = |place: &Span| is_own(sources, *place);
+        for (_, (path, active)) in self.fragments.iter().filter(|(place, _)| own(place)) {
+            account.fragments.add(*active);
+            if !active {
+                let _ = writeln!(account.missing, "  never active: {path}");
+            }
+        }
+        for declared in marks.iter().filter(|declared| own(&declared.span)) {
+            if self.called.contains(&declared.span) {
+                self.called(declared, sources, &mut account);
+            } else if declared.is_own {
+                account.uncalled(declared, sources);
+            }
+        }
+        let Account {
+            fragments,
+            branches,
+            transitions,
+            missing,
+        } = account;
         format!(
-            "{active} of {} fragments, {ways} of {} branches, {taken} of {} transitions",
-            self.fragments.len(),
-            2 * self.branches.len(),
-            self.transitions.len()
+            "coverage: {} fragments, {} branches, {} transitions\n{missing}",
+            fragments.text(),
+            branches.text(),
+            transitions.text()
         )
     }
 
-    fn missing(&self, sources: &SourceMap) -> String {
-        let mut text = String::new();
-        for (path, _) in self.fragments.values().filter(|seen| !seen.1) {
-            let _ = writeln!(text, "  never active: {path}");
-        }
-        for (place, ways) in &self.branches {
-            for (_, branch) in [(ways[0], "else"), (ways[1], "then")]
-                .iter()
-                .filter(|(seen, _)| !seen)
-            {
-                let place = located(sources, *place);
-                let _ = writeln!(text, "  `{branch}` never taken: {place}");
+    /// What was seen of something that some test calls.
+    fn called(&self, declared: &Marks, sources: &SourceMap, account: &mut Account) {
+        for place in &declared.choices {
+            let ways = self.branches.get(place).copied().unwrap_or_default();
+            for (seen, branch) in [(ways[1], "then"), (ways[0], "else")] {
+                account.branches.add(seen);
+                if !seen {
+                    let place = located(sources, *place);
+                    let _ = writeln!(account.missing, "  `{branch}` never taken: {place}");
+                }
             }
         }
-        for (place, _) in self.transitions.iter().filter(|(_, taken)| !**taken) {
-            let (transition, place) = (sources.slice(*place), located(sources, *place));
-            let _ = writeln!(text, "  `{transition}` never taken: {place}");
+        for place in &declared.transitions {
+            let taken = self.transitions.get(place).copied().unwrap_or_default();
+            account.transitions.add(taken);
+            if !taken {
+                let (transition, place) = (sources.slice(*place), located(sources, *place));
+                let _ = writeln!(account.missing, "  `{transition}` never taken: {place}");
+            }
         }
-        text
+    }
+}
+
+impl Account {
+    /// Nothing was seen of what no test calls.
+    fn uncalled(&mut self, declared: &Marks, sources: &SourceMap) {
+        self.fragments.all += declared.fragments;
+        self.branches.all += 2 * declared.choices.len();
+        self.transitions.all += declared.transitions.len();
+        let (what, place) = (&declared.what, located(sources, declared.span));
+        let _ = writeln!(self.missing, "  never called: {what}: {place}");
+    }
+}
+
+impl Count {
+    fn add(&mut self, seen: bool) {
+        self.all += 1;
+        self.seen += usize::from(seen);
+    }
+
+    fn text(&self) -> String {
+        format!("{} of {}", self.seen, self.all)
     }
 }
 

@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use rpi_diag::{Code, Finding, Span, counted};
-use rpi_driver::{Compiled, Input, Test};
+use rpi_driver::{Asked, Compiled, Input, Test};
 use rpi_host::testing::{Case, Condition, Ended, Holds, Report, run};
 use rpi_image::image::TextRange;
 use rpi_net::{Claim, ClaimKind};
@@ -18,13 +18,21 @@ pub(crate) fn test(args: &TestArgs) -> Outcome {
     let (mut exit, mut tally) = (Exit::Good, Tally::default());
     for file in &rpi_driver::files_of(&args.files)? {
         let input = rpi_driver::read(file)?;
-        let compiled = rpi_driver::compile(&input)?;
+        let asked = Asked {
+            marks: args.coverage,
+            ..Asked::default()
+        };
+        let compiled = rpi_driver::compile_with(&input, asked)?;
         show(args.format, &compiled.findings, &compiled.sources)?;
         if compiled.has_errors() {
             exit = Exit::Found;
             continue;
         }
-        one_file(file, args, &compiled, &mut tally)?;
+        let seen = one_file(file, args, &compiled, &mut tally)?;
+        if args.coverage {
+            let text = seen.text(&compiled.marks, &compiled.sources);
+            put(None, text.as_bytes())?;
+        }
         examples(&input, args, &mut tally)?;
     }
     put(None, tally.text().as_bytes())?;
@@ -87,12 +95,13 @@ fn examples(
     Ok(())
 }
 
+/// Runs the tests of a program; gives what they have seen, if that is noted.
 fn one_file(
     file: &Path,
     args: &TestArgs,
     compiled: &Compiled,
     tally: &mut Tally,
-) -> Result<(), Box<dyn std::error::Error>> {
+) -> Result<Seen, Box<dyn std::error::Error>> {
     let wanted = |test: &Test| args.filter.as_ref().is_none_or(|f| test.title.contains(f));
     let mut seen = Seen::default();
     for test in &compiled.tests {
@@ -113,10 +122,7 @@ fn one_file(
         show(args.format, &findings(test, &report), &compiled.sources)?;
         report.coverage.iter().for_each(|own| seen.add(own));
     }
-    match args.coverage {
-        true => put(None, seen.text(&compiled.sources).as_bytes()),
-        false => Ok(()),
-    }
+    Ok(seen)
 }
 
 fn report(test: &Test, args: &TestArgs) -> Result<Report, String> {

@@ -55,7 +55,7 @@ fn tests_are_chosen_by_title() {
 fn coverage_names_what_was_not_seen() {
     let (_, all) = run(LAMP, &["--coverage"]);
     assert!(
-        all.contains("coverage: 2 of 2 fragments, 4 of 4 branches, 1 of 2 transitions"),
+        all.contains("coverage: 2 of 2 fragments, 2 of 2 branches, 1 of 2 transitions"),
         "{all}"
     );
     let (_, part) = run(LAMP, &["--coverage", "--filter", "goes out"]);
@@ -68,12 +68,36 @@ fn transitions_count_where_they_are_taken() {
     assert_eq!(status, Some(0), "{text}");
     let told: Vec<&str> = text.lines().filter(|l| !l.starts_with("ok")).collect();
     let expected = [
-        "coverage: 5 of 6 fragments, 2 of 2 branches, 3 of 6 transitions",
+        "coverage: 5 of 6 fragments, 0 of 0 branches, 3 of 6 transitions",
         "  never active: k.Locked/k.Out",
         "  `open and n > 3 then Wide` never taken: program.rpi:8:13",
         "  `not open continue Shut` never taken: program.rpi:14:13",
         "  `n > 100 then Out` never taken: program.rpi:20:19",
         "2 passed, 0 failed",
+    ];
+    assert_eq!(told, expected);
+}
+
+/// What a constant or a static parameter decides is a choice like others, inside a branch counts what happens while that is
+/// taken, `->` and the test's own choices are none, and what no test calls is named.
+#[test]
+fn branches_count_where_they_matter() {
+    let (status, text) = run(include_str!("data/reach.rpi"), &["--coverage"]);
+    assert_eq!(status, Some(0), "{text}");
+    let told: Vec<&str> = text.lines().filter(|l| !l.starts_with("ok")).collect();
+    let expected = [
+        "coverage: 1 of 4 fragments, 5 of 14 branches, 0 of 3 transitions",
+        "  never active: s.Rest",
+        "  `else` never taken: program.rpi:5:7",
+        "  `then` never taken: program.rpi:6:14",
+        "  `then` never taken: program.rpi:6:27",
+        "  `else` never taken: program.rpi:6:27",
+        "  `then` never taken: program.rpi:13:7",
+        "  `then` never taken: program.rpi:18:29",
+        "  `else` never taken: program.rpi:18:29",
+        "  `fast then Rest` never taken: program.rpi:17:13",
+        "  never called: node Never: program.rpi:23:6",
+        "1 passed, 0 failed",
     ];
     assert_eq!(told, expected);
 }

@@ -1,23 +1,25 @@
 //! What a test has seen of a net: fragments that were active, choices that went either way, transitions that were taken.
 
-use std::collections::{BTreeMap, BTreeSet};
+use std::collections::BTreeMap;
 
 use rpi_core::Machine;
 use rpi_diag::Span;
 use rpi_image::Image;
 use rpi_image::image::Signal;
-use rpi_net::{Exits, FragmentId, Input, Net, Node, PortRef};
+use rpi_net::{Choice, Exits, FragmentId, Input, Net, PortRef};
 
 /// What was seen so far, by places in the text; of what is instantiated several times there are as many entries.
 #[derive(Clone, Debug)]
 pub struct Coverage {
+    /// The names of all that was called, where it is declared.
+    pub called: Vec<Span>,
     /// Each fragment but the root: its place, its path, and whether it was ever active.
     pub fragments: Vec<(Span, String, bool)>,
-    /// Each choice whose condition is not known before: whether it was ever false, and ever true.
+    /// Each choice: whether its condition was ever false, and ever true, while the choice mattered.
     pub branches: Vec<(Span, [bool; 2])>,
     /// Each transition of an automaton, and whether it was ever taken.
     pub transitions: Vec<(Span, bool)>,
-    conditions: Vec<Watched>,
+    choices: Vec<Decision>,
     exits: Vec<State>,
 }
 
@@ -32,6 +34,16 @@ enum Watched {
     Absent,
 }
 
+/// A choice: it matters in the cycles in which its fragment is active and the branch around it is taken.
+#[derive(Clone, Debug)]
+struct Decision {
+    condition: Watched,
+    /// None if it is never active.
+    fragment: Option<u32>,
+    /// The choice around it, which comes before, and its condition for which this one matters.
+    side: Option<(usize, bool)>,
+}
+
 /// A state of an automaton, and the conditions of the transitions that lead out of it, in order.
 #[derive(Clone, Debug)]
 struct State {
@@ -41,24 +53,17 @@ struct State {
 
 impl Coverage {
     pub(super) fn new(net: &Net, image: &Image) -> Coverage {
-        let probes = Probes::new(net, image);
-        let (branches, conditions): (Vec<_>, Vec<_>) = choices(net)
-            .into_iter()
-            .map(|(span, port)| ((span, [false; 2]), probes.port(port)))
-            .unzip();
-        let state = |exits: &Exits| State {
-            here: probes.input(&exits.here),
-            conditions: (exits.transitions.iter())
-                .map(|exit| probes.input(&exit.condition))
-                .collect(),
-        };
-        let transitions = net.exits.iter().flat_map(|exits| &exits.transitions);
+        let places = Places::new(net, image);
+        let marks = &net.landmarks;
+        let transitions = marks.exits.iter().flat_map(|exits| &exits.transitions);
+        let choices = marks.choices.iter();
         Coverage {
+            called: marks.called.clone(),
             fragments: fragments(net, image),
-            branches,
+            branches: choices.clone().map(|one| (one.span, [false; 2])).collect(),
             transitions: transitions.map(|exit| (exit.span, false)).collect(),
-            conditions,
-            exits: net.exits.iter().map(state).collect(),
+            choices: choices.map(|one| places.decision(one)).collect(),
+            exits: marks.exits.iter().map(|one| places.state(one)).collect(),
         }
     }
 
@@ -66,17 +71,29 @@ impl Coverage {
         for (k, fragment) in (1..).zip(&mut self.fragments) {
             fragment.2 |= machine.is_active(k);
         }
-        for ((_, seen), condition) in self.branches.iter_mut().zip(&self.conditions) {
-            if let Some(value) = condition.value(machine) {
-                seen[usize::from(value)] = true;
-            }
-        }
+        self.look_at_choices(machine);
         let mut first = 0;
         for state in &self.exits {
             if let Some(k) = state.taken(machine) {
                 self.transitions[first + k].1 = true;
             }
             first += state.conditions.len();
+        }
+    }
+
+    fn look_at_choices(&mut self, machine: &Machine) {
+        let mut taken: Vec<Option<bool>> = Vec::with_capacity(self.choices.len());
+        for (choice, (_, seen)) in self.choices.iter().zip(&mut self.branches) {
+            let around = choice.side;
+            let matters = choice
+                .fragment
+                .is_some_and(|fragment| machine.is_active(fragment))
+                && around.is_none_or(|(outer, side)| taken.get(outer) == Some(&Some(side)));
+            let value = choice.condition.value(machine).filter(|_| matters);
+            if let Some(value) = value {
+                seen[usize::from(value)] = true;
+            }
+            taken.push(value);
         }
     }
 }
@@ -103,19 +120,47 @@ impl State {
     }
 }
 
-/// Where the ports of a net are found in its image.
-struct Probes<'n> {
+/// Where the ports and fragments of a net are found in its image.
+struct Places<'n> {
     net: &'n Net,
-    places: BTreeMap<String, (Signal, u32)>,
+    ports: BTreeMap<String, (Signal, u32)>,
+    fragments: BTreeMap<String, u32>,
 }
 
-impl<'n> Probes<'n> {
-    fn new(net: &'n Net, image: &Image) -> Probes<'n> {
+impl<'n> Places<'n> {
+    fn new(net: &'n Net, image: &Image) -> Places<'n> {
         let probes = image.probes.iter();
-        let places = probes.map(|p| (image.probe_name(p), (p.value, p.fragment)));
-        Probes {
+        let ports = probes.map(|p| (image.probe_name(p), (p.value, p.fragment)));
+        let fragments = (0..).zip(&image.fragments).skip(1);
+        Places {
             net,
-            places: places.collect(),
+            ports: ports.collect(),
+            fragments: fragments.map(|(k, of)| (of.path.clone(), k)).collect(),
+        }
+    }
+
+    fn decision(&self, choice: &Choice) -> Decision {
+        Decision {
+            condition: self.input(&choice.condition),
+            fragment: self.fragment(choice.fragment),
+            side: (choice.side).map(|side| (side.choice as usize, side.taken_if)),
+        }
+    }
+
+    fn state(&self, exits: &Exits) -> State {
+        let transitions = exits.transitions.iter();
+        State {
+            here: self.input(&exits.here),
+            conditions: transitions
+                .map(|exit| self.input(&exit.condition))
+                .collect(),
+        }
+    }
+
+    fn fragment(&self, id: FragmentId) -> Option<u32> {
+        match id {
+            FragmentId::ROOT => Some(0),
+            _ => self.fragments.get(&path_of(self.net, id)).copied(),
         }
     }
 
@@ -123,7 +168,7 @@ impl<'n> Probes<'n> {
         let node = self.net.node(port.node);
         let name = node.desc().outputs.get(usize::from(port.port));
         let path = self.net.path(node.fragment, &node.name);
-        let place = name.and_then(|port| self.places.get(&format!("{path}.{}", port.name)));
+        let place = name.and_then(|port| self.ports.get(&format!("{path}.{}", port.name)));
         place.map_or(Watched::Absent, |&(signal, fragment)| {
             Watched::Computed(signal, fragment)
         })
@@ -138,34 +183,11 @@ impl<'n> Probes<'n> {
     }
 }
 
-/// The choices of a net, each once: a choice between composite values is one primitive per leaf. What an automaton chooses
-/// is told as its transitions.
-fn choices(net: &Net) -> BTreeSet<(Span, PortRef)> {
-    let automata: BTreeSet<Span> = net.exits.iter().map(|exits| exits.automaton).collect();
-    let is_choice = |node: &&Node| {
-        let span = node.origin.span;
-        node.desc().name.ends_with("Conditional") && !span.is_none() && !automata.contains(&span)
-    };
-    let conditionals = net.nodes.iter().filter(is_choice);
-    conditionals
-        .filter_map(|node| match node.inputs.first()? {
-            Input::Port(port) => Some((node.origin.span, *port)),
-            _ => None,
-        })
-        .collect()
-}
-
 /// Where the fragments of an image stand in the text.
 fn fragments(net: &Net, image: &Image) -> Vec<(Span, String, bool)> {
-    let places: BTreeMap<String, Span> = net
-        .fragment_ids()
-        .skip(1)
-        .map(|id| {
-            let fragment = net.fragment(id);
-            let parent = fragment.parent.unwrap_or(FragmentId::ROOT);
-            (net.path(parent, &fragment.name), fragment.origin.span)
-        })
-        .collect();
+    let ids = net.fragment_ids().skip(1);
+    let places = ids.map(|id| (path_of(net, id), net.fragment(id).origin.span));
+    let places: BTreeMap<String, Span> = places.collect();
     let inner = image.fragments.iter().skip(1);
     inner
         .map(|fragment| {
@@ -173,4 +195,9 @@ fn fragments(net: &Net, image: &Image) -> Vec<(Span, String, bool)> {
             (place, fragment.path.clone(), false)
         })
         .collect()
+}
+
+fn path_of(net: &Net, id: FragmentId) -> String {
+    let fragment = net.fragment(id);
+    net.path(fragment.parent.unwrap_or(FragmentId::ROOT), &fragment.name)
 }

@@ -9,7 +9,7 @@ use crate::typed::{Automaton, Shared, Transition};
 use rpi_diag::Span;
 use rpi_image::{Scalar, Value};
 use rpi_net::prim;
-use rpi_net::{Exit, Exits, FragmentId, Restart};
+use rpi_net::{FragmentId, Restart};
 
 /// The next state and whether it starts afresh.
 #[derive(Clone)]
@@ -157,25 +157,8 @@ impl<'u> Elab<'u> {
             };
             exits.push((condition, transition.span));
         }
-        if self.tells_exits {
-            self.tell_exits(&choice, exits, at);
-        }
+        self.exits_here(choice.here, exits, choice.automaton, at);
         next
-    }
-
-    /// Notes what may leave a state, last transition first.
-    fn tell_exits(&mut self, choice: &Choice<'u, '_>, exits: Vec<(Signal, Span)>, at: At) {
-        let here = self.one_input(choice.here, Scalar::Bool, at, choice.automaton);
-        let exit = |(condition, span): (Signal, Span)| Exit {
-            condition: self.one_input(&condition, Scalar::Bool, at, span),
-            span,
-        };
-        let transitions = exits.into_iter().rev().map(exit).collect();
-        self.net.exits.push(Exits {
-            here,
-            transitions,
-            automaton: choice.automaton,
-        });
     }
 
     fn pick(&mut self, condition: &Signal, yes: Next, no: Next, at: At, span: Span) -> Next {

@@ -218,6 +218,7 @@ impl<'u> Elab<'u> {
             // It runs, cycle by cycle; only functions are worked out beforehand.
             return self.fail(NotConstant::Flow(span));
         }
+        self.called_here(unit);
         let mut scope = Scope::new(unit, Some(id));
         let in_fragment = unit.kind == UnitKind::Fragment && self.mode != Mode::Constant;
         scope.prefix = if in_fragment || path.is_empty() {

@@ -37,6 +37,7 @@ impl<'u> Elab<'u> {
         At {
             fragment,
             guard: at.guard.filter(|_| inside),
+            side: at.side.filter(|_| inside),
         }
     }
 

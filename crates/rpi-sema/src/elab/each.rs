@@ -86,16 +86,22 @@ impl<'u> Elab<'u> {
         let scalars = leaf_scalars(&scope.unit.expr(id).ty);
         let count = scalars.len();
         let condition = self.one(scope, condition, at);
+        let sides = self.choice_here(&condition, at, span);
         if let Signal::Const(value) = &condition {
-            let chosen = if value.as_bool() == Some(true) {
-                yes
-            } else {
-                no
+            let [in_yes, in_no] = sides.map(|side| At { side, ..at });
+            return match value.as_bool() == Some(true) {
+                true => self.wide(scope, yes, count, in_yes),
+                false => self.wide(scope, no, count, in_no),
             };
-            return self.wide(scope, chosen, count, at);
         }
-        let guards = self.guards(scope, &condition, [yes, no], at, span);
-        let [in_yes, in_no] = guards.map(|guard| At { guard, ..at });
+        let [guard, in_no] = self.guards(scope, &condition, [yes, no], at, span);
+        let [side, else_side] = sides;
+        let in_yes = At { guard, side, ..at };
+        let in_no = At {
+            guard: in_no,
+            side: else_side,
+            ..at
+        };
         let yes = self.wide(scope, yes, count, in_yes);
         let no = self.wide(scope, no, count, in_no);
         let mut leaves = Vec::with_capacity(count);

@@ -28,6 +28,7 @@ mod expr;
 mod families;
 mod flows;
 mod guarded;
+mod landmarks;
 mod leaving;
 mod nodes;
 mod pack;
@@ -49,7 +50,7 @@ use crate::hash::Map;
 use crate::typed::{ExprId, Leaf, Unit, UnitId};
 use rpi_diag::{Finding, Span};
 use rpi_image::Scalar;
-use rpi_net::{FragmentId, Net, PortRef};
+use rpi_net::{FragmentId, Net, PortRef, Side};
 use scope::{Scope, State};
 use signal::{Signal, Wire};
 use std::rc::Rc;
@@ -136,26 +137,23 @@ struct At {
     fragment: FragmentId,
     /// Inside a branch of an `if`: true in the cycles in which it is chosen. What can fault is guarded by it.
     guard: Option<PortRef>,
+    /// That branch, if it is told which choices there are.
+    side: Option<Side>,
 }
 
 impl At {
-    const ROOT: At = At {
-        fragment: FragmentId::ROOT,
-        guard: None,
-    };
+    const ROOT: At = At::fragment(FragmentId::ROOT);
 
-    fn fragment(fragment: FragmentId) -> At {
+    const fn fragment(fragment: FragmentId) -> At {
         At {
             fragment,
             guard: None,
+            side: None,
         }
     }
 
     fn unguarded(self) -> At {
-        At {
-            guard: None,
-            ..self
-        }
+        At::fragment(self.fragment)
     }
 }
 
@@ -201,8 +199,8 @@ struct Elab<'u> {
     has_claims: bool,
     /// What becomes of claims.
     claims: Claims,
-    /// Whether it is told which transitions there are.
-    tells_exits: bool,
+    /// Whether it is told what is made from which place of the text.
+    tells_landmarks: bool,
     /// Flows that somebody looks at although they leave the net nowhere.
     watched: Vec<rpi_net::ExportPort>,
 }
@@ -236,7 +234,7 @@ impl<'u> Elab<'u> {
             findings: Vec::new(),
             has_claims: false,
             claims: Claims::default(),
-            tells_exits: false,
+            tells_landmarks: false,
             watched: Vec::new(),
         }
     }

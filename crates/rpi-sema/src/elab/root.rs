@@ -148,7 +148,7 @@ impl<'u, 'a> Job<'u, 'a> {
         elab.sampled = sampled;
         elab.pay_for(self.id);
         let unit = &self.units[self.id.0 as usize];
-        elab.tells_exits = unit.kind == UnitKind::Test;
+        elab.tells_landmarks = unit.kind == UnitKind::Test;
         elab.net.name = unit.name.to_string();
         elab.make_room(unit);
         let root = &mut elab.net.fragments[0];

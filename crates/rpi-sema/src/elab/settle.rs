@@ -34,7 +34,7 @@ impl Elab<'_> {
             self.watched[watched].source = self.settled_port(source, At::ROOT, span);
         }
         self.settle_driver();
-        self.settle_exits();
+        self.settle_landmarks();
     }
 
     /// Follows an alias to what it stands for. Aliases that stand for each other are a dependency cycle without any
@@ -101,20 +101,21 @@ impl Elab<'_> {
         Some(self.one_input(&signal, self.alias_types[alias], at, span))
     }
 
-    fn settle_exits(&mut self) {
-        let mut all = std::mem::take(&mut self.net.exits);
-        for exits in &mut all {
-            let span = exits.automaton;
+    fn settle_landmarks(&mut self) {
+        let mut all = std::mem::take(&mut self.net.landmarks);
+        let exits = all.exits.iter_mut().flat_map(|exits| {
             let conditions = exits.transitions.iter_mut().map(|exit| &mut exit.condition);
-            for input in conditions.chain([&mut exits.here]) {
-                if let Input::Port(port) = *input
-                    && let Some(settled) = self.settled_input(port, At::ROOT, span)
-                {
-                    *input = settled;
-                }
+            conditions.chain([&mut exits.here])
+        });
+        let choices = all.choices.iter_mut().map(|choice| &mut choice.condition);
+        for input in exits.chain(choices) {
+            if let Input::Port(port) = *input
+                && let Some(settled) = self.settled_input(port, At::ROOT, Span::NONE)
+            {
+                *input = settled;
             }
         }
-        self.net.exits = all;
+        self.net.landmarks = all;
     }
 
     fn settled_port(&mut self, port: PortRef, at: At, span: Span) -> PortRef {

@@ -15,6 +15,7 @@ mod steps;
 use crate::program::{DeclKind, Program};
 use rpi_diag::Finding;
 use rpi_syntax::Mode;
+use rpi_syntax::ast::{Visit, Walk};
 
 /// Warnings about what the first module says and nothing in it needs.
 #[must_use]
@@ -32,6 +33,20 @@ pub fn needless(program: &Program<'_>) -> Vec<Finding> {
         }
     }
     findings
+}
+
+/// Shows all of a declaration that can hold anything needless.
+fn walk<'a>(kind: DeclKind<'a>, visitor: &mut dyn Visit<'a>) {
+    let mut walk = Walk::new(visitor);
+    match kind {
+        DeclKind::Node(node) => walk.node(node),
+        DeclKind::Fragment(fragment) => walk.fragment(fragment),
+        DeclKind::Device(device) => walk.device(device),
+        DeclKind::Command(command) => walk.command(command),
+        DeclKind::Task(task) => walk.task(task),
+        DeclKind::Test(test) => walk.test(test),
+        _ => {}
+    }
 }
 
 /// Of things that lead to one another those to which nothing leads from the `start`, but not what only follows them. Things

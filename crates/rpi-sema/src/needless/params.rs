@@ -1,24 +1,33 @@
 //! Parameters and in-ports that nothing reads.
 
+use super::walk;
 use crate::check::params_of;
 use crate::program::{Decl, DeclKind};
 use rpi_diag::{Code, Finding, Fix};
 use rpi_syntax::Name;
-use rpi_syntax::ast::{Ident, NodeDef, NodeKind, Reads, Signature, VarDecl};
+use rpi_syntax::ast::{Ident, NodeDef, NodeKind, Signature, VarDecl, Visit};
 
 /// A parameter or in-port, and what it is called in messages.
 type Declared<'a> = (&'a Ident, &'static str);
+
+/// Those that nothing was seen to read.
+struct Unread<'a>(Vec<Declared<'a>>);
+
+impl<'a> Visit<'a> for Unread<'a> {
+    fn name(&mut self, read: &'a Name) {
+        self.0.retain(|(name, _)| name.name != *read);
+    }
+}
 
 /// A warning for each parameter and in-port that a declaration does not read. A name that begins with `_` is meant so.
 pub(super) fn unread(decl: &Decl<'_>) -> Vec<Finding> {
     let mut left = parameters(decl.kind);
     left.retain(|(name, _)| !name.name.starts_with('_'));
-    if !left.is_empty() {
-        reads(decl.kind, &mut |read| {
-            left.retain(|(name, _)| name.name != *read);
-        });
+    let mut left = Unread(left);
+    if !left.0.is_empty() {
+        walk(decl.kind, &mut left);
     }
-    let told = left.into_iter();
+    let told = left.0.into_iter();
     told.map(|(name, what)| finding(&decl.name, name, what))
         .collect()
 }
@@ -53,18 +62,6 @@ fn parameters(kind: DeclKind<'_>) -> Vec<Declared<'_>> {
 
 fn inputs(signature: &Signature) -> &[VarDecl] {
     signature.inputs.as_deref().unwrap_or_default()
-}
-
-fn reads<'a>(kind: DeclKind<'a>, with: &mut dyn FnMut(&'a Name)) {
-    let mut reads = Reads::new(with);
-    match kind {
-        DeclKind::Node(node) => reads.node(node),
-        DeclKind::Fragment(fragment) => reads.fragment(fragment),
-        DeclKind::Device(device) => reads.device(device),
-        DeclKind::Command(command) => reads.command(command),
-        DeclKind::Task(task) => reads.task(task),
-        _ => {}
-    }
 }
 
 fn finding(of: &Name, name: &Ident, what: &str) -> Finding {

@@ -1,40 +1,25 @@
 //! States of automata to which nothing leads.
 
-use super::heads;
+use super::{heads, walk};
 use crate::hash::Map;
 use crate::program::DeclKind;
 use rpi_diag::{Code, Finding};
-use rpi_syntax::ast::{Automaton, Body, NodeDef, State, Statement, StatementKind};
+use rpi_syntax::ast::{Automaton, State, Visit};
+
+/// What is found in the automata of a declaration.
+struct Unreached(Vec<Finding>);
+
+impl<'a> Visit<'a> for Unreached {
+    fn automaton(&mut self, automaton: &'a Automaton) {
+        self.0.extend(of_automaton(automaton));
+    }
+}
 
 /// A warning for each state to which nothing leads. What only follows such a state is not told, too.
 pub(super) fn unreached(kind: DeclKind<'_>) -> Vec<Finding> {
-    let mut findings = Vec::new();
-    let body = match kind {
-        DeclKind::Node(node) => match &node.definition {
-            NodeDef::Body(body) => body,
-            _ => return findings,
-        },
-        DeclKind::Fragment(fragment) => &fragment.body,
-        DeclKind::Command(command) => &command.body,
-        DeclKind::Test(test) => &test.body,
-        _ => return findings,
-    };
-    within(&body.statements, &mut findings);
-    findings
-}
-
-fn within(statements: &[Statement], findings: &mut Vec<Finding>) {
-    for statement in statements {
-        match &statement.kind {
-            StatementKind::Fragment(fragment) => within(&fragment.body.statements, findings),
-            StatementKind::Automaton(automaton) => {
-                findings.extend(of_automaton(automaton));
-                let bodies = automaton.states.iter().map(|state| &state.body);
-                bodies.for_each(|body: &Body| within(&body.statements, findings));
-            }
-            _ => {}
-        }
-    }
+    let mut found = Unreached(Vec::new());
+    walk(kind, &mut found);
+    found.0
 }
 
 fn of_automaton(automaton: &Automaton) -> impl Iterator<Item = Finding> + '_ {

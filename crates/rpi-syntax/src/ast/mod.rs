@@ -14,7 +14,7 @@
 //! | `decl.rs` | top-level declarations |
 //! | `task.rs` | tasks |
 //! | `children.rs`, `children_mut.rs` | what an expression is made of |
-//! | `reads.rs` | which names a declaration reads |
+//! | `walk.rs` | a walk through all of a declaration |
 //! | `build.rs` | short ways to make nodes that have no text |
 
 mod body;
@@ -24,17 +24,17 @@ mod children_mut;
 mod decl;
 mod expr;
 mod literal;
-mod reads;
 mod task;
 mod ty;
+mod walk;
 
 pub use body::*;
 pub use decl::*;
 pub use expr::*;
 pub use literal::*;
-pub use reads::Reads;
 pub use task::*;
 pub use ty::*;
+pub use walk::{Visit, Walk};
 
 pub use crate::name::Name;
 use rpi_diag::Span;

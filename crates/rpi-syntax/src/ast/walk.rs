@@ -1,27 +1,40 @@
-//! Which names a declaration reads, for tools that look for names without minding what they mean.
-//!
-//! Every name that stands for something is one of them, but not where it is declared or defined as a whole.
+//! A walk through all of a declaration, for tools that look for one kind of thing without minding the rest.
 
 use super::children::of_path;
 use super::{
     Automaton, Body, Callee, Claim, Clock, CommandDecl, ConstDef, Contract, DeviceDecl, Equation,
     Expr, ExprKind, FragmentDecl, Locals, Name, NamedType, NodeDecl, NodeDef, Run, Signature,
     Statement, StatementKind, StaticArg, StaticParam, StaticParamKind, StaticValue, Step, StepKind,
-    TaskDecl, Tick, Type, TypeKind, Unit, VarDecl,
+    TaskDecl, TestDecl, Tick, Type, TypeKind, Unit, VarDecl,
 };
 
-/// Tells the names that declarations read, a name maybe several times.
-pub struct Reads<'w, 'a> {
-    with: &'w mut dyn FnMut(&'a Name),
+/// Who is told what a declaration consists of.
+pub trait Visit<'a> {
+    /// A name that stands for something, not where it is declared or defined as a whole; a name maybe several times.
+    fn name(&mut self, _: &'a Name) {}
+
+    /// An expression that is computed while the program runs, then those in it.
+    fn flow(&mut self, _: &'a Expr) {}
+
+    /// A fragment in place, before what is in it.
+    fn fragment(&mut self, _: &'a FragmentDecl) {}
+
+    /// An automaton, before what is in it.
+    fn automaton(&mut self, _: &'a Automaton) {}
 }
 
-impl<'a> Reads<'_, 'a> {
+/// Goes through declarations.
+pub struct Walk<'w, 'a> {
+    visitor: &'w mut dyn Visit<'a>,
+}
+
+impl<'a> Walk<'_, 'a> {
     /// Whoever is told.
-    pub fn new<'w>(with: &'w mut dyn FnMut(&'a Name)) -> Reads<'w, 'a> {
-        Reads { with }
+    pub fn new<'w>(visitor: &'w mut dyn Visit<'a>) -> Walk<'w, 'a> {
+        Walk { visitor }
     }
 
-    /// What a node or function reads.
+    /// A node or function.
     pub fn node(&mut self, node: &'a NodeDecl) {
         self.signature(&node.signature);
         self.contract(node.contract.as_ref());
@@ -32,37 +45,43 @@ impl<'a> Reads<'_, 'a> {
         }
     }
 
-    /// What a fragment, declared or in place reads.
+    /// A fragment, declared or in place.
     pub fn fragment(&mut self, fragment: &'a FragmentDecl) {
         self.signature(&fragment.signature);
         let when = fragment.when.iter().map(|when| &when.condition);
-        self.exprs(when.chain(&fragment.budget));
+        self.exprs(when);
+        self.fixed(&fragment.budget);
         self.contract(fragment.contract.as_ref());
         self.body(&fragment.body);
     }
 
-    /// What a device type reads.
+    /// A device type.
     pub fn device(&mut self, device: &'a DeviceDecl) {
         self.statics(&device.statics);
         let ports = device.sections.iter().flat_map(|section| &section.ports);
         ports.for_each(|port| self.vars(&port.alternatives));
     }
 
-    /// What a command reads.
+    /// A command.
     pub fn command(&mut self, command: &'a CommandDecl) {
         self.statics(&command.statics);
         self.vars(&command.params);
         self.vars(&command.given);
-        self.exprs(&command.budget);
+        self.fixed(&command.budget);
         self.contract(command.contract.as_ref());
         self.body(&command.body);
     }
 
-    /// What a task reads.
+    /// A task.
     pub fn task(&mut self, task: &'a TaskDecl) {
         self.statics(&task.statics);
         self.vars(&task.params);
         self.steps(&task.steps);
+    }
+
+    /// A test.
+    pub fn test(&mut self, test: &'a TestDecl) {
+        self.body(&test.body);
     }
 
     fn signature(&mut self, signature: &'a Signature) {
@@ -88,13 +107,13 @@ impl<'a> Reads<'_, 'a> {
         for var in vars {
             self.ty(&var.ty);
             var.clock.iter().for_each(|clock| self.clock(clock));
-            self.exprs(&var.default);
+            self.fixed(&var.default);
         }
     }
 
     fn constant(&mut self, def: &'a ConstDef) {
         def.ty.iter().for_each(|ty| self.ty(ty));
-        self.exprs(&def.value);
+        self.fixed(&def.value);
     }
 
     fn locals(&mut self, all: &'a [Locals]) {
@@ -144,8 +163,11 @@ impl<'a> Reads<'_, 'a> {
             StatementKind::Export(flows) => flows
                 .iter()
                 .filter_map(|flow| flow.parts.first())
-                .for_each(|first| (self.with)(&first.name)),
-            StatementKind::Fragment(fragment) => self.fragment(fragment),
+                .for_each(|first| self.visitor.name(&first.name)),
+            StatementKind::Fragment(fragment) => {
+                self.visitor.fragment(fragment);
+                self.fragment(fragment);
+            }
             StatementKind::Automaton(automaton) => self.automaton(automaton),
             StatementKind::Choice(choice) => {
                 let branches = choice.branches.iter();
@@ -164,13 +186,14 @@ impl<'a> Reads<'_, 'a> {
 
     fn equation(&mut self, equation: &'a Equation) {
         for target in equation.targets.iter().filter(|t| !t.path.is_empty()) {
-            (self.with)(&target.name.name);
+            self.visitor.name(&target.name.name);
             self.exprs(of_path(&target.path));
         }
         self.expr(&equation.value);
     }
 
     fn automaton(&mut self, automaton: &'a Automaton) {
+        self.visitor.automaton(automaton);
         for state in &automaton.states {
             let transitions = state.unless.iter().chain(&state.until);
             self.exprs(transitions.filter_map(|transition| transition.condition.as_ref()));
@@ -203,10 +226,23 @@ impl<'a> Reads<'_, 'a> {
         exprs.into_iter().for_each(|expr| self.expr(expr));
     }
 
-    /// All names in an expression. Expressions may be nested deeply: those inside wait in a list.
+    /// What is computed while the program runs.
     fn expr(&mut self, expr: &'a Expr) {
+        self.all_in(expr, true);
+    }
+
+    /// What is known before the program runs.
+    fn fixed(&mut self, exprs: impl IntoIterator<Item = &'a Expr>) {
+        exprs.into_iter().for_each(|expr| self.all_in(expr, false));
+    }
+
+    /// An expression and all in it. Expressions may be nested deeply: those inside wait in a list.
+    fn all_in(&mut self, expr: &'a Expr, runs: bool) {
         let mut open = vec![expr];
         while let Some(expr) = open.pop() {
+            if runs {
+                self.visitor.flow(expr);
+            }
             self.beside_children(expr);
             open.extend(expr.children());
         }
@@ -215,12 +251,12 @@ impl<'a> Reads<'_, 'a> {
     /// The names of an expression that are in no expression inside.
     fn beside_children(&mut self, expr: &'a Expr) {
         match &expr.kind {
-            ExprKind::Name(name) => (self.with)(name),
+            ExprKind::Name(name) => self.visitor.name(name),
             ExprKind::Quantity(quantity) => self.unit(&quantity.unit),
             ExprKind::When(when) => self.clock(&when.clock),
             ExprKind::Call(call) => self.callee(&call.callee),
             ExprKind::Struct(of) => {
-                (self.with)(&of.ty.name);
+                self.visitor.name(&of.ty.name);
                 self.static_args(&of.statics);
             }
             ExprKind::Quantified(of) => self.vars(&of.vars),
@@ -231,14 +267,14 @@ impl<'a> Reads<'_, 'a> {
     }
 
     fn callee(&mut self, callee: &'a Callee) {
-        (self.with)(&callee.name.name);
+        self.visitor.name(&callee.name.name);
         self.static_args(&callee.statics);
     }
 
     fn static_args(&mut self, args: &'a [StaticArg]) {
         for arg in args {
             match &arg.value {
-                StaticValue::Expr(expr) => self.expr(expr),
+                StaticValue::Expr(expr) => self.fixed([expr]),
                 StaticValue::Type(ty) => self.ty(ty),
                 StaticValue::Op(_) => {}
                 StaticValue::Callee(callee) => self.callee(callee),
@@ -247,15 +283,15 @@ impl<'a> Reads<'_, 'a> {
     }
 
     fn clock(&mut self, clock: &'a Clock) {
-        (self.with)(&clock.flow.name);
+        self.visitor.name(&clock.flow.name);
         if let Tick::Value(value) = &clock.tick {
-            (self.with)(&value.name);
+            self.visitor.name(&value.name);
         }
     }
 
     fn unit(&mut self, unit: &'a Unit) {
         for factor in &unit.factors {
-            (self.with)(&factor.unit.name);
+            self.visitor.name(&factor.unit.name);
         }
     }
 
@@ -266,14 +302,14 @@ impl<'a> Reads<'_, 'a> {
             TypeKind::Named(named) => self.named(named),
             TypeKind::Array(array) => {
                 self.ty(&array.element);
-                self.expr(&array.size);
+                self.fixed([&array.size]);
             }
             TypeKind::Optional(inner) => self.ty(inner),
-            TypeKind::Subrange(range) => self.exprs(range.from.iter().chain(&range.to)),
+            TypeKind::Subrange(range) => self.fixed(range.from.iter().chain(&range.to)),
             TypeKind::Tuple(types) => types.iter().for_each(|ty| self.ty(ty)),
             TypeKind::Refined(refined) => {
                 self.ty(&refined.base);
-                self.expr(&refined.condition);
+                self.fixed([&refined.condition]);
             }
             TypeKind::Data(all) => all.iter().for_each(|one| self.vars(&one.fields)),
             TypeKind::Enum(_) => {}
@@ -282,11 +318,11 @@ impl<'a> Reads<'_, 'a> {
     }
 
     fn named(&mut self, named: &'a NamedType) {
-        (self.with)(&named.name.name);
+        self.visitor.name(&named.name.name);
         self.static_args(&named.statics);
         let frames = named.frames.iter();
         let frames = frames.flat_map(|frames| frames.of.iter().chain([&frames.in_frame]));
         let first = frames.filter_map(|frame| frame.parts.first());
-        first.for_each(|name| (self.with)(&name.name));
+        first.for_each(|name| self.visitor.name(&name.name));
     }
 }

@@ -1,0 +1,59 @@
+//! Which places of the text the parts of a net come from: noted for tests, of which is told what they reach.
+
+use super::signal::Signal;
+use super::{At, Elab};
+use crate::typed::Unit;
+use rpi_diag::Span;
+use rpi_image::Scalar;
+use rpi_net::{Choice, Exit, Exits, Side};
+
+impl Elab<'_> {
+    /// Notes that a unit is called.
+    pub(super) fn called_here(&mut self, unit: &Unit) {
+        if self.tells_landmarks {
+            self.net.landmarks.called.push(unit.span);
+        }
+    }
+
+    /// Notes a choice; gives what its branches are, the one for true first.
+    pub(super) fn choice_here(
+        &mut self,
+        condition: &Signal,
+        at: At,
+        span: Span,
+    ) -> [Option<Side>; 2] {
+        if !self.tells_landmarks {
+            return [at.side; 2];
+        }
+        let condition = self.one_input(condition, Scalar::Bool, at, span);
+        let choices = &mut self.net.landmarks.choices;
+        let choice = choices.len() as u32;
+        choices.push(Choice {
+            condition,
+            fragment: at.fragment,
+            side: at.side,
+            span,
+        });
+        [true, false].map(|taken_if| Some(Side { choice, taken_if }))
+    }
+
+    /// Notes what may leave a state, last transition first.
+    pub(super) fn exits_here(
+        &mut self,
+        here: &Signal,
+        exits: Vec<(Signal, Span)>,
+        automaton: Span,
+        at: At,
+    ) {
+        if !self.tells_landmarks {
+            return;
+        }
+        let here = self.one_input(here, Scalar::Bool, at, automaton);
+        let exit = |(condition, span): (Signal, Span)| Exit {
+            condition: self.one_input(&condition, Scalar::Bool, at, span),
+            span,
+        };
+        let transitions = exits.into_iter().rev().map(exit).collect();
+        self.net.landmarks.exits.push(Exits { here, transitions });
+    }
+}
