@@ -18,7 +18,8 @@ _Told = TypeVar("_Told", "Ending", "Overruns")
 class Ending:
     """How a command has ended: ``cause`` (``result``, ``fault``, ``aborted``, ...), the name of its result, its error number
     (0 for none), the number of its cycles, whether it had been asked to end, whether it left something moving, whether another took over;
-    ``why`` it ended so and in which ``place`` of the program, where that was not its own doing; the devices that ``braked`` on their own."""
+    ``why`` it ended so, in which ``place`` of the program and ``at`` which line and column of the text (``3:21``), where that was not its own doing;
+    the devices that ``braked`` on their own."""
 
     cause: str
     result: str | None
@@ -29,6 +30,7 @@ class Ending:
     taken_over: bool = False
     why: str | None = None
     place: str | None = None
+    at: str | None = None
     braked: list[str] = field(default_factory=list)
 
 

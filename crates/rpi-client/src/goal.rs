@@ -154,6 +154,8 @@ pub struct Ending {
     pub why: Option<String>,
     /// Where in the program the fault is, or the fragment whose cycles took too long, or what set the device that braked.
     pub place: Option<String>,
+    /// Where that stands, `line:column`, if it is in the text that the command was loaded from.
+    pub at: Option<String>,
     /// The devices that it left moving, which have braked on their own.
     pub braked: Vec<String>,
 }
@@ -319,6 +321,7 @@ impl Ending {
             cycles: told["cycles"].as_u64().unwrap_or_default(),
             why: text("why"),
             place: text("place"),
+            at: text("at"),
             braked: braked.collect(),
         }
     }

@@ -211,7 +211,7 @@ impl From<Contracts> for Claims {
         match contracts {
             Contracts::Off => Claims::Off,
             Contracts::Report => Claims::Report,
-            Contracts::Fault => Claims::Fault,
+            Contracts::Fault => Claims::ReportedFault,
         }
     }
 }

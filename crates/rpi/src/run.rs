@@ -60,7 +60,7 @@ pub(crate) fn run(args: &RunArgs) -> exit::Outcome {
     let interrupt = Interrupt::listen()?;
     let mut outcome = execute(args, &script, &interrupt, &mut several)?;
     outcome.digest = digest.map(|digest| digest.digits());
-    let (mut findings, summary) = claims.told(&outcome);
+    let (mut findings, summary) = claims.told(&mut outcome);
     // What an image was made of is not there with it.
     if !matches!(compiled.program, Program::Image(_)) {
         findings.extend(outcome.find_faults(&compiled.sources));

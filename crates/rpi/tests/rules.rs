@@ -97,8 +97,9 @@ let
 tel
 ";
     let divided = counter.replace("pre n +", "pre n + 0 div (pre n - 2) +");
+    let kept = "the guarantee \"small\" of `Counter` is not kept";
     let cases = [
-        (counter, "fault", 3, "an assertion does not hold"),
+        (counter, "fault", 3, kept),
         (&divided, "off", 6, "integer division by zero"),
     ];
     for (text, contracts, line, what) in cases {
@@ -111,10 +112,40 @@ tel
             let [out, err] =
                 [output.stdout, output.stderr].map(|bytes| String::from_utf8(bytes).unwrap());
             let place = format!("program.rpi:{line}:");
+            let out = out.replace("\\\"", "\"");
             assert!(out.contains(&place) && out.contains(what), "{out}");
             assert!(err.contains("RPI9011") && err.contains(&place), "{err}");
             let cycle = format!("cycle 3 of `Count`: {what}");
             assert!(err.contains(&cycle), "{err}");
+            let values = ["this is promised", "in this cycle n = 3", "in the call `n`"];
+            let told = values.map(|part| err.contains(part));
+            assert_eq!(told, [contracts == "fault"; 3], "{err}");
+            assert_eq!(err.matches("RPI90").count(), 2, "told once, with its page: {err}");
         }
     }
+}
+
+/// Of several runs of a command is told in which a claim did not hold.
+#[test]
+fn a_claim_of_a_task_is_told_with_its_command() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("program.rpi");
+    let text = "command Count (most: int)
+let
+  n = 0 -> pre n + 1;
+  assert \"few\" n <= most;
+  finish over when n = 4;
+tel
+task Both
+let
+  Count(9);
+  Count(2);
+tel
+";
+    std::fs::write(&path, text).unwrap();
+    let mut rpi = Command::new(env!("CARGO_BIN_EXE_rpi"));
+    let output = rpi.arg("run").arg(&path).output().unwrap();
+    let err = String::from_utf8(output.stderr).unwrap();
+    assert!(err.contains("does not hold in cycle 3"), "{err}");
+    assert!(err.contains("from 0.005 s on"), "{err}");
 }

@@ -14,6 +14,9 @@ use std::collections::BTreeSet;
 use rpi_diag::Finding;
 use rpi_image::Type;
 use rpi_net::{Claim, ClaimKind, ClaimRead};
+use rpi_prims::FaultCode;
+
+use crate::run::fault_text;
 
 /// Where the values of exports come from.
 pub trait Flows {
@@ -102,6 +105,20 @@ impl Watch {
     #[must_use]
     pub fn told(&self, broken: &Broken, cycle: u64) -> Finding {
         told::finding(&self.claims[broken.claim].claim, broken, cycle)
+    }
+
+    /// Tells a fault as what it comes from, a claim that did not hold; gives what is wrong. None if it comes from something
+    /// else.
+    pub(crate) fn tell_fault(&self, fault: &mut Finding, broken: &Broken) -> Option<String> {
+        let claim = &self.claims[broken.claim].claim;
+        let assertion = fault_text(FaultCode::AssertionFailed);
+        let is_of_it = fault.span() == claim.span && fault.message.ends_with(assertion);
+        is_of_it.then(|| {
+            let (told, sentence) = (told::finding(claim, broken, 0), told::sentence(claim));
+            fault.message = fault.message.replace(assertion, &sentence);
+            (fault.labels, fault.notes) = (told.labels, told.notes);
+            sentence
+        })
     }
 
     /// What became of each claim.

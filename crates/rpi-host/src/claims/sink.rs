@@ -6,7 +6,7 @@ use rpi_image::Type;
 use rpi_net::Claim;
 
 use super::{Broken, Flows, Watch};
-use crate::run::{Channel, Outcome, Sink};
+use crate::run::{Channel, CommandEnd, Outcome, RunEnd, Sink};
 
 /// Watches the claims of the commands of a run.
 #[derive(Debug)]
@@ -54,15 +54,26 @@ impl ClaimSink {
         }
     }
 
-    /// What did not hold, once the run is over, and how often.
+    /// What did not hold, once the run is over, and how often. What ended a command by a fault is told with that.
     #[must_use]
-    pub fn told(mut self, outcome: &Outcome) -> (Vec<Finding>, String) {
+    pub fn told(mut self, outcome: &mut Outcome) -> (Vec<Finding>, String) {
         let (mut findings, mut summary) = (Vec::new(), String::new());
+        let seconds = outcome.tick_ns as f64 * 1e-9;
+        let is_alone = outcome.commands.len() == 1;
         for command in &mut self.commands {
             command.look();
             for (tick, broken) in &command.broken {
-                let cycle = cycle(outcome, &command.name, *tick);
-                findings.push(command.watch.told(broken, cycle));
+                let run = run_in(outcome, &command.name, *tick);
+                let start = run.as_ref().and_then(|run| run.first_tick).unwrap_or(0);
+                if run.is_some_and(|run| is_its_fault(run, &command.watch, *tick, broken)) {
+                    continue;
+                }
+                let finding = command.watch.told(broken, tick - start);
+                let from = start as f64 * seconds;
+                findings.push(match is_alone {
+                    true => finding,
+                    false => finding.note(format!("in `{}` from {from:.3} s on", command.name)),
+                });
             }
             summary.push_str(&command.watch.summary());
         }
@@ -70,12 +81,25 @@ impl ClaimSink {
     }
 }
 
-/// The cycle of a command in a tick.
-fn cycle(outcome: &Outcome, command: &str, tick: u64) -> u64 {
-    let runs = outcome.commands.iter().filter(|run| run.name == command);
-    let starts = runs.filter_map(|run| run.first_tick);
-    let start = starts.filter(|start| *start <= tick).max();
-    tick - start.unwrap_or(0)
+/// The command of this name that ran in a tick.
+fn run_in<'o>(outcome: &'o mut Outcome, name: &str, tick: u64) -> Option<&'o mut CommandEnd> {
+    let runs = outcome.commands.iter_mut().filter(|run| run.name == name);
+    let begun = runs.filter(|run| run.first_tick.is_some_and(|first| first <= tick));
+    begun.max_by_key(|run| run.first_tick)
+}
+
+/// Whether a claim that did not hold has ended a command by a fault, which is told as that then.
+fn is_its_fault(run: &mut CommandEnd, watch: &Watch, tick: u64, broken: &Broken) -> bool {
+    let last = run
+        .first_tick
+        .map(|first| first + run.cycles.saturating_sub(1));
+    match &mut run.end {
+        RunEnd::Fault { what, told, .. } if last == Some(tick) => {
+            let sentence = watch.tell_fault(told, broken);
+            sentence.map(|sentence| *what = sentence).is_some()
+        }
+        _ => false,
+    }
 }
 
 impl Sink for ClaimSink {

@@ -9,7 +9,7 @@ use super::Broken;
 /// The finding of a claim that does not hold in a cycle.
 pub(super) fn finding(claim: &Claim, broken: &Broken, cycle: u64) -> Finding {
     let row = row(claim.kind);
-    let message = format!("{} {} in cycle {cycle}", what(claim), row.verb);
+    let message = format!("{} in cycle {cycle}", sentence(claim));
     let mut finding = Finding::new(row.code, message).at(claim.span, row.label);
     if !broken.now.is_empty() {
         finding = finding.note(format!("in this cycle {}", broken.now));
@@ -32,6 +32,11 @@ pub(super) fn value(read: &ClaimRead, cells: Option<&[u64]>, ty: Type) -> String
     let name = name.and_then(|place| read.values.get(place));
     name.cloned()
         .unwrap_or_else(|| format!("{}{}", literal::write(cells, ty), read.unit))
+}
+
+/// What is wrong if a claim does not hold.
+pub(super) fn sentence(claim: &Claim) -> String {
+    format!("{} {}", what(claim), row(claim.kind).verb)
 }
 
 /// What is told of a kind of claim.

@@ -6,6 +6,7 @@ use rpi_core::{Machine, Moment};
 use rpi_image::Image;
 use rpi_image::image::Signal;
 use rpi_net::{Claim, Column};
+use rpi_prims::FaultCode;
 use rpi_sim::{Cell, SimBank};
 
 use super::told;
@@ -96,8 +97,21 @@ impl NodeRun {
     }
 
     fn seen(&mut self, number: u64) -> Cycle {
-        if let Some(fault) = self.machine.fault() {
-            let finding = told::fault(self.machine.image(), fault, number, None);
+        let seen = Seen {
+            machine: &self.machine,
+            exports: &self.exports,
+        };
+        let fault = self.machine.fault();
+        // After any other fault nothing is told of values that were computed from it.
+        let counts = fault.is_none_or(|fault| fault.code == FaultCode::AssertionFailed);
+        let broken = match counts {
+            true => self.claims.look(&seen),
+            false => Vec::new(),
+        };
+        if let Some(fault) = fault {
+            let mut finding = told::fault(self.machine.image(), fault, number, None);
+            let mut broken = broken.iter();
+            broken.find_map(|broken| self.claims.tell_fault(&mut finding, broken));
             return Cycle {
                 row: None,
                 findings: vec![finding],
@@ -106,11 +120,6 @@ impl NodeRun {
         let shown = self.shown.iter();
         let value = |signal: &Option<Signal>| self.machine.value((*signal)?).map(<[u64]>::to_vec);
         let row = Some(shown.map(value).collect());
-        let seen = Seen {
-            machine: &self.machine,
-            exports: &self.exports,
-        };
-        let broken = self.claims.look(&seen);
         let findings = broken.iter().map(|b| self.claims.told(b, number));
         let findings = findings.collect();
         Cycle { row, findings }

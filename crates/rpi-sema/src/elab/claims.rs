@@ -25,6 +25,18 @@ pub enum Claims {
     Report,
     /// One that does not hold is a fault, which ends the command.
     Fault,
+    /// Both: whoever runs the net sees what the fault comes from.
+    ReportedFault,
+}
+
+impl Claims {
+    fn is_reported(self) -> bool {
+        matches!(self, Claims::Report | Claims::ReportedFault)
+    }
+
+    fn is_fault(self) -> bool {
+        matches!(self, Claims::Fault | Claims::ReportedFault)
+    }
 }
 
 impl<'u> Elab<'u> {
@@ -54,9 +66,11 @@ impl<'u> Elab<'u> {
         if self.mode == Mode::Net && everywhere && condition == Signal::Const(Value::bool(false)) {
             self.findings.push(never(claim));
         }
-        match policy {
-            Claims::Fault => self.assert(check(scope, claim), &condition, at, claim.span),
-            _ => self.publish(scope, (block, claim), &condition, at),
+        if policy.is_fault() {
+            self.assert(check(scope, claim), &condition, at, claim.span);
+        }
+        if policy.is_reported() {
+            self.publish(scope, (block, claim), &condition, at);
         }
     }
 

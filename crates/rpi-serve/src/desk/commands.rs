@@ -29,6 +29,8 @@ pub(crate) struct Record {
     pub(super) task: Option<u64>,
     /// What it was loaded from; nothing for a command of a task.
     pub(crate) origin: Option<Origin>,
+    /// The text that it was made of.
+    pub(super) text: Option<Arc<str>>,
     /// Inputs that are taken over when it starts.
     pub(super) taken_over: Vec<String>,
     pub(crate) status: Status,
@@ -102,6 +104,7 @@ impl Desk {
         };
         let record = Record {
             origin: Some(job.origin.clone()),
+            text: Some(Arc::clone(&job.origin.text)),
             loading: Some(reply),
             eval,
             bytes: load.bytes(),
@@ -355,6 +358,7 @@ impl Record {
             title: title.to_owned(),
             task: None,
             origin: None,
+            text: None,
             taken_over: Vec::new(),
             status: Status::new(phase),
             image: None,

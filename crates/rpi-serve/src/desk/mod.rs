@@ -11,6 +11,7 @@ mod eval;
 mod journal;
 mod loader;
 mod owed;
+mod place;
 mod queue;
 mod reports;
 mod rest;
@@ -39,6 +40,7 @@ pub(crate) use commands::{Load, Record, results};
 pub(crate) use devices::NewDevice;
 pub(crate) use emergency::Emergency;
 pub(crate) use loader::Language;
+pub(crate) use place::Place;
 pub(crate) use rules::Make;
 pub(crate) use tasks::{Step, TaskStatus};
 pub(crate) use types::{

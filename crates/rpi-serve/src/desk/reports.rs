@@ -8,6 +8,7 @@ use rpi_host::recording::Written;
 
 use super::commands::{results, yields};
 use super::owed::Debt;
+use super::place::Place;
 use super::rules::RuleRecord;
 use super::types::why;
 use super::{Desk, Errand, Failure, Phase, Record, RuleState, Then, answer, cause};
@@ -182,7 +183,7 @@ impl Desk {
             && let Some(image) = &record.image
         {
             let place = image.place_of_device(&device);
-            record.status.place = place.map(|p| p.path.clone());
+            record.status.place = place.map(|p| Place::of_node(p, record.text.as_deref()));
         }
         if !record.status.braked.contains(&device) {
             record.status.braked.push(device);
@@ -203,12 +204,13 @@ impl Desk {
             record.status.result = results(image).get(k).map(|name| (*name).to_owned());
         }
         if let (Cause::Fault(fault), Some(image)) = (ending.cause, &record.image) {
-            record.status.place = image.place_of(fault.cell).map(|p| p.path.clone());
+            let place = image.place_of(fault.cell);
+            record.status.place = place.map(|p| Place::of_node(p, record.text.as_deref()));
         }
         if ending.cause == Cause::Aborted(Why::Overrun) {
             let worst = record.overruns();
             let fragment = worst.and_then(|(_, worst)| record.fragment(worst.fragment));
-            record.status.place = fragment.map(str::to_owned);
+            record.status.place = fragment.map(Place::of_fragment);
         }
         let yielded = record.image.as_ref().is_some_and(|i| yields(i, &ending));
         (record.status.ending, record.status.taken_over) = (Some(ending), stopped || yielded);

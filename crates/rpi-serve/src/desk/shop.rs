@@ -62,10 +62,13 @@ impl Workshop for Shop<'_> {
         room.map_err(|_| Rejected::Memory)?;
         let adopted: Adopted = self.desk.control.adopt_with_board(command)?;
         let id = adopted.id;
-        let session = self.record().map_or(0, |record| record.session);
+        let task = self.record();
+        let session = task.as_ref().map_or(0, |task| task.session);
+        let text = task.map(|task| Arc::clone(&task.text));
         let number = self.desk.number();
         let record = Record {
             task: Some(self.number),
+            text,
             ..Record::new(session, &image.name, Phase::Is(State::Loading))
         };
         self.desk.commands.insert(number, record);

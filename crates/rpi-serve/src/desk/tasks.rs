@@ -1,11 +1,14 @@
 //! Tasks of programs: loaded whole, and carried out beside the cycle as a client would that works ahead.
 
+use std::sync::Arc;
+
 use rpi_core::OnOverrun;
 use rpi_host::control::{CommandId, Event, State};
 use rpi_host::run::{Plan, Task, TaskEnd};
 
 use super::commands::called;
 use super::loader::{Job, Origin, What};
+use super::place::Place;
 use super::shop::Shop;
 use super::types::shortened;
 use super::{Desk, Failure, Load, Phase, Reply, Sink, Update, answer, cause, number_of, why};
@@ -52,7 +55,7 @@ pub(crate) struct Step {
     /// Why it was ended by force, if it was.
     pub(crate) why: Option<&'static str>,
     /// Where in the program the fault is that has ended it.
-    pub(crate) place: Option<String>,
+    pub(crate) place: Option<Place>,
     /// The devices that it left moving, which brake on their own.
     pub(crate) braked: Vec<String>,
     pub(crate) error: i64,
@@ -83,6 +86,8 @@ pub(super) struct TaskRecord {
     title: String,
     /// Bytes that it takes.
     pub(super) bytes: usize,
+    /// What it was loaded from.
+    pub(super) text: Arc<str>,
     pub(super) script: Option<Script>,
     /// What becomes of its commands if their cycles take too long.
     pub(super) on_overrun: OnOverrun,
@@ -117,8 +122,10 @@ impl Desk {
         };
         let number = self.number();
         let on_overrun = load.on_overrun.unwrap_or(self.on_overrun);
+        let text: Arc<str> = load.text.into();
         let record = TaskRecord {
             session,
+            text: Arc::clone(&text),
             title: shortened(load.title, self.limits.name),
             bytes: load.bytes(),
             script: None,
@@ -145,7 +152,7 @@ impl Desk {
             client: self.client_of(session),
             origin: Origin {
                 language: load.language,
-                text: load.text.into(),
+                text,
                 command: load.command.map(str::to_owned),
             },
             period_ns: self.period(load.period_ns),

@@ -4,6 +4,7 @@ use std::fmt;
 
 use rpi_host::control::{Cause, Ending, Refused, Rejected, State, TooMuch};
 
+use super::place::Place;
 use super::tasks::TaskStatus;
 use crate::fair::Full;
 
@@ -24,7 +25,7 @@ pub(crate) struct Status {
     /// The name of the result with which it has ended.
     pub(crate) result: Option<String>,
     /// Where in the program the fault is that has ended it.
-    pub(crate) place: Option<String>,
+    pub(crate) place: Option<Place>,
     /// The devices that it left moving, which brake on their own.
     pub(crate) braked: Vec<String>,
     /// Another has started in its place: by the rule that stopped it, or because it ended in motion by `yield`.

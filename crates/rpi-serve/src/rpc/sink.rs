@@ -4,7 +4,7 @@ use rpi_core::State;
 use serde_json::{Map, Value, json};
 
 use crate::desk::{
-    DeviceInfo, Phase, RuleState, Sink, Status, Step, TaskStatus, Update, cause, why,
+    DeviceInfo, Phase, Place, RuleState, Sink, Status, Step, TaskStatus, Update, cause, why,
 };
 use crate::wire::Post;
 
@@ -61,11 +61,20 @@ pub(super) fn status(status: &Status) -> Value {
             "left_moving": ending.left_moving,
             "taken_over": status.taken_over,
             "why": why(ending),
-            "place": status.place,
+            "place": path(status.place.as_ref()),
+            "at": at(status.place.as_ref()),
             "braked": status.braked,
         });
     }
     told
+}
+
+fn path(place: Option<&Place>) -> Option<&str> {
+    place.map(|place| place.path.as_str())
+}
+
+fn at(place: Option<&Place>) -> Option<&str> {
+    place.and_then(|place| place.at.as_deref())
 }
 
 /// Whether everything is stopped, and by whom.
@@ -78,7 +87,8 @@ pub(super) fn task(status: &TaskStatus) -> Value {
     let step = |step: &Step| {
         json!({
             "command": step.title, "result": step.result, "error": step.error, "cycles": step.cycles,
-            "cause": step.cause, "why": step.why, "place": step.place, "braked": step.braked, "handled": step.handled,
+            "cause": step.cause, "why": step.why,
+            "place": path(step.place.as_ref()), "at": at(step.place.as_ref()), "braked": step.braked, "handled": step.handled,
         })
     };
     let running = status.running.iter();

@@ -172,6 +172,7 @@ fn steps_of_a_task_tell_what_braked() {
     });
     assert_eq!(step["why"], "emergency stop", "{step}");
     assert_eq!(step["braked"], json!(["arm"]), "{step}");
+    assert_eq!(step["at"], "4:3", "{step}");
 }
 
 /// Whatever moves brakes, whoever it belongs to; nobody starts anything until it is reset, and that only once all stand still.
@@ -200,6 +201,7 @@ fn an_emergency_stop_brakes_what_moves() {
     assert_eq!(ending["cause"], "aborted", "{ending}");
     let place = ending["place"].as_str().unwrap_or_default();
     assert!(place.contains("arm"), "what has moved it: {ending}");
+    assert_eq!(ending["at"], "4:3", "{ending}");
     let idle = other.ask("command.describe", &json!({"command": net}));
     assert_eq!(idle["result"]["state"], "ready", "{idle}");
     assert!(idle["result"]["ending"].is_null(), "{idle}");
