@@ -89,14 +89,17 @@ pub fn compile_with(input: &Input, asked: impl Into<Asked>) -> Result<Compiled, 
     match input.kind {
         Kind::Rpib => image(input),
         Kind::Rpinet => Ok(net(input, input.text()?)),
-        Kind::Rpi | Kind::Lustre => Ok(program(input, input.text()?, asked.into())),
+        Kind::Rpi | Kind::Lustre => program(input, input.text()?, asked.into()),
     }
 }
 
-fn program(input: &Input, text: &str, asked: Asked) -> Compiled {
+fn program(input: &Input, text: &str, asked: Asked) -> Result<Compiled, InputError> {
     let mut sources = SourceMap::new();
     let (name, path) = (input.stem(), display(&input.path));
     let mut modules = program_text(input, &name, &path, text).modules(&mut sources);
+    if let Some(why) = modules.no_machine.take() {
+        return Err(why);
+    }
     modules.machine.period_ns = asked.period_ns.unwrap_or(modules.machine.period_ns);
     let mode = Mode::of_path(&path);
     let (mut built, _) = source::build_modules(&modules, &sources, asked);
@@ -104,7 +107,7 @@ fn program(input: &Input, text: &str, asked: Asked) -> Compiled {
     built.findings.extend(links);
     let mut findings = built.findings;
     crate::fixes::of_the_program(&mut findings, &sources);
-    Compiled {
+    Ok(Compiled {
         sources,
         findings,
         program: Program::Nets(built.nets),
@@ -115,7 +118,7 @@ fn program(input: &Input, text: &str, asked: Asked) -> Compiled {
             .marks
             .then(|| marks::of_modules(&modules))
             .unwrap_or_default(),
-    }
+    })
 }
 
 /// Compiles an example from a program's documentation ([`examples`](crate::examples)): a program of its own that has the

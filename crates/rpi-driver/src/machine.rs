@@ -11,9 +11,13 @@ use rpi_net::passes::Machine;
 use serde::Deserialize;
 
 use crate::files::Files;
+use crate::input::InputError;
 
 /// The file that describes the machine.
 pub const MACHINE: &str = "machine.toml";
+
+/// What such a file says.
+const WANTED: &str = "it has to state `ns-per-operation`, above 0, and may state `period-us`, above 0; `rpic machine` writes such a file";
 
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields, rename_all = "kebab-case")]
@@ -22,10 +26,20 @@ struct Profile {
     period_us: Option<u64>,
 }
 
-/// The machine of a folder. A file that is none, or says what no machine is like, counts as not there.
-pub(crate) fn machine(folder: Option<&Path>, files: &dyn Files) -> Machine {
-    let text = folder.and_then(|folder| files.text(&folder.join(MACHINE)));
-    text.and_then(|text| parse(&text)).unwrap_or_default()
+/// The machine of a folder.
+///
+/// # Errors
+/// If there is a file that says what no machine is like.
+pub(crate) fn machine(folder: Option<&Path>, files: &dyn Files) -> Result<Machine, InputError> {
+    let path = folder.unwrap_or(Path::new("")).join(MACHINE);
+    let text = folder.and_then(|_| files.text(&path));
+    let machine = text.map(|text| parse(&text)).transpose();
+    machine
+        .map(Option::unwrap_or_default)
+        .map_err(|why| InputError {
+            help: Some(WANTED.to_owned()),
+            ..InputError::new(&path, why)
+        })
 }
 
 /// The machine that a file describes, as [`machine_text`] writes it.
@@ -35,19 +49,28 @@ pub(crate) fn machine(folder: Option<&Path>, files: &dyn Files) -> Machine {
 pub fn read_machine(path: &Path) -> Result<Machine, String> {
     let name = path.display();
     let text = std::fs::read_to_string(path).map_err(|e| format!("{name}: {e}"))?;
-    let wanted = "it has to state `ns-per-operation`, above 0, and may state `period-us`; `rpic machine` writes such a file";
-    parse(&text).ok_or_else(|| format!("{name} describes no machine: {wanted}"))
+    parse(&text).map_err(|why| format!("{name}: {why}: {WANTED}"))
 }
 
-fn parse(text: &str) -> Option<Machine> {
-    let profile: Profile = toml::from_str(text).ok()?;
+/// What a text describes, or why it describes no machine.
+fn parse(text: &str) -> Result<Machine, String> {
+    let no_machine = |why: &str| format!("this describes no machine{why}");
+    let profile: Profile = toml::from_str(text).map_err(|e| {
+        let begin = e.span().map_or(0, |span| span.start);
+        let line = 1 + text.as_bytes()[..begin]
+            .iter()
+            .filter(|b| **b == b'\n')
+            .count();
+        no_machine(&format!(": line {line}: {}", e.message()))
+    })?;
     let period = profile.period_us.map(|us| us.saturating_mul(1000));
     let machine = Machine {
         ns_per_operation: profile.ns_per_operation,
         period_ns: period.unwrap_or(Machine::default().period_ns),
     };
     let sound = machine.ns_per_operation.is_finite() && machine.ns_per_operation > 0.0;
-    (sound && machine.period_ns > 0).then_some(machine)
+    let sound = sound && machine.period_ns > 0;
+    sound.then_some(machine).ok_or_else(|| no_machine(""))
 }
 
 /// The text of a machine's file.
@@ -73,13 +96,16 @@ mod tests {
 
     #[test]
     fn what_no_machine_is_like_is_refused() {
+        let why = parse("# mine\nspeed = 3").unwrap_err();
+        assert!(why.contains("line 2: unknown field `speed`"), "{why}");
         for text in [
             "",
+            "period-us = 0\nns-per-operation = 2",
             "ns-per-operation = 0",
             "ns-per-operation = nan",
             "speed = 3",
         ] {
-            assert_eq!(parse(text), None, "{text}");
+            assert!(parse(text).is_err(), "{text}");
         }
     }
 }

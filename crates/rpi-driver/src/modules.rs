@@ -12,6 +12,7 @@ use rpi_syntax::ast::{File, Item, ItemKind};
 use rpi_syntax::{Mode, Name, parse};
 
 use crate::files::Files;
+use crate::input::InputError;
 use crate::machine::machine;
 use crate::source::Text;
 
@@ -60,6 +61,8 @@ pub(crate) struct Modules {
     modules: Vec<Module>,
     /// The machine that they are checked for.
     pub(crate) machine: Machine,
+    /// What is wrong with its description; it counts as not there then.
+    pub(crate) no_machine: Option<InputError>,
     pub(crate) findings: Vec<Finding>,
 }
 
@@ -162,8 +165,10 @@ impl<'a> Loader<'a> {
         while let Some(name) = self.open.pop_front() {
             self.find(&name);
         }
+        let machine = machine(self.folder.as_deref(), self.disk);
         Modules {
-            machine: machine(self.folder.as_deref(), self.disk),
+            machine: machine.as_ref().copied().unwrap_or_default(),
+            no_machine: machine.err(),
             modules: self.modules,
             findings: self.findings,
         }

@@ -62,6 +62,9 @@ pub fn compile_node(
     let (stem, path, text) = (input.stem(), display(&input.path), input.text()?);
     let mut sources = SourceMap::new();
     let modules = program_text(input, &stem, &path, text).modules(&mut sources);
+    if let Some(why) = &modules.no_machine {
+        return Err(why.clone());
+    }
     let (made, findings, _) = source::with_front(&modules, &sources, |front, findings| {
         if source::has_errors(findings) {
             return Ok(None);

@@ -20,6 +20,11 @@ impl Client {
     pub(crate) fn new(number: u64, peer: Peer) -> Client {
         Client { number, peer }
     }
+
+    /// Where it comes from.
+    pub(crate) fn peer(&self) -> Peer {
+        self.peer
+    }
 }
 
 /// Whose something is.

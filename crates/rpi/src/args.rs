@@ -31,7 +31,7 @@ pub(crate) enum Task {
     ///
     /// With --inputs or --step a node of a program (.rpi, .lus) is run by itself: one row of the table per cycle. Else
     /// commands run, and it shows what happened at the end. Exit status: 0 if all ended without error, 1 for a command's error, 2 for bad
-    /// input, 3 for a fault while running. Interrupted (SIGINT, SIGTERM), it does what it does after --time: commands are stopped, devices brake,
+    /// input, 3 for a fault while running, or set-points that a device refused and no command minded. Interrupted (SIGINT, SIGTERM), it does what it does after --time: commands are stopped, devices brake,
     /// files are finished, what happened is shown; the exit status is then 130 or 143.
     Run(RunArgs),
     /// Run as a server: commands are loaded, started, scheduled and watched from outside while others run.

@@ -120,7 +120,11 @@ tel
             let values = ["this is promised", "in this cycle n = 3", "in the call `n`"];
             let told = values.map(|part| err.contains(part));
             assert_eq!(told, [contracts == "fault"; 3], "{err}");
-            assert_eq!(err.matches("RPI90").count(), 2, "told once, with its page: {err}");
+            assert_eq!(
+                err.matches("RPI90").count(),
+                2,
+                "told once, with its page: {err}"
+            );
         }
     }
 }
@@ -148,4 +152,36 @@ tel
     let err = String::from_utf8(output.stderr).unwrap();
     assert!(err.contains("does not hold in cycle 3"), "{err}");
     assert!(err.contains("from 0.005 s on"), "{err}");
+}
+
+/// What a device refuses does not pass for well, unless a command minds.
+#[test]
+fn what_a_device_refuses_is_no_good_end() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = |name: &str| folder.path().join(name);
+    std::fs::write(
+        path("cell.toml"),
+        "[devices.arm]\nkind = \"arm\"\nmodel = \"kuka-lwr4+\"\n",
+    )
+    .unwrap();
+    for (minds, status, how) in [
+        ("", 3, "finished with over"),
+        ("  fail arm_error when arm.error;\n", 1, "arm_error"),
+    ] {
+        let text = format!(
+            "use motion;
+command Jump (arm: Arm)
+let
+  arm.joints = [0.5[rad], 0[rad], 0[rad], 0[rad], 0[rad], 0[rad], 0[rad]];
+  finish over when time > 20[ms];
+{minds}tel
+"
+        );
+        std::fs::write(path("program.rpi"), text).unwrap();
+        let mut rpi = Command::new(env!("CARGO_BIN_EXE_rpi"));
+        let output = rpi.arg("run").arg(path("program.rpi")).output().unwrap();
+        let out = String::from_utf8(output.stdout).unwrap();
+        assert_eq!(output.status.code(), Some(status), "{out}");
+        assert!(out.contains(how) && out.contains("discontinuity"), "{out}");
+    }
 }

@@ -209,3 +209,26 @@ fn the_worst_decides_how_it_ends() {
     assert_eq!(status(&["good.rpi", "wrong.rpi", "warned.rpi"]), Some(1));
     assert_eq!(status(&["missing.rpi"]), Some(2));
 }
+
+/// What describes the machine is no program, and no reason to check for another machine.
+#[test]
+fn a_machine_that_is_none_is_told() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("program.rpi");
+    std::fs::write(&path, "const a = 1;\n").unwrap();
+    std::fs::write(folder.path().join("machine.toml"), "speed = 3\n").unwrap();
+    let output = std::process::Command::new(env!("CARGO_BIN_EXE_rpic"))
+        .arg("check")
+        .arg(&path)
+        .output()
+        .unwrap();
+    assert_eq!(output.status.code(), Some(2));
+    let told = String::from_utf8_lossy(&output.stderr).into_owned();
+    for part in [
+        "machine.toml: ",
+        "line 1: unknown field `speed`",
+        "help: it has to state",
+    ] {
+        assert!(told.contains(part), "{part} in {told}");
+    }
+}

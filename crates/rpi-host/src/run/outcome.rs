@@ -187,10 +187,17 @@ impl RunEnd {
 
 impl Outcome {
     /// How the run went: as its worst command, but for errors that its task has a branch for. One that was stopped has not gone
-    /// well, whether a command ran then or not.
+    /// well, whether a command ran then or not; neither has one in which a device had something against its set-points and no
+    /// command minded.
     #[must_use]
     pub fn status(&self) -> Status {
-        if self.stopped.is_some() {
+        let troubled = self
+            .devices
+            .iter()
+            .any(|device| !device.troubles.is_empty());
+        let mut ends = self.commands.iter().map(|command| &command.end);
+        let minded = ends.any(|end| end.status() != Status::Good);
+        if self.stopped.is_some() || troubled && !minded {
             return Status::Fault;
         }
         let all = self.commands.iter().filter(|c| !c.handled);

@@ -12,10 +12,14 @@ use rpi_sim::{Cell, Part};
 
 use super::owed::Debt;
 use super::{Desk, DeviceInfo, Failure, Phase, Reply, Sink, Then, Update};
+use crate::fair::Taken;
+use crate::peer::Peer;
 
 /// The devices by place, and who is told about them.
 pub(super) struct Devices {
     places: Vec<Option<DeviceInfo>>,
+    /// Where those come from who have made devices, by place: it does not end with its maker.
+    makers: Vec<Option<Peer>>,
     pub(super) watchers: Vec<Box<dyn Sink>>,
     seed: u64,
     /// The first so many are those of the cell: clients cannot remove them.
@@ -31,6 +35,7 @@ impl Devices {
         let mut places: Vec<Option<DeviceInfo>> = infos.collect();
         places.resize(most.max(places.len()), None);
         Devices {
+            makers: vec![None; places.len()],
             places,
             watchers: Vec::new(),
             seed: cell.seed,
@@ -55,15 +60,32 @@ impl Devices {
         format!("{}[{}]", self.name(resource), resource & 0xffff)
     }
 
+    /// A free place for somebody, who has no more of them than a share.
+    fn place_for(&self, peer: Peer) -> Result<usize, Failure> {
+        let made = self.places.iter().zip(&self.makers).skip(self.own);
+        let made = made.filter(|(device, _)| device.is_some());
+        let own = made.clone().filter(|(_, maker)| **maker == Some(peer));
+        let taken = Taken::by_peer(made.count(), own.count());
+        let room = taken.admit(1, self.places.len() - self.own);
+        room.map_err(|full| Failure::limit(full, DEVICES))?;
+        let free = self.places.iter().position(Option::is_none);
+        free.ok_or(Failure::Limit(DEVICES))
+    }
+
     fn find(&self, name: &str) -> Option<usize> {
         let is = |info: &Option<DeviceInfo>| info.as_ref().is_some_and(|i| i.name == name);
         self.places.iter().position(is)
     }
 }
 
+/// What there are so many of.
+const DEVICES: &str = "devices";
+
 /// A device that a client wants to have.
 #[derive(Debug)]
 pub(crate) struct NewDevice<'a> {
+    /// Where the client comes from.
+    pub(crate) peer: Peer,
     pub(crate) name: &'a str,
     pub(crate) kind: &'a str,
     pub(crate) parameters: &'a BTreeMap<String, String>,
@@ -105,14 +127,14 @@ impl Desk {
         if new.name.len() > self.limits.name {
             return reply(Err(Failure::Limit("bytes of a name")));
         }
-        let Some(place) = self.devices.places.iter().position(Option::is_none) else {
-            return reply(Err(Failure::Limit("devices")));
-        };
         let spec = self
             .may_ask()
             .and_then(|()| spec(new, self.tick_ns as f64 * 1e-9));
-        match spec {
-            Ok(spec) => self.put(place, &spec, new.kind, reply),
+        match spec.and_then(|spec| Ok((self.devices.place_for(new.peer)?, spec))) {
+            Ok((place, spec)) => {
+                self.devices.makers[place] = Some(new.peer);
+                self.put(place, &spec, new.kind, reply);
+            }
             Err(why) => reply(Err(why)),
         }
     }

@@ -51,6 +51,10 @@ impl Front for RpcFront {
             }
         }
     }
+
+    fn complain(&mut self, why: &str) {
+        Answers::alone(&json!({"id": null}), &self.out).error(-32600, why, Value::Null);
+    }
 }
 
 impl Drop for RpcFront {

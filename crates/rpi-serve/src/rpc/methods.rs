@@ -329,6 +329,7 @@ fn add_device(front: &mut RpcFront, call: &Call<'_>) -> Answer {
         .map(|(key, value)| (key.clone(), literal(value)))
         .collect();
     let new = NewDevice {
+        peer: front.client.peer(),
         name: call.text("name")?,
         kind: call.text("type")?,
         parameters: &parameters,

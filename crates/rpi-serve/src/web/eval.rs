@@ -37,13 +37,14 @@ pub(crate) fn eval(office: &Office, form: &Form, patience: Duration) -> Response
 }
 
 /// Makes or removes a device.
-pub(crate) fn device(office: &Office, form: &Form, patience: Duration) -> Response {
+pub(crate) fn device((office, peer): (&Office, Peer), form: &Form, patience: Duration) -> Response {
     let name = form.get("name").map_or("", String::as_str);
     let (reply, answer) = waiting();
     if form.get("action").is_some_and(|action| action == "remove") {
         office.desk().remove_device(name, reply);
     } else {
         let new = NewDevice {
+            peer,
             name,
             kind: form.get("type").map_or("", String::as_str),
             parameters: form,

@@ -25,7 +25,7 @@ pub(crate) fn respond(
     let parts: Vec<&str> = head.path.split('/').filter(|p| !p.is_empty()).collect();
     match (head.method.as_str(), parts.as_slice()) {
         ("POST", ["eval"]) => eval::eval(office, &form::parse(&body), limits.patience),
-        ("POST", ["devices"]) => eval::device(office, &form::parse(&body), limits.patience),
+        ("POST", ["devices"]) => eval::device((office, peer), &form::parse(&body), limits.patience),
         ("POST", ["sessions", name]) => eval::session((office, peer), name, &form::parse(&body)),
         ("GET", parts) => pages::page(office, parts),
         _ => Response::refused(405, "this is not done here"),

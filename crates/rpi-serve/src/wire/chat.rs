@@ -20,6 +20,9 @@ const ANSWER: Duration = Duration::from_millis(4);
 pub(crate) trait Front {
     /// Hears a message; false to end the conversation.
     fn hear(&mut self, text: &str) -> bool;
+
+    /// Tells why the conversation ends, where that is said in messages.
+    fn complain(&mut self, _: &str) {}
 }
 
 /// A stream that gives up reading after [`TURN`].
@@ -54,10 +57,7 @@ impl End {
             End::Over => return None,
             End::Deaf => (CloseCode::Policy, "what is sent is not read".to_owned()),
             End::Binary => (CloseCode::Unsupported, "messages are texts".to_owned()),
-            End::TooLong => (
-                CloseCode::Size,
-                format!("a message has at most {most} bytes"),
-            ),
+            End::TooLong => (CloseCode::Size, too_long(most)),
             End::Silent => (
                 CloseCode::Policy,
                 "nothing was heard for too long".to_owned(),
@@ -67,6 +67,10 @@ impl End {
         let reason = reason.into();
         Some(CloseFrame { code, reason })
     }
+}
+
+fn too_long(most: usize) -> String {
+    format!("a message has at most {most} bytes")
 }
 
 /// Talks over a websocket until one side has enough. `rest` was read already.
@@ -210,8 +214,13 @@ pub(crate) fn lines(
             Err(e) if is_pause(&e) => false,
             Err(_) => return End::Over,
         };
-        if !hear_lines(&mut waiting, front) || waiting.len() > most {
+        if !hear_lines(&mut waiting, front) {
             break;
+        }
+        if waiting.len() > most {
+            front.complain(&too_long(most));
+            let _ = send_lines(&mut stream, out, true);
+            return End::TooLong;
         }
         if let Some(end) = sent(out, || send_lines(&mut stream, out, heard)) {
             return end;

@@ -143,6 +143,24 @@ fn rules_and_devices_are_counted() {
     assert!(add("b").contains("limit reached: devices"));
 }
 
+/// Of eight devices beside the cell's those from one place make no more than six: some are left for others.
+#[test]
+fn nobody_makes_all_devices() {
+    let server = with(Limits {
+        devices: 9,
+        ..Limits::default()
+    });
+    let add = |k: usize| {
+        let form = format!("name=arm{k}&type=kuka_lwr_sim");
+        post(server.address(), "/devices", &form)
+    };
+    let made: Vec<String> = (0..8).map(add).collect();
+    let made = made.iter().map(|answer| answer.contains("200 OK"));
+    let made: Vec<bool> = made.collect();
+    assert_eq!(made.iter().position(|made| !made), Some(6), "{made:?}");
+    assert!(add(9).contains("devices"), "{}", add(9));
+}
+
 #[test]
 fn connections_are_counted_and_come_free_again() {
     let server = with(Limits {

@@ -112,6 +112,10 @@ fn a_unix_socket_takes_a_message_per_line() {
     let server = server(
         &rpi_serve::Settings {
             socket: Some(path.clone()),
+            limits: rpi_serve::Limits {
+                message: 4096,
+                ..settings().limits
+            },
             ..settings()
         },
         (),
@@ -133,6 +137,14 @@ fn a_unix_socket_takes_a_message_per_line() {
     let told = ask(json!({"id": 3, "method": "command.describe", "params": {"command": command}}));
     assert_eq!(told["result"]["inputs"][0]["key"], "gain");
     assert_eq!(told["result"]["state"], "ready");
+    stream.write_all(&vec![b' '; 1 << 16]).unwrap();
+    let complaint: Value = serde_json::from_str(&answers.next().unwrap().unwrap()).unwrap();
+    assert_eq!(complaint["error"]["code"], -32600, "{complaint}");
+    assert_eq!(
+        complaint["error"]["message"],
+        "a message has at most 4096 bytes"
+    );
+    assert!(answers.next().is_none_or(|line| line.is_err()));
     drop(server);
     assert!(!path.exists());
 }
