@@ -10,6 +10,10 @@ use rpi_syntax::ast::{Automaton, State, Visit};
 struct Unreached(Vec<Finding>);
 
 impl<'a> Visit<'a> for Unreached {
+    fn looks_into_expressions(&self) -> bool {
+        false
+    }
+
     fn automaton(&mut self, automaton: &'a Automaton) {
         self.0.extend(of_automaton(automaton));
     }

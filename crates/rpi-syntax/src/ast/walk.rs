@@ -10,6 +10,11 @@ use super::{
 
 /// Who is told what a declaration consists of.
 pub trait Visit<'a> {
+    /// Whether it wants to hear of what stands in expressions: going through these takes most of the time.
+    fn looks_into_expressions(&self) -> bool {
+        true
+    }
+
     /// A name that stands for something, not where it is declared or defined as a whole; a name maybe several times.
     fn name(&mut self, _: &'a Name) {}
 
@@ -238,6 +243,9 @@ impl<'a> Walk<'_, 'a> {
 
     /// An expression and all in it. Expressions may be nested deeply: those inside wait in a list.
     fn all_in(&mut self, expr: &'a Expr, runs: bool) {
+        if !self.visitor.looks_into_expressions() {
+            return;
+        }
         let mut open = vec![expr];
         while let Some(expr) = open.pop() {
             if runs {
