@@ -2,7 +2,7 @@
 
 use crate::ast::{File, Item};
 use crate::context::Context;
-use crate::lexer::{Lexed, lex_skipping};
+use crate::lexer::{Lexed, Lexeme, lex_skipping};
 use crate::split::{Chunk, Head, split};
 use crate::{Mode, Parse, mend, nesting, outside, with_stack};
 use rpi_diag::{Code, FileId, Finding, Severity, Span};
@@ -13,6 +13,11 @@ use std::collections::BTreeSet;
 /// What has a fault becomes a `Broken` node with the names that it seems to define; the findings say
 /// why, one for each independent fault.
 pub fn parse(file: FileId, text: &str, mode: Mode) -> Parse {
+    parse_with_tokens(file, text, mode).0
+}
+
+/// The same, with the tokens.
+pub(crate) fn parse_with_tokens(file: FileId, text: &str, mode: Mode) -> (Parse, Vec<Lexeme>) {
     let (lexed, items, found) = with_stack(|| understood(file, text, mode));
     let mut findings = lexed.findings;
     let gaps = Gaps::new(text, &findings);
@@ -20,11 +25,12 @@ pub fn parse(file: FileId, text: &str, mode: Mode) -> Parse {
     findings.extend(found.filter(|finding| !gaps.explain(finding)));
     findings.sort_by_key(|finding| finding.span());
     findings.dedup();
-    Parse {
+    let parse = Parse {
         file: File { items },
         comments: lexed.comments,
         findings,
-    }
+    };
+    (parse, lexed.lexemes)
 }
 
 /// After so many attempts nothing in comments is read any more.

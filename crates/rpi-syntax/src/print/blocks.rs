@@ -4,64 +4,47 @@ use super::Printer;
 use super::layout::{Doc, concat, indent, word};
 use super::ty::names;
 use crate::ast::*;
-use rpi_diag::Span;
 
 impl Printer<'_> {
-    pub(super) fn choice(&mut self, choice: &Choice, span: Span) -> Doc {
+    pub(super) fn choice(&mut self, choice: &Choice) -> Doc {
         let mut parts = Vec::new();
         if choice.word == ChoiceWord::Cond {
             parts.push(word("cond"));
         }
         for (i, branch) in choice.branches.iter().enumerate() {
             let (head, close) = choice.word.head(i == 0);
-            let end = choice.end_of(i, span);
             if i > 0 || choice.word == ChoiceWord::Cond {
                 parts.push(Doc::Hard);
             }
             parts.extend([word(head), self.expr(&branch.condition), word(close)]);
-            parts.push(self.indented(&branch.statements, end));
+            parts.push(self.indented(&branch.statements));
         }
         if let Some(otherwise) = &choice.otherwise {
             let head = match choice.word {
                 ChoiceWord::Cond => "otherwise:",
                 _ => "else",
             };
-            parts.extend([Doc::Hard, word(head), self.indented(otherwise, span.end)]);
+            parts.extend([Doc::Hard, word(head), self.indented(otherwise)]);
         }
         parts.extend([Doc::Hard, word(choice.word.closes())]);
         concat(parts)
     }
 
-    pub(super) fn keep(&mut self, keep: &Keep, span: Span) -> Doc {
+    pub(super) fn keep(&mut self, keep: &Keep) -> Doc {
         let head = word("frame (");
         let names = super::layout::text(names(&keep.names));
-        let first = keep
-            .statements
-            .first()
-            .map_or(span.end, |first| first.span.start);
-        let initial = self.indented(&keep.initial, first);
-        let body = self.statements(&keep.statements, span.end);
+        let initial = self.indented(&keep.initial);
+        let body = self.statements(&keep.statements);
         let body = super::body::block("let", body, "tel");
         concat([head, names, word(")"), initial, Doc::Hard, body])
     }
 
-    fn indented(&mut self, statements: &[Statement], end: u32) -> Doc {
-        let lines = self.statements(statements, end);
+    fn indented(&mut self, statements: &[Statement]) -> Doc {
+        let lines = self.statements(statements);
         match lines.is_nothing() {
             true => lines,
             false => indent(concat([Doc::Hard, lines])),
         }
-    }
-}
-
-impl Choice {
-    /// Where the text of a branch ends.
-    fn end_of(&self, branch: usize, whole: Span) -> u32 {
-        let next = self.branches.get(branch + 1);
-        let otherwise = self.otherwise.iter().flatten().next();
-        let next = next.map(|next| next.condition.span.start);
-        let next = next.or_else(|| otherwise.map(|first| first.span.start));
-        next.unwrap_or(whole.end)
     }
 }
 

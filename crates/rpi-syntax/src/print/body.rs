@@ -9,64 +9,32 @@ use rpi_diag::Span;
 
 impl Printer<'_> {
     /// A head with contract, local declarations and `let ... tel` below it.
-    pub(super) fn with_body(
-        &mut self,
-        head: Doc,
-        contract: &Option<Contract>,
-        body: &Body,
-        end: u32,
-    ) -> Doc {
-        let between = self.after_head(contract.as_ref(), body, end);
+    pub(super) fn with_body(&mut self, head: Doc, contract: &Option<Contract>, body: &Body) -> Doc {
         let contract = self.contract(contract.as_ref());
-        concat([head, between, contract, Doc::Hard, self.body(body, end)])
-    }
-
-    /// The comments between a head and what follows it.
-    fn after_head(&mut self, contract: Option<&Contract>, body: &Body, end: u32) -> Doc {
-        let first = contract.map_or_else(|| body.first_span(), |contract| contract.span);
-        let limit = if first.is_none() { end } else { first.start };
-        let next = self.trivia.next_token(self.trivia.reached());
-        self.gap(next.min(limit))
-    }
-
-    /// The comments between what was written last and what stands at `next`: at the end of the line, and on lines of their own.
-    pub(super) fn gap(&mut self, next: u32) -> Doc {
-        let suffixes = self.trivia.after(self.trivia.reached(), next);
-        let own = self.trivia.before(next).into_iter();
-        let own = own.flat_map(|own| [Doc::Hard, own.doc]);
-        concat(suffixes.into_iter().chain(own))
-    }
-
-    /// The comments behind a phrase that ends at `end`, on its line.
-    fn behind(&mut self, end: u32) -> Doc {
-        concat(self.trivia.after(end, self.trivia.next_token(end)))
+        concat([head, contract, Doc::Hard, self.body(body)])
     }
 
     /// Local declarations and `let ... tel`, each statement on a line.
-    fn body(&mut self, body: &Body, end: u32) -> Doc {
+    fn body(&mut self, body: &Body) -> Doc {
         let locals = self.locals(&body.locals);
-        let statements = self.statements(&body.statements, end);
+        let statements = self.statements(&body.statements);
         concat([locals, block("let", statements, "tel")])
     }
 
     /// The same, on one line if it is short enough.
-    fn short_body(&mut self, body: &Body, end: u32) -> Doc {
+    fn short_body(&mut self, body: &Body) -> Doc {
         let short = body.locals.is_empty()
             && body.statements.len() <= MAX_ON_ONE_LINE
             && !body
                 .statements
                 .iter()
                 .any(|statement| has_body(&statement.kind));
-        if !short || self.trivia.any_before(end) {
-            return self.body(body, end);
+        if !short {
+            return self.body(body);
         }
         let statements = body.statements.iter().flat_map(|statement| {
             let doc = self.doc_lines(statement.doc.as_ref());
-            [
-                Doc::Line,
-                doc,
-                self.statement(&statement.kind, 0, statement.span),
-            ]
+            [Doc::Line, doc, self.statement(&statement.kind, 0)]
         });
         one_line_body(concat(statements.collect::<Vec<_>>()))
     }
@@ -75,10 +43,10 @@ impl Printer<'_> {
         let sections = locals.iter().flat_map(|section| {
             let section = match section {
                 Locals::Var(vars) => {
-                    self.section("var", vars, |v| (v.span, &v.doc), Self::var_decl)
+                    self.section("var", vars, |v| v.span, |v| &v.doc, Self::var_decl)
                 }
                 Locals::Const(defs) => {
-                    self.section("const", defs, |d| (d.span, &d.doc), Self::const_def)
+                    self.section("const", defs, |d| d.span, |d| &d.doc, Self::const_def)
                 }
             };
             [section, Doc::Hard]
@@ -91,41 +59,37 @@ impl Printer<'_> {
         &mut self,
         head: &'static str,
         elements: &[T],
-        place: impl Fn(&T) -> (Span, &Option<ast::Doc>),
+        span: impl Fn(&T) -> Span,
+        doc: impl Fn(&T) -> &Option<ast::Doc>,
         mut write: impl FnMut(&mut Self, &T) -> Doc,
     ) -> Doc {
         if let [only] = elements
-            && !self.trivia.any_before(place(only).0.start)
-            && place(only).1.is_none()
+            && doc(only).is_none()
         {
             let element = write(self, only);
-            let behind = self.behind(place(only).0.end);
-            return concat([word(head), word(" "), element, word(";"), behind]);
+            return concat([word(head), word(" "), element, word(";")]);
         }
-        let lines = self.open_lines(
-            elements,
-            |e| place(e).0,
-            |p, _, element| (concat([write(p, element), word(";")]), false),
-        );
+        let lines = self.lines(elements, span, |p, _, element| {
+            (concat([write(p, element), word(";")]), false)
+        });
         concat([word(head), indent(concat([Doc::Hard, lines]))])
     }
 
-    pub(super) fn statements(&mut self, statements: &[Statement], end: u32) -> Doc {
+    pub(super) fn statements(&mut self, statements: &[Statement]) -> Doc {
         let widths = end_widths(statements);
         self.lines(
             statements,
             |statement| statement.span,
-            end,
             |p, i, statement| {
                 let doc = p.doc_lines(statement.doc.as_ref());
-                let written = p.statement(&statement.kind, widths[i], statement.span);
+                let written = p.statement(&statement.kind, widths[i]);
                 (concat([doc, written]), has_body(&statement.kind))
             },
         )
     }
 
     /// A statement; `width` is that of the first word in a column of ends.
-    fn statement(&mut self, kind: &StatementKind, width: usize, span: Span) -> Doc {
+    fn statement(&mut self, kind: &StatementKind, width: usize) -> Doc {
         let phrase = match kind {
             StatementKind::Equation(equation) => self.equation(equation),
             StatementKind::Call(call) => self.expr(call),
@@ -141,10 +105,10 @@ impl Printer<'_> {
                 let flows: Vec<String> = flows.iter().map(dotted).collect();
                 text(format!("export {}", flows.join(", ")))
             }
-            StatementKind::Fragment(fragment) => return self.fragment(fragment, span),
-            StatementKind::Automaton(automaton) => return self.automaton(automaton, span),
-            StatementKind::Choice(choice) => return self.choice(choice, span),
-            StatementKind::Keep(keep) => return self.keep(keep, span),
+            StatementKind::Fragment(fragment) => return self.fragment(fragment),
+            StatementKind::Automaton(automaton) => return self.automaton(automaton),
+            StatementKind::Choice(choice) => return self.choice(choice),
+            StatementKind::Keep(keep) => return self.keep(keep),
             StatementKind::Broken(_) => return nothing(),
         };
         concat([phrase, word(";")])
@@ -174,11 +138,8 @@ impl Printer<'_> {
 
     /// `--%PROPERTY x;` ends with its line; comments in it stand before it.
     fn property(&mut self, claim: &Claim) -> Doc {
-        let inside = self.trivia.before(claim.condition.span.end);
-        let inside = inside.into_iter().flat_map(|own| [own.doc, Doc::Hard]);
-        let before = concat(inside.collect::<Vec<_>>());
         let line = concat([self.claim(claim), word(";")]);
-        concat([before, Doc::Flat(Box::new(line))])
+        Doc::Flat(Box::new(line))
     }
 
     /// Label and condition of a claim.
@@ -192,24 +153,16 @@ impl Printer<'_> {
         }
     }
 
-    fn fragment(&mut self, fragment: &FragmentDecl, span: Span) -> Doc {
+    fn fragment(&mut self, fragment: &FragmentDecl) -> Doc {
         let head = self.fragment_head(fragment);
-        let between = self.after_head(fragment.contract.as_ref(), &fragment.body, span.end);
         let contract = self.contract(fragment.contract.as_ref());
-        concat([
-            head,
-            between,
-            contract,
-            Doc::Hard,
-            self.short_body(&fragment.body, span.end),
-        ])
+        concat([head, contract, Doc::Hard, self.short_body(&fragment.body)])
     }
 
-    fn automaton(&mut self, automaton: &Automaton, span: Span) -> Doc {
+    fn automaton(&mut self, automaton: &Automaton) -> Doc {
         let states = self.lines(
             &automaton.states,
             |s| s.span,
-            span.end,
             |p, _, state| {
                 let doc = p.doc_lines(state.doc.as_ref());
                 (concat([doc, p.state(state)]), false)
@@ -224,7 +177,6 @@ impl Printer<'_> {
         } else {
             "state "
         };
-        self.trivia.reach(state.name.span.end);
         let parts = [
             self.clause("unless ", &state.unless),
             self.state_body(&state.body),
@@ -237,59 +189,37 @@ impl Printer<'_> {
         if *body == Body::default() {
             return nothing();
         }
-        let gap = self.gap(self.trivia.next_token(self.trivia.reached()));
-        let end = self.end_of(body);
-        let lines = self.short_body(body, end);
-        let behind = self.behind(end + "tel".len() as u32);
-        concat([gap, Doc::Hard, lines, behind])
-    }
-
-    /// Where the `tel` of the body stands that comes next.
-    fn end_of(&self, body: &Body) -> u32 {
-        let behind_let = |before| self.trivia.next_token(before) + "let".len() as u32;
-        let last = body.statements.last().map(|statement| statement.span.end);
-        let last = last.unwrap_or_else(|| {
-            let locals = body.locals.iter().rev().find_map(Locals::end);
-            behind_let(locals.unwrap_or(self.trivia.reached()))
-        });
-        self.trivia.next_token(last)
+        concat([Doc::Hard, self.short_body(body)])
     }
 
     /// All transitions at one end of a state as one clause: the first that holds is taken, however they are written.
     fn clause(&mut self, head: &'static str, transitions: &[Transition]) -> Doc {
-        let [first, ..] = transitions else {
+        if transitions.is_empty() {
             return nothing();
-        };
-        let gap = self.gap(first.span.start);
+        }
         let alternatives = self.transitions(transitions);
-        let last = transitions.last().unwrap_or(first);
-        let behind = self.behind(last.span.end);
-        concat([gap, Doc::Hard, word(head), alternatives, word(";"), behind])
+        concat([Doc::Hard, word(head), alternatives, word(";")])
     }
 
     fn transitions(&mut self, transitions: &[Transition]) -> Doc {
-        self.phrases(
-            transitions,
-            |t| t.span,
-            |p, i, transition| {
-                let condition = match &transition.condition {
-                    Some(condition) => p.expr(condition),
-                    None => word("otherwise"),
-                };
-                let then = if transition.resumes {
-                    " continue "
-                } else {
-                    " then "
-                };
-                let target = text(&*transition.target.name);
-                concat([
-                    word(if i == 0 { "" } else { "| " }),
-                    condition,
-                    word(then),
-                    target,
-                ])
-            },
-        )
+        self.phrases(transitions, |p, i, transition| {
+            let condition = match &transition.condition {
+                Some(condition) => p.expr(condition),
+                None => word("otherwise"),
+            };
+            let then = if transition.resumes {
+                " continue "
+            } else {
+                " then "
+            };
+            let target = text(&*transition.target.name);
+            concat([
+                word(if i == 0 { "" } else { "| " }),
+                condition,
+                word(then),
+                target,
+            ])
+        })
     }
 }
 
@@ -316,28 +246,6 @@ pub(super) fn block(open: &'static str, lines: Doc, close: &'static str) -> Doc 
             Doc::Hard,
             word(close),
         ]),
-    }
-}
-
-impl Locals {
-    /// Where its last declaration ends.
-    fn end(&self) -> Option<u32> {
-        match self {
-            Locals::Var(vars) => vars.last().map(|var| var.span.end),
-            Locals::Const(defs) => defs.last().map(|def| def.span.end),
-        }
-    }
-}
-
-impl Body {
-    /// Where its first declaration or statement stands; [`Span::NONE`] if there is none.
-    fn first_span(&self) -> Span {
-        let local = self.locals.iter().find_map(|locals| match locals {
-            Locals::Var(vars) => vars.first().map(|var| var.span),
-            Locals::Const(defs) => defs.first().map(|def| def.span),
-        });
-        let statement = || self.statements.first().map(|statement| statement.span);
-        local.or_else(statement).unwrap_or(Span::NONE)
     }
 }
 

@@ -1,7 +1,7 @@
 //! Calls and their arguments.
 
 use super::Printer;
-use super::layout::{Doc, concat, text, word};
+use super::layout::{Doc, concat, group, text, word};
 use super::list::{PARENS, STATIC_ARGS};
 use crate::Mode;
 use crate::ast::*;
@@ -58,7 +58,7 @@ impl Printer<'_> {
                 concat(parts)
             }
         };
-        concat([head, self.args(&call.args)])
+        group(concat([head, self.args(&call.args)]))
     }
 
     /// Whether it is `any@<T>`, which Kind 2 writes without parentheses.

@@ -22,7 +22,6 @@ impl Printer<'_> {
     }
 
     fn contract_parts(&mut self, contract: &Contract) -> Doc {
-        self.trivia.reach(contract.span.start);
         let locals = contract
             .locals
             .iter()
@@ -44,15 +43,13 @@ impl Printer<'_> {
             .iter()
             .flat_map(|import| [Doc::Hard, self.contract_import(import)])
             .collect::<Vec<_>>();
-        let parts = indent(concat([
+        indent(concat([
             concat(locals),
             concat(together),
             concat(imports),
             claims,
             concat(modes),
-        ]));
-        self.trivia.reach(contract.span.end);
-        parts
+        ]))
     }
 
     /// `var x: int, y: bool = e;`
@@ -103,7 +100,7 @@ impl Printer<'_> {
         if claims.is_empty() {
             return nothing();
         }
-        let lines = self.lines(claims, claim_span, 0, |p, _, claim| {
+        let lines = self.lines(claims, claim_span, |p, _, claim| {
             (concat([p.claim(claim), word(";")]), false)
         });
         concat([Doc::Hard, lines])

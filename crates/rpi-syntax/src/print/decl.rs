@@ -13,42 +13,40 @@ impl Printer<'_> {
         self.lines(
             items,
             |item| item.span,
-            u32::MAX,
             |p, _, item| {
-                let doc = p.item(&item.kind, item.span.end);
+                let doc = p.item(&item.kind);
                 let apart = doc.flat_width().is_none();
                 (concat([p.doc_lines(item.doc.as_ref()), doc]), apart)
             },
         )
     }
 
-    fn item(&mut self, kind: &ItemKind, end: u32) -> Doc {
+    fn item(&mut self, kind: &ItemKind) -> Doc {
         match kind {
             ItemKind::Use(modules) => text(format!("use {};", names(modules))),
             ItemKind::Include(file) => text(format!("include {}", quote(&file.name))),
             ItemKind::Const(defs) => {
-                self.section("const", defs, |d| (d.span, &d.doc), Self::const_def)
+                self.section("const", defs, |d| d.span, |d| &d.doc, Self::const_def)
             }
             ItemKind::Type(defs) if is_datatype(defs) => {
-                self.section("datatype", defs, |d| (d.span, &d.doc), Self::type_def)
+                self.section("datatype", defs, |d| d.span, |d| &d.doc, Self::type_def)
             }
             ItemKind::Type(defs) => {
-                self.section("type", defs, |d| (d.span, &d.doc), Self::type_def)
+                self.section("type", defs, |d| d.span, |d| &d.doc, Self::type_def)
             }
-            ItemKind::Node(node) => self.node(node, end),
+            ItemKind::Node(node) => self.node(node),
             ItemKind::Fragment(fragment) => {
                 let head = self.fragment_head(fragment);
-                self.with_body(head, &fragment.contract, &fragment.body, end)
+                self.with_body(head, &fragment.contract, &fragment.body)
             }
             ItemKind::Primitive(primitive) => self.primitive(primitive),
             ItemKind::Device(device) => self.device(device),
             ItemKind::Frame(frame) => self.frame(frame),
-            ItemKind::Command(command) => self.command(command, end),
-            ItemKind::Task(task) => self.task(task, end),
+            ItemKind::Command(command) => self.command(command),
+            ItemKind::Task(task) => self.task(task),
             ItemKind::Test(test) => {
                 let head = text(format!("test {}", quote(&test.title.name)));
-                self.trivia.reach(test.title.span.end);
-                self.with_body(head, &None, &test.body, end)
+                self.with_body(head, &None, &test.body)
             }
             ItemKind::Broken(_) => nothing(),
         }
@@ -88,7 +86,7 @@ impl Printer<'_> {
         concat(parts)
     }
 
-    fn node(&mut self, node: &NodeDecl, end: u32) -> Doc {
+    fn node(&mut self, node: &NodeDecl) -> Doc {
         let (before, after) = match (&node.definition, node.outside) {
             (NodeDef::Extern, Outside::Extern) => ("extern ", " "),
             (NodeDef::Extern, Outside::Imported) => ("", " imported "),
@@ -113,7 +111,7 @@ impl Printer<'_> {
             }
             NodeDef::Body(body) => {
                 let semi = word(if self.mode == Mode::Lustre { ";" } else { "" });
-                self.with_body(concat([head, semi]), &node.contract, body, end)
+                self.with_body(concat([head, semi]), &node.contract, body)
             }
             NodeDef::Alias(callee) => concat([head, word(" = "), self.callee(callee), word(";")]),
             NodeDef::Extern => concat([head, word(";"), self.contract(node.contract.as_ref())]),
@@ -128,11 +126,8 @@ impl Printer<'_> {
         let mut parts = vec![self.signature_ports(signature)];
         if let Some(when) = &fragment.when {
             parts.extend([Doc::Line, word("when "), self.expr(&when.condition)]);
-            self.trivia.reach(when.condition.span.end);
             if when.restart {
                 parts.push(word(" restart"));
-                let restart = self.trivia.next_token(when.condition.span.end);
-                self.trivia.reach(restart + "restart".len() as u32);
             }
         }
         parts.push(self.budget(fragment.budget.as_ref()));
@@ -146,11 +141,7 @@ impl Printer<'_> {
 
     fn budget(&mut self, budget: Option<&Expr>) -> Doc {
         match budget {
-            Some(budget) => {
-                let written = concat([Doc::Line, word("budget "), self.expr(budget)]);
-                self.trivia.reach(budget.span.end);
-                written
-            }
+            Some(budget) => concat([Doc::Line, word("budget "), self.expr(budget)]),
             None => nothing(),
         }
     }
@@ -173,7 +164,7 @@ impl Printer<'_> {
     fn device(&mut self, device: &DeviceDecl) -> Doc {
         let name = text(&*device.name.name);
         let head = concat([word("device "), name, self.static_params(&device.statics)]);
-        let sections = self.open_lines(
+        let sections = self.lines(
             &device.sections,
             |s| s.span,
             |p, _, section| (p.device_section(section), false),
@@ -185,7 +176,7 @@ impl Printer<'_> {
         /// As long as the longest of the words, and a space.
         const COLUMN: usize = "actuator ".len();
         let word = section.kind.word();
-        let ports = self.open_lines(
+        let ports = self.lines(
             &section.ports,
             |port| port.span,
             |p, _, port| (p.device_port(port), false),
@@ -197,11 +188,9 @@ impl Printer<'_> {
     }
 
     fn device_port(&mut self, port: &DevicePort) -> Doc {
-        let alternatives = self.phrases(
-            &port.alternatives,
-            |var| var.span,
-            |p, i, var| concat([word(if i == 0 { "" } else { "| " }), p.var_decl(var)]),
-        );
+        let alternatives = self.phrases(&port.alternatives, |p, i, var| {
+            concat([word(if i == 0 { "" } else { "| " }), p.var_decl(var)])
+        });
         concat([alternatives, word(";")])
     }
 
@@ -217,7 +206,7 @@ impl Printer<'_> {
         concat(parts)
     }
 
-    fn command(&mut self, command: &CommandDecl, end: u32) -> Doc {
+    fn command(&mut self, command: &CommandDecl) -> Doc {
         let name = self.name(&command.name);
         let statics = self.static_params(&command.statics);
         let mut parts = vec![self.params(&command.params)];
@@ -231,7 +220,7 @@ impl Printer<'_> {
             statics,
             indent(concat(parts)),
         ]));
-        self.with_body(head, &command.contract, &command.body, end)
+        self.with_body(head, &command.contract, &command.body)
     }
 
     /// Parameters of a command or task; nothing if there are none.

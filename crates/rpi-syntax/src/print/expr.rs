@@ -133,17 +133,13 @@ impl Printer<'_> {
             return self.repeated(binary);
         }
         let links = links(binary);
-        self.phrases(
-            &links,
-            |link| link.operand.span,
-            |p, _, link| {
-                let operand = p.wrapped(link.operand, link.parens);
-                match link.op {
-                    Some(op) => concat([word(op.spelling()), word(" "), operand]),
-                    None => operand,
-                }
-            },
-        )
+        self.phrases(&links, |p, _, link| {
+            let operand = p.wrapped(link.operand, link.parens);
+            match link.op {
+                Some(op) => concat([word(op.spelling()), word(" "), operand]),
+                None => operand,
+            }
+        })
     }
 
     /// `x^3`
@@ -170,7 +166,7 @@ impl Printer<'_> {
     /// `if a then x else if b then y else z`: the branches are broken together.
     fn conditional(&mut self, conditional: &If) -> Doc {
         let branches = branches(conditional);
-        self.phrases(&branches, Alternative::span, |p, _, branch| match branch {
+        self.phrases(&branches, |p, _, branch| match branch {
             Alternative::If {
                 head,
                 condition,
@@ -269,7 +265,9 @@ impl Printer<'_> {
     fn update(&mut self, update: &Update) -> Doc {
         let base = concat([word("("), self.expr(&update.base), word(" with")]);
         let after_base = brackets(" ", ";", ")");
-        let changes = self.list(after_base, &update.changes, change_span, |p, change| {
+        // A change begins with a sign that has no place of its own.
+        let nowhere = |_: &Change| Span::NONE;
+        let changes = self.list(after_base, &update.changes, nowhere, |p, change| {
             concat([p.path(&change.path), word(" = "), p.expr(&change.value)])
         });
         concat([base, changes])
@@ -288,16 +286,6 @@ impl Printer<'_> {
 
 fn field_span(field: &FieldValue) -> Span {
     field.field.span.merge(field.value.span)
-}
-
-fn change_span(change: &Change) -> Span {
-    let first = match &change.path[..] {
-        [Access::Field(field), ..] => field.span,
-        [Access::Index(index), ..] => index.span,
-        [Access::Slice(slice), ..] => slice.from.span,
-        [] => Span::NONE,
-    };
-    first.merge(change.value.span)
 }
 
 /// One operand of a chain, with the operator before it.
@@ -377,15 +365,6 @@ enum Alternative<'e> {
         yes: &'e Expr,
     },
     Else(&'e Expr),
-}
-
-impl Alternative<'_> {
-    fn span(&self) -> Span {
-        match self {
-            Alternative::If { condition, yes, .. } => condition.span.merge(yes.span),
-            Alternative::Else(no) => no.span,
-        }
-    }
 }
 
 fn branches(mut conditional: &If) -> Vec<Alternative<'_>> {

@@ -27,6 +27,10 @@ pub(super) enum Doc {
     Concat(Vec<Doc>),
     /// Lines that begin so many columns further right.
     Indent(usize, Box<Doc>),
+    /// Lines that comments end in it begin a step further right.
+    Hang(Box<Doc>),
+    /// What follows begins in the source at this offset.
+    At(u32),
     /// On one line, however long it is.
     Flat(Box<Doc>),
     /// On one line if it fits, else broken at each `Line` and `Soft` directly in it.
@@ -65,7 +69,10 @@ impl Doc {
     pub(super) fn is_nothing(&self) -> bool {
         match self {
             Doc::Concat(parts) => parts.iter().all(Doc::is_nothing),
-            Doc::Indent(_, doc) | Doc::Group(doc) | Doc::Flat(doc) => doc.is_nothing(),
+            Doc::Indent(_, doc) | Doc::Hang(doc) | Doc::Group(doc) | Doc::Flat(doc) => {
+                doc.is_nothing()
+            }
+            Doc::At(_) => true,
             Doc::Text(text) => text.is_empty(),
             _ => false,
         }
@@ -81,13 +88,13 @@ impl Doc {
                 Doc::Text(text) => text.chars().count(),
                 Doc::Word(word) => word.len(),
                 Doc::Line => 1,
-                Doc::Soft => 0,
+                Doc::Soft | Doc::At(_) => 0,
                 Doc::Hard | Doc::Empty | Doc::Suffix(_) => return None,
                 Doc::Concat(parts) => {
                     todo.extend(parts.iter().rev());
                     0
                 }
-                Doc::Indent(_, doc) | Doc::Group(doc) | Doc::Flat(doc) => {
+                Doc::Indent(_, doc) | Doc::Hang(doc) | Doc::Group(doc) | Doc::Flat(doc) => {
                     todo.push(doc);
                     0
                 }
@@ -148,6 +155,7 @@ impl Layout {
                 Doc::Word(word) => self.text(word),
                 Doc::Line | Doc::Hard if mode == Mode::Flat => self.text(" "),
                 Doc::Soft if mode == Mode::Flat => {}
+                Doc::At(_) => {}
                 Doc::Line | Doc::Soft | Doc::Hard => self.break_line(margin),
                 Doc::Empty => self.end_line(),
                 Doc::Suffix(comment) => self.suffix(comment),
@@ -155,6 +163,7 @@ impl Layout {
                     todo.extend(parts.iter().rev().map(|part| (margin, mode, part)))
                 }
                 Doc::Indent(by, doc) => todo.push((margin + by, mode, doc)),
+                Doc::Hang(doc) => todo.push((margin, mode, doc)),
                 Doc::Flat(doc) => todo.push((margin, Mode::Flat, doc)),
                 Doc::Group(doc) => {
                     let mode = match mode == Mode::Flat || self.fits(margin, doc, &todo) {
@@ -189,13 +198,14 @@ impl Layout {
                 Doc::Word(word) => word.len(),
                 Doc::Line if mode == Mode::Flat => 1,
                 Doc::Soft if mode == Mode::Flat => 0,
+                Doc::At(_) => 0,
                 Doc::Line | Doc::Soft => return true,
                 Doc::Hard | Doc::Empty | Doc::Suffix(_) => return mode == Mode::Broken,
                 Doc::Concat(parts) => {
                     todo.extend(parts.iter().rev().map(|part| (mode, part)));
                     0
                 }
-                Doc::Indent(_, doc) | Doc::Group(doc) => {
+                Doc::Indent(_, doc) | Doc::Hang(doc) | Doc::Group(doc) => {
                     todo.push((mode, doc));
                     0
                 }

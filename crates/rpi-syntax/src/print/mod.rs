@@ -3,31 +3,37 @@
 //! | file | idea |
 //! |---|---|
 //! | `layout.rs` | documents, and how they are broken into lines |
-//! | `trivia.rs` | comments |
-//! | `list.rs` | lists in brackets and lists of lines, with their comments |
+//! | `gaps.rs` | between which tokens the comments of a source stand |
+//! | `pieces.rs`, `align.rs`, `weave.rs` | how comments get into a document |
+//! | `list.rs` | lists in brackets and lists of lines, with the empty lines between them |
 //! | `parens.rs` | where parentheses must stand |
 //! | `head.rs` | declarations without their bodies |
 //! | `expr.rs`, `call.rs`, `ty.rs`, `decl.rs`, `body.rs`, `contract.rs`, `task.rs` | the forms of the language |
 
+mod align;
 mod blocks;
 mod body;
 mod call;
 mod contract;
 mod decl;
 mod expr;
+mod gaps;
 mod head;
 mod layout;
 mod list;
 mod parens;
+mod pieces;
 mod task;
-mod trivia;
 mod ty;
+mod weave;
 
 use crate::ast::File;
-use crate::{Mode, parse, with_stack};
-use layout::lay_out;
-use rpi_diag::{FileId, Finding, Severity};
-use trivia::Trivia;
+use crate::parse::parse_with_tokens;
+use crate::{Mode, with_stack};
+use gaps::Source;
+use layout::{Doc, concat, lay_out};
+use rpi_diag::{FileId, Finding, Severity, Span};
+use weave::weave;
 
 pub use head::head;
 
@@ -36,47 +42,58 @@ pub use head::head;
 /// Reading the result gives the same tree, parentheses and places aside, as long as every name in it
 /// is one: see [`is_name`](crate::is_name).
 pub fn print(file: &File, mode: Mode) -> String {
-    with_stack(|| Printer::new(mode, None).file(file))
+    with_stack(|| written(&Printer::new(mode, None).items(&file.items)))
 }
 
 /// Formats a text. The errors in it if there are any, for then nothing is changed.
 ///
 /// The result has the same tree and the same comments, and formatting it again changes nothing.
 pub fn format(text: &str, mode: Mode) -> Result<String, Vec<Finding>> {
-    let parsed = parse(FileId(0), text, mode);
+    let (parsed, tokens) = parse_with_tokens(FileId(0), text, mode);
     let is_error = |finding: &Finding| finding.severity() == Severity::Error;
     let errors: Vec<Finding> = parsed.findings.into_iter().filter(is_error).collect();
     if !errors.is_empty() {
         return Err(errors);
     }
-    let trivia = Trivia::new(text, &parsed.comments.all);
+    let source = Source::new(text, &tokens, &parsed.comments.all);
     Ok(with_stack(|| {
-        Printer::new(mode, Some(trivia)).file(&parsed.file)
+        let plain = Printer::new(mode, Some(text)).items(&parsed.file.items);
+        written(&weave(plain, &source))
     }))
 }
 
-/// Turns nodes into documents, and places the comments on the way.
+fn written(doc: &Doc) -> String {
+    match doc.is_nothing() {
+        true => String::new(),
+        false => lay_out(doc),
+    }
+}
+
+/// Turns nodes into documents.
 struct Printer<'a> {
     mode: Mode,
-    trivia: Trivia<'a>,
-    /// Whether doc comments come from the tree, as there is no text to take them from.
-    docs_from_tree: bool,
+    /// What was read, if anything was: doc comments are taken from there, and empty lines between declarations.
+    text: Option<&'a str>,
 }
 
 impl<'a> Printer<'a> {
-    fn new(mode: Mode, trivia: Option<Trivia<'a>>) -> Printer<'a> {
-        Printer {
-            mode,
-            docs_from_tree: trivia.is_none(),
-            trivia: trivia.unwrap_or_else(|| Trivia::new("", &[])),
-        }
+    fn new(mode: Mode, text: Option<&'a str>) -> Printer<'a> {
+        Printer { mode, text }
     }
 
-    fn file(mut self, file: &File) -> String {
-        let items = self.items(&file.items);
-        match items.is_nothing() {
-            true => String::new(),
-            false => lay_out(&items),
+    /// Whether an empty line stands directly before what begins at `span`.
+    fn blank_before(&self, span: Span) -> bool {
+        let before = self.text.and_then(|text| text.get(..span.start as usize));
+        let before = before.filter(|_| !span.is_none()).unwrap_or("");
+        let gap = &before[before.trim_end().len()..];
+        gap.bytes().filter(|b| *b == b'\n').count() > 1
+    }
+
+    /// What a part becomes that begins at `span`.
+    fn part(&self, span: Span, doc: Doc) -> Doc {
+        match span.is_none() {
+            true => doc,
+            false => concat([Doc::At(span.start), doc]),
         }
     }
 }

@@ -4,7 +4,6 @@ use super::Printer;
 use super::body::{block, one_line_body};
 use super::layout::{Doc, concat, group, indent, nothing, text, word};
 use crate::ast::*;
-use rpi_diag::Span;
 
 /// Where the parts of a step stand, in a run of steps.
 #[derive(Clone, Copy, Default)]
@@ -16,46 +15,37 @@ struct Columns {
 }
 
 impl Printer<'_> {
-    pub(super) fn task(&mut self, task: &TaskDecl, end: u32) -> Doc {
+    pub(super) fn task(&mut self, task: &TaskDecl) -> Doc {
         let name = self.name(&task.name);
         let statics = self.static_params(&task.statics);
         let params = self.params(&task.params);
         let head = group(concat([word("task "), name, statics, indent(params)]));
-        let steps = self.steps(&task.steps, end);
+        let steps = self.steps(&task.steps);
         concat([head, Doc::Hard, block("let", steps, "tel")])
     }
 
-    fn steps(&mut self, steps: &[Step], end: u32) -> Doc {
+    fn steps(&mut self, steps: &[Step]) -> Doc {
         let columns = self.columns(steps);
         self.lines(
             steps,
             |step| step.span,
-            end,
             |p, i, step| {
                 let doc = p.doc_lines(step.doc.as_ref());
-                (
-                    concat([doc, p.step(&step.kind, columns[i], step.span)]),
-                    false,
-                )
+                (concat([doc, p.step(&step.kind, columns[i])]), false)
             },
         )
     }
 
-    fn step(&mut self, kind: &StepKind, columns: Columns, span: Span) -> Doc {
+    fn step(&mut self, kind: &StepKind, columns: Columns) -> Doc {
         match kind {
             StepKind::Run(run) => self.run(run, columns),
             StepKind::Start(label) => text(format!("start {};", label.name)),
             StepKind::Repeat { count, steps } => {
-                let (head, end) = match count {
-                    Some(count) => (
-                        concat([word("repeat "), self.expr(count), word(" times")]),
-                        self.trivia.next_token(count.span.end) + "times".len() as u32,
-                    ),
-                    None => (word("repeat"), span.start + "repeat".len() as u32),
+                let head = match count {
+                    Some(count) => concat([word("repeat "), self.expr(count), word(" times")]),
+                    None => word("repeat"),
                 };
-                self.trivia.reach(end);
-                let gap = self.gap(self.trivia.next_token(end));
-                self.repeat(concat([head, gap]), steps, span)
+                self.repeat(head, steps)
             }
             StepKind::Parallel(strands) => self.parallel(strands),
             StepKind::Broken(_) => nothing(),
@@ -63,18 +53,15 @@ impl Printer<'_> {
     }
 
     /// The body of `repeat`, on the line of its head if it is short enough.
-    fn repeat(&mut self, head: Doc, steps: &[Step], span: Span) -> Doc {
+    fn repeat(&mut self, head: Doc, steps: &[Step]) -> Doc {
         let simple = |step: &Step| matches!(step.kind, StepKind::Run(_)) && step.doc.is_none();
-        if steps.len() > 2 || !steps.iter().all(simple) || self.trivia.any_before(span.end) {
-            let steps = self.steps(steps, span.end);
+        if steps.len() > 2 || !steps.iter().all(simple) {
+            let steps = self.steps(steps);
             return concat([head, Doc::Hard, block("let", steps, "tel")]);
         }
-        let steps = steps.iter().flat_map(|step| {
-            [
-                Doc::Line,
-                self.step(&step.kind, Columns::default(), step.span),
-            ]
-        });
+        let steps = steps
+            .iter()
+            .flat_map(|step| [Doc::Line, self.step(&step.kind, Columns::default())]);
         let body = one_line_body(concat(steps.collect::<Vec<_>>()));
         group(concat([head, Doc::Line, body]))
     }
@@ -83,11 +70,8 @@ impl Printer<'_> {
     fn parallel(&mut self, strands: &[Strand]) -> Doc {
         let mut parts = vec![word("parallel")];
         for strand in strands {
-            let gap = self.gap(strand.span.start);
-            self.trivia.reach(strand.span.start + "let".len() as u32);
-            let steps = self.steps(&strand.steps, strand.span.end);
-            self.trivia.reach(strand.span.end);
-            parts.extend([gap, Doc::Hard, block("let", steps, "tel")]);
+            let steps = self.steps(&strand.steps);
+            parts.extend([Doc::Hard, block("let", steps, "tel")]);
         }
         concat(parts)
     }
@@ -100,14 +84,12 @@ impl Printer<'_> {
         }
         let width = call.flat_width().unwrap_or(columns.call);
         let gap = " ".repeat(columns.call.saturating_sub(width) + 1);
-        let first = run.branches.first().map_or(0, |first| first.span.start);
-        let comments = self.gap(first);
         let branches = self.branches(&run.branches);
         group(concat([
             label,
             call,
             text(gap),
-            indent(concat([comments, Doc::Line, branches])),
+            indent(concat([Doc::Line, branches])),
             word(";"),
         ]))
     }
@@ -124,16 +106,12 @@ impl Printer<'_> {
     }
 
     fn branches(&mut self, branches: &[Branch]) -> Doc {
-        let branches = self.phrase_parts(
-            branches,
-            |branch| branch.span,
-            |_, i, branch| {
-                let bar = if i == 0 { "" } else { "| " };
-                let on: Vec<&str> = branch.on.iter().map(on_result).collect();
-                let (on, then) = (on.join(", "), next(&branch.then));
-                text(format!("{bar}on {on} then {then}"))
-            },
-        );
+        let branches = self.phrase_parts(branches, |_, i, branch| {
+            let bar = if i == 0 { "" } else { "| " };
+            let on: Vec<&str> = branch.on.iter().map(on_result).collect();
+            let (on, then) = (on.join(", "), next(&branch.then));
+            text(format!("{bar}on {on} then {then}"))
+        });
         concat(branches)
     }
 
@@ -168,7 +146,6 @@ impl Printer<'_> {
         if run.branches.is_empty() {
             return None;
         }
-        // Measured without comments: those are placed when the step is written.
         let mut plain = Printer::new(self.mode, None);
         let call = plain.run_call(run).flat_width()?;
         let branches = group(plain.branches(&run.branches)).flat_width()?;

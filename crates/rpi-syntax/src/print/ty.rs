@@ -36,19 +36,15 @@ impl Printer<'_> {
             }
             TypeKind::Tuple(types) => self.list(SQUARE, types, |ty| ty.span, Self::ty),
             TypeKind::Refined(refined) => concat([word("subtype "), self.refined(refined)]),
-            TypeKind::Data(all) => self.phrases(
-                all,
-                |c| c.name.span,
-                |p, i, constructor| {
-                    let bar = word(if i == 0 { "" } else { "| " });
-                    let name = text(&*constructor.name.name);
-                    let fields = match &constructor.fields[..] {
-                        [] => nothing(),
-                        fields => concat([word(" "), p.ports(fields)]),
-                    };
-                    concat([bar, name, fields])
-                },
-            ),
+            TypeKind::Data(all) => self.phrases(all, |p, i, constructor| {
+                let bar = word(if i == 0 { "" } else { "| " });
+                let name = text(&*constructor.name.name);
+                let fields = match &constructor.fields[..] {
+                    [] => nothing(),
+                    fields => concat([word(" "), p.ports(fields)]),
+                };
+                concat([bar, name, fields])
+            }),
             TypeKind::Struct(fields) => {
                 let fields = self.list(SPACED_SEMIS, fields, |f| f.span, Self::var_decl);
                 concat([word("struct "), fields])
@@ -207,7 +203,6 @@ impl Printer<'_> {
 impl Printer<'_> {
     /// A name that a head declares.
     pub(super) fn name(&mut self, name: &Ident) -> Doc {
-        self.trivia.reach(name.span.end);
         text(&*name.name)
     }
 }

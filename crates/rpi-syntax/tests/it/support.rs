@@ -60,16 +60,67 @@ pub(crate) fn meaning(file: &File) -> String {
     dump_ast(file, Parens::Drop)
 }
 
-/// The texts of all comments, sorted.
-pub(crate) fn comments(text: &str, parsed: &Parse) -> Vec<String> {
-    let written = |c: &rpi_syntax::Comment| {
-        text[c.span.start as usize..c.span.end as usize]
-            .trim_end()
-            .to_owned()
+/// Each comment with the words or signs that stand before and behind it; those it may pass over are left out.
+pub(crate) fn comments(
+    text: &str,
+    parsed: &Parse,
+    passed: &[&str],
+) -> Vec<(String, String, String)> {
+    let mut found = Vec::new();
+    let (mut before, mut reached, mut waiting) = (String::new(), 0, 0);
+    for comment in &parsed.comments.all {
+        let [start, end] = [comment.span.start, comment.span.end].map(|at| at as usize);
+        settle(
+            &mut found,
+            &mut waiting,
+            &mut before,
+            &words(&text[reached..start], passed),
+        );
+        let written = text[start..end].trim_end().to_owned();
+        found.push((written, before.clone(), String::new()));
+        reached = end;
+    }
+    settle(
+        &mut found,
+        &mut waiting,
+        &mut before,
+        &words(&text[reached..], passed),
+    );
+    found
+}
+
+/// Notes the first of the words behind the comments that wait for one, and the last before those to come.
+fn settle(
+    found: &mut [(String, String, String)],
+    waiting: &mut usize,
+    before: &mut String,
+    words: &[String],
+) {
+    let [Some(first), Some(last)] = [words.first(), words.last()] else {
+        return;
     };
-    let mut comments: Vec<String> = parsed.comments.all.iter().map(written).collect();
-    comments.sort();
-    comments
+    for (_, _, behind) in &mut found[*waiting..] {
+        behind.clone_from(first);
+    }
+    *waiting = found.len();
+    before.clone_from(last);
+}
+
+/// The words and signs of a text.
+fn words(text: &str, left_out: &[&str]) -> Vec<String> {
+    let mut words: Vec<String> = Vec::new();
+    let is_word = |c: char| c.is_alphanumeric() || "_'".contains(c);
+    let mut in_word = false;
+    for c in text.chars() {
+        match words.last_mut() {
+            Some(word) if in_word && is_word(c) => word.push(c),
+            _ if c.is_whitespace() => {}
+            _ => words.push(c.into()),
+        }
+        in_word = is_word(c);
+    }
+    words.retain(|word| !left_out.contains(&word.as_str()));
+    words
 }
 
 /// Compares two texts line by line, and shows the first difference.

@@ -1,7 +1,7 @@
 //! Trees without text that the generator made up: printed and read, they are the same.
 
-use crate::format::check;
-use crate::support::{assert_same, meaning, parse_clean};
+use crate::format::{check, check_beside};
+use crate::support::{assert_same, meaning, parse_clean, programs};
 use proptest::prelude::*;
 use rpi_syntax::ast::*;
 use rpi_syntax::ops::{BINARY, BinaryOp, UNARY, UnaryOp};
@@ -438,6 +438,17 @@ proptest! {
     }
 
     #[test]
+    fn comments_anywhere_in_programs_are_kept(program in any::<prop::sample::Index>(), places in prop::collection::vec((any::<prop::sample::Index>(), prop::sample::select(&[0usize, 1, 3, 4][..])), 1..8)) {
+        let programs = programs();
+        let program = &programs[program.index(programs.len())];
+        // In `.lus` files more is written in another way than signs.
+        if program.mode == Mode::Rpi {
+            let passed = [",", ";", "(", ")", "[", "]", "const"];
+            check_beside(&with_comments(&program.text, &places), Mode::Rpi, &passed);
+        }
+    }
+
+    #[test]
     fn no_text_panics(text in "[ -~ä\n]{0,200}") {
         let _ = rpi_syntax::format(&text, Mode::Rpi);
         let _ = rpi_syntax::format(&text, Mode::Lustre);
@@ -530,6 +541,17 @@ const WORDS: &[&str] = &[
     "^",
 ];
 
+/// Where something can stand between two words or signs.
+fn gaps(text: &str) -> Vec<usize> {
+    let gap = |(at, sign): (usize, char)| match sign {
+        ' ' | ')' | ']' | '}' | ',' | ';' => Some(at),
+        '(' | '[' | '{' => Some(at + 1),
+        _ => None,
+    };
+    let gaps = text.char_indices().filter_map(gap);
+    gaps.filter(|at| outside_strings(text, *at)).collect()
+}
+
 /// The text with comments put between its words.
 fn with_comments(text: &str, places: &[(prop::sample::Index, usize)]) -> String {
     const COMMENTS: &[&str] = &[
@@ -540,10 +562,16 @@ fn with_comments(text: &str, places: &[(prop::sample::Index, usize)]) -> String 
         "\n(* b\n b *)\n",
         " --| d\n",
     ];
-    let gaps: Vec<usize> = text
-        .match_indices(' ')
-        .map(|(at, _)| at)
-        .filter(|at| outside_strings(text, *at))
+    let comments = parse_clean(text, Mode::Rpi).comments;
+    let in_comment = |at: usize| {
+        comments
+            .all
+            .iter()
+            .any(|c| (c.span.start as usize..c.span.end as usize).contains(&at))
+    };
+    let gaps: Vec<usize> = gaps(text)
+        .into_iter()
+        .filter(|at| !in_comment(*at))
         .collect();
     let mut places: Vec<(usize, usize)> = places
         .iter()

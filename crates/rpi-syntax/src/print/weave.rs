@@ -1,0 +1,390 @@
+//! Puts the comments of a source into the document that its tree has become.
+//!
+//! A comment stays between the two tokens it stands between, separators aside: at the end of the line of the one, in the line
+//! of the other, or on a line of its own. The line that a comment ends is broken where the document allows it, else a step
+//! further right.
+
+use super::align::{Printed, align};
+use super::gaps::{Gap, Source, is_closer};
+use super::layout::{Doc, STEP};
+use super::pieces::{Frame, Piece, pieces, rebuilt};
+use crate::comments::{Comment, CommentKind};
+use std::collections::BTreeMap;
+use std::ops::Range;
+
+pub(super) fn weave(doc: Doc, source: &Source<'_>) -> Doc {
+    if source.comments.is_empty() {
+        return doc;
+    }
+    let pieces = pieces(&doc);
+    drop(doc);
+    let words: Vec<usize> = (0..pieces.len()).filter(|i| is_word(&pieces[*i])).collect();
+    let became = align(&source.words(), &printed(&pieces, &words, source));
+    let mut weaver = Weaver {
+        source,
+        hangs: hangs(&pieces),
+        flats: flats(&pieces),
+        ends: ends(&pieces),
+        pieces,
+        words,
+        put: BTreeMap::new(),
+    };
+    for gap in source.gaps() {
+        let next = gap.before.map_or(0, |before| before + 1);
+        let before = became[..next].iter().rev().flatten().next();
+        let behind = became[next..].iter().flatten().next();
+        weaver.gap(gap, before.copied(), behind.copied());
+    }
+    rebuilt(weaver.pieces, weaver.put)
+}
+
+/// Whether it is a token that comments stand before or behind.
+fn is_word(piece: &Piece) -> bool {
+    matches!(piece, Piece::Token(_)) && !piece.is_separator()
+}
+
+/// The tokens of the document, those that a part begins with at their place in the source.
+fn printed<'p>(pieces: &'p [Piece], words: &[usize], source: &Source<'_>) -> Vec<Printed<'p>> {
+    let mut from = 0;
+    let word = |i: &usize| {
+        let part = pieces[from..*i].iter().rev().find_map(|piece| match piece {
+            Piece::At(offset) => Some(*offset),
+            _ => None,
+        });
+        from = *i;
+        Printed {
+            text: match &pieces[*i] {
+                Piece::Token(text) => text,
+                _ => "",
+            },
+            anchor: part.map(|offset| source.word_at(offset)),
+        }
+    };
+    words.iter().map(word).collect()
+}
+
+/// Whether each piece stands in what hangs, with no other indentation in between.
+fn hangs(pieces: &[Piece]) -> Vec<bool> {
+    let mut open = vec![false];
+    let hang = |piece: &Piece| {
+        match piece {
+            Piece::Open(Frame::Hang) => open.push(true),
+            Piece::Open(Frame::Indent(_)) => open.push(false),
+            Piece::Close(Frame::Hang | Frame::Indent(_)) => drop(open.pop()),
+            _ => {}
+        }
+        open.last().copied().unwrap_or_default()
+    };
+    pieces.iter().map(hang).collect()
+}
+
+/// For each piece where what it begins ends; what begins nothing ends where it stands.
+fn ends(pieces: &[Piece]) -> Vec<usize> {
+    let mut ends: Vec<usize> = (0..pieces.len()).collect();
+    let mut open = Vec::new();
+    for (i, piece) in pieces.iter().enumerate() {
+        match piece {
+            Piece::Open(_) => open.push(i),
+            Piece::Close(_) => open.pop().into_iter().for_each(|begin| ends[begin] = i + 1),
+            _ => {}
+        }
+    }
+    ends
+}
+
+fn flats(pieces: &[Piece]) -> Vec<Range<usize>> {
+    let mut flats: Vec<Range<usize>> = Vec::new();
+    for (i, piece) in pieces.iter().enumerate() {
+        match piece {
+            Piece::Open(Frame::Flat) => flats.push(i..i),
+            Piece::Close(Frame::Flat) => flats.iter_mut().rev().take(1).for_each(|f| f.end = i),
+            _ => {}
+        }
+    }
+    flats
+}
+
+struct Weaver<'s> {
+    source: &'s Source<'s>,
+    pieces: Vec<Piece>,
+    /// The pieces that are tokens.
+    words: Vec<usize>,
+    hangs: Vec<bool>,
+    /// Where what is always on one line begins and ends.
+    flats: Vec<Range<usize>>,
+    /// Behind what each piece begins.
+    ends: Vec<usize>,
+    /// What is put before a piece.
+    put: BTreeMap<usize, Vec<Piece>>,
+}
+
+/// What stands between two tokens of the document.
+struct Between {
+    /// From behind the one, and the separator that follows it, to the other.
+    range: Range<usize>,
+    /// Where the line is broken.
+    line_end: Option<usize>,
+    /// Whether the token behind it ends what another began.
+    closes: bool,
+    /// Whether a separator stands before it.
+    separated: bool,
+}
+
+impl Weaver<'_> {
+    fn gap(&mut self, mut gap: Gap<'_>, before: Option<usize>, behind: Option<usize>) {
+        let after = before.map_or(0, |word| self.words[word] + 1);
+        if self.ends_line(after) {
+            // No line may end between them and what they stand before.
+            gap.behind.splice(..0, gap.within.drain(..));
+        }
+        let within = gap.within.iter().flat_map(|c| self.inline(after, c, true));
+        let within: Vec<Piece> = within.collect();
+        self.put(after, within);
+        let end = self.behind_frames(self.behind_separator(after));
+        let lead = self.between(behind);
+        if let Some(frame) = self.flat_around(end, lead.range.end) {
+            let all = gap.behind.iter().chain(&gap.own).chain(&gap.ahead);
+            let lines = all.flat_map(|c| [self.comment(c), Piece::Hard]);
+            return self.put(frame, lines.collect());
+        }
+        let suffixes = gap.behind.iter();
+        let suffixes = suffixes.map(|c| Piece::Suffix(self.source.written(c)));
+        self.put(end, suffixes.collect());
+        if !gap.behind.is_empty() {
+            let follows = self.words.partition_point(|word| *word < end);
+            let follows = self.between(Some(follows));
+            if gap.own.is_empty() || follows.range != lead.range {
+                self.break_line(&follows, &gap);
+            }
+        }
+        if !gap.own.is_empty() {
+            self.own(&lead, &gap, before.is_none());
+        }
+        let ahead = gap.ahead.iter();
+        let ahead = ahead.flat_map(|c| self.inline(lead.range.end, c, false));
+        self.put(lead.range.end, ahead.collect());
+    }
+
+    fn put(&mut self, at: usize, pieces: Vec<Piece>) {
+        self.put.entry(at).or_default().extend(pieces);
+    }
+
+    fn comment(&self, comment: &Comment) -> Piece {
+        Piece::Other(self.source.written(comment))
+    }
+
+    /// A comment in a line: behind the token that ends there, or before the one that begins there.
+    fn inline(&self, at: usize, comment: &Comment, behind: bool) -> Vec<Piece> {
+        let touches = |piece: Option<&Piece>| match piece {
+            Some(Piece::Token(text)) => !matches!(text.as_str(), "(" | "[" | "{" | "<<"),
+            _ => false,
+        };
+        let apart = touches(at.checked_sub(1).and_then(|before| self.pieces.get(before)));
+        let mut pieces = Vec::new();
+        pieces.extend(apart.then(|| Piece::Other(" ".into())));
+        pieces.push(self.comment(comment));
+        pieces.extend((!behind).then(|| Piece::Other(" ".into())));
+        pieces
+    }
+
+    /// Whether a line can end before the next token.
+    fn ends_line(&self, after: usize) -> bool {
+        let mut rest = self.pieces[after..].iter();
+        let next = rest.find(|p| p.is_break() || matches!(p, Piece::Token(_)));
+        next.is_none_or(Piece::is_break)
+    }
+
+    /// Behind the separator that follows directly, if there is one.
+    fn behind_separator(&self, after: usize) -> usize {
+        let mut end = after;
+        for (i, piece) in self.pieces.iter().enumerate().skip(after) {
+            match piece {
+                Piece::Open(_) | Piece::Close(_) | Piece::At(_) => {}
+                piece if piece.is_separator() => end = i + 1,
+                _ => break,
+            }
+        }
+        end
+    }
+
+    /// Behind what ends directly, which a comment behind it does not break.
+    fn behind_frames(&self, after: usize) -> usize {
+        let indents = |piece: &&Piece| matches!(piece, Piece::Close(Frame::Indent(_)));
+        let ends = |p: &&Piece| matches!(p, Piece::Close(_) | Piece::At(_)) && !indents(p);
+        after + self.pieces[after..].iter().take_while(ends).count()
+    }
+
+    /// Before what begins directly before a place, which a line end there does not break.
+    fn before_frames(&self, range: &Range<usize>) -> usize {
+        let begins = |piece: &&Piece| matches!(piece, Piece::Open(_) | Piece::At(_));
+        let begun = self.pieces[range.clone()].iter().rev().take_while(begins);
+        range.end - begun.count()
+    }
+
+    /// What stands before a token, or at the end.
+    fn between(&self, word: Option<usize>) -> Between {
+        let count = self.words.len();
+        let word = word.unwrap_or(count);
+        let after = word
+            .checked_sub(1)
+            .map_or(0, |before| self.words[before] + 1);
+        let to = self.words.get(word).copied().unwrap_or(self.pieces.len());
+        let from = self.behind_separator(after).min(to);
+        Between {
+            line_end: (from..to).find(|i| self.pieces[*i].is_break()),
+            closes: matches!(self.pieces.get(to), Some(Piece::Token(text)) if is_closer(text)),
+            separated: from > after,
+            range: from..to,
+        }
+    }
+
+    /// Where what is always on one line begins, if both places are in it.
+    fn flat_around(&self, from: usize, to: usize) -> Option<usize> {
+        let next = self.flats.partition_point(|flat| flat.end < to);
+        let flat = self.flats.get(next)?;
+        (flat.start < from).then_some(flat.start)
+    }
+
+    /// Breaks the line behind a comment that ends it.
+    fn break_line(&mut self, between: &Between, gap: &Gap<'_>) {
+        if between.range.end >= self.pieces.len() {
+            return;
+        }
+        let to = self.before_frames(&between.range);
+        match between.line_end {
+            Some(at) => self.pieces[at] = Piece::Hard,
+            None if between.closes => self.put(to, vec![Piece::Hard]),
+            None => self.step(to, vec![Piece::Hard]),
+        }
+        if let Some(last) = gap.behind.last().filter(|_| gap.own.is_empty())
+            && self.ends_documentation(last, self.next_start(gap))
+            && !self.pieces[between.range.clone()]
+                .iter()
+                .any(|p| matches!(p, Piece::Empty))
+        {
+            self.put(to, vec![Piece::Empty]);
+        }
+    }
+
+    fn next_start(&self, gap: &Gap<'_>) -> u32 {
+        let ahead = gap.ahead.first().map(|c| c.span.start);
+        let next = gap.before.map_or(0, |before| before + 1);
+        ahead.unwrap_or_else(|| self.source.start_of(next))
+    }
+
+    /// Whether it is a doc comment that does not go on at an offset.
+    fn ends_documentation(&self, comment: &Comment, next: u32) -> bool {
+        comment.kind == CommentKind::Doc && !self.source.documents(comment.span.end, next)
+    }
+
+    /// Pieces a step further right, with what begins there.
+    fn step(&mut self, at: usize, pieces: Vec<Piece>) {
+        let hangs = self.hangs.get(at).copied().unwrap_or_default();
+        let frame = Frame::Indent(if hangs { 2 * STEP } else { STEP });
+        self.put(at, vec![Piece::Open(frame)]);
+        self.put(at, pieces);
+        let end = self.ends.get(at).copied().unwrap_or(at);
+        self.put(end, vec![Piece::Close(frame)]);
+    }
+
+    /// Comments on lines of their own.
+    fn own(&mut self, between: &Between, gap: &Gap<'_>, first: bool) {
+        let Between {
+            range, line_end, ..
+        } = between;
+        let blanks = self.blanks(between, gap, first);
+        let mut lines = Vec::new();
+        for (comment, blank) in gap.own.iter().zip(&blanks) {
+            lines.push((*blank, self.comment(comment)));
+        }
+        let last = blanks.last().is_some_and(|blank| *blank);
+        let next = self.before_frames(range);
+        match *line_end {
+            _ if first && range.end < self.pieces.len() => self.put(0, below(lines, last)),
+            _ if range.end >= self.pieces.len() => self.put(range.end, above(lines)),
+            Some(at) if between.closes => {
+                let end = self.block_end(range.start..at);
+                match end {
+                    Some(end) => self.put(end, above(lines)),
+                    None => self.step(self.behind_frames(range.start), above(lines)),
+                }
+                self.pieces[at] = Piece::Hard;
+            }
+            Some(at) => {
+                self.pieces[at] = Piece::Hard;
+                for i in at + 1..range.end {
+                    if matches!(self.pieces[i], Piece::Empty) {
+                        self.pieces[i] = Piece::Other(String::new());
+                    }
+                }
+                self.put(at + 1, below(lines, last));
+            }
+            None if between.closes => {
+                self.step(self.behind_frames(range.start), above(lines));
+                self.put(next, vec![Piece::Hard]);
+            }
+            None => {
+                let mut pieces = vec![Piece::Hard];
+                pieces.extend(below(lines, last));
+                self.step(next, pieces);
+            }
+        }
+    }
+
+    /// Where the lines of a block end, before what closes it.
+    fn block_end(&self, mut range: Range<usize>) -> Option<usize> {
+        range.rfind(|i| matches!(self.pieces[*i], Piece::Close(Frame::Indent(_))))
+    }
+
+    /// Whether an empty line stands before each comment, and before what follows the last one.
+    fn blanks(&self, between: &Between, gap: &Gap<'_>, first: bool) -> Vec<bool> {
+        let source = self.source;
+        let pieces = &self.pieces[between.range.clone()];
+        let line_end = between.line_end.map(|at| &self.pieces[at]);
+        let in_block = first || matches!(line_end, Some(Piece::Hard));
+        let head = &pieces[..between.line_end.map_or(0, |at| at - between.range.start)];
+        let begins = head
+            .iter()
+            .any(|p| matches!(p, Piece::Open(Frame::Indent(_))));
+        let kept = line_end.is_some() && (in_block || between.separated || begins) || first;
+        let mut blanks = Vec::new();
+        let mut previous: Option<&Comment> = gap.behind.last().copied();
+        for comment in &gap.own {
+            let blank = source.is_blank(source.reached(comment), comment.span.start);
+            let opens = previous.is_none() && (begins || first);
+            let ends = previous.is_some_and(|p| self.ends_documentation(p, comment.span.start));
+            blanks.push(blank && kept && !opens || ends);
+            previous = Some(comment);
+        }
+        if let Some(last) = previous {
+            let next = self.next_start(gap);
+            let blank = source.is_blank(last.span.end, next);
+            blanks.push(blank && kept || self.ends_documentation(last, next));
+        }
+        let apart = pieces.iter().any(|p| matches!(p, Piece::Empty));
+        if apart && !blanks.contains(&true) {
+            blanks[0] = true;
+        }
+        blanks
+    }
+}
+
+/// Lines behind the end of one.
+fn below(lines: Vec<(bool, Piece)>, last: bool) -> Vec<Piece> {
+    let mut pieces = Vec::new();
+    for (blank, line) in lines {
+        pieces.extend(blank.then_some(Piece::Empty));
+        pieces.extend([line, Piece::Hard]);
+    }
+    pieces.extend(last.then_some(Piece::Empty));
+    pieces
+}
+
+/// Lines before the end of one.
+fn above(lines: Vec<(bool, Piece)>) -> Vec<Piece> {
+    let lines = lines.into_iter().flat_map(|(blank, line)| {
+        let empty = blank.then_some(Piece::Empty);
+        std::iter::once(Piece::Hard).chain(empty).chain([line])
+    });
+    lines.collect()
+}
