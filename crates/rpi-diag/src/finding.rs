@@ -84,6 +84,18 @@ impl Finding {
         self.label(span, text, false)
     }
 
+    /// The same where the fault is another one, that of a text from which this follows.
+    #[must_use]
+    pub fn because_of(mut self, span: Span, text: impl Into<String>) -> Finding {
+        for label in &mut self.labels {
+            label.primary = false;
+        }
+        let mut finding = self.at(span, text);
+        finding.labels.rotate_right(1);
+        finding.fixes.clear();
+        finding
+    }
+
     /// Adds what the writer can do.
     #[must_use]
     pub fn help(mut self, text: impl Into<String>) -> Finding {

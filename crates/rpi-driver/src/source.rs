@@ -180,7 +180,7 @@ fn roots(front: &Front<'_>, asked: Asked, findings: &mut Vec<Finding>) -> Roots 
             continue;
         }
         let args = arguments(front, *unit);
-        let made = one(front, *unit, &args, found.net_of(*unit));
+        let made = one(front, *unit, &args, found.net_of(*unit, None));
         let made = made.filter(|_| !args.contains(&Argument::Unknown));
         match (kind, made) {
             (UnitKind::Command, Some(made)) => {
@@ -209,8 +209,14 @@ fn instance(
     claims: Claims,
     found: &mut Found,
 ) -> Option<Net> {
-    let Instance { name, unit, args } = instance;
-    let made = one(front, unit, &args, found.net_of(unit))?;
+    let Instance {
+        name,
+        unit,
+        args,
+        span,
+    } = instance;
+    let run = Some((name.clone(), span));
+    let made = one(front, unit, &args, found.net_of(unit, run))?;
     if let Some(told) = front
         .told
         .borrow_mut()

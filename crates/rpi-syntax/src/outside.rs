@@ -5,6 +5,30 @@ use crate::lexer::Lexeme;
 use crate::token::Token;
 use rpi_diag::{Code, Finding, Fix};
 
+/// How other languages begin what is declared here; compared without case.
+const FOREIGN: &[(&str, Token)] = &[
+    ("class", Token::Node),
+    ("def", Token::Function),
+    ("defun", Token::Function),
+    ("fn", Token::Function),
+    ("fun", Token::Function),
+    ("func", Token::Function),
+    ("function", Token::Function),
+    ("function_block", Token::Node),
+    ("module", Token::Node),
+    ("proc", Token::Node),
+    ("procedure", Token::Node),
+    ("program", Token::Node),
+    ("sub", Token::Node),
+];
+
+/// The word of a declaration by which this one of another language is meant.
+pub(crate) fn foreign(written: &str) -> Option<Token> {
+    let mut words = FOREIGN.iter();
+    let found = words.find(|(word, _)| written.eq_ignore_ascii_case(word));
+    found.map(|(_, meant)| *meant)
+}
+
 /// A name that resembles the word of a declaration, where such a word is expected. [`None`] if it
 /// is that word.
 pub(crate) fn misspelt(cx: &Context<'_>, name: Lexeme, word: Token) -> Option<Finding> {
@@ -17,6 +41,12 @@ pub(crate) fn misspelt(cx: &Context<'_>, name: Lexeme, word: Token) -> Option<Fi
     )
     .at(span, format!("did you mean `{meant}`?"))
     .fix(Fix::maybe(format!("write `{meant}`")).replace(span, meant));
+    let finding = match foreign(written) {
+        Some(_) => finding.help(
+            "a `node` may remember what was, a `function` does not, and a `command` moves devices",
+        ),
+        None => finding,
+    };
     (written != meant).then_some(finding)
 }
 

@@ -122,8 +122,15 @@ fn item(
         Head::Misspelt(Some(word)) => {
             findings.extend(outside::misspelt(cx, lexemes[0], word));
             let mut lexemes = lexemes.to_vec();
+            let is_foreign = outside::foreign(cx.slice(lexemes[0].start, lexemes[0].end)).is_some();
             lexemes[0].token = word;
-            Some(mend::item(cx, &lexemes, findings))
+            let told = findings.len();
+            let item = mend::item(cx, &lexemes, findings);
+            if is_foreign {
+                // What follows the word is of that language, too.
+                findings.truncate(told);
+            }
+            Some(item)
         }
         Head::Misspelt(None) | Head::Stray => {
             let before = chunk.range.start.checked_sub(1).map(|i| lexed.lexemes[i]);

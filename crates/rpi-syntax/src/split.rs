@@ -5,6 +5,7 @@
 
 use crate::Mode;
 use crate::lexer::Lexeme;
+use crate::outside::foreign;
 use crate::token::{KEYWORDS, Keyword, Place, Token};
 use rpi_diag::suggest;
 use std::ops::Range;
@@ -183,7 +184,8 @@ impl Splitter<'_> {
         use Token::{Dot, Ident, Path, Semi, Str, Tel};
         let before = at.checked_sub(1).and_then(|i| self.token_at(i));
         let ends = matches!(before, None | Some(Semi | Tel | Dot | Str)) || self.begins_line(at);
-        ends && (self.complete || self.may_have_ended(before))
+        let is_foreign = self.begins_line(at) && foreign(self.written(at)).is_some();
+        ends && (self.complete || is_foreign || self.may_have_ended(before))
             && self.token_at(at) == Some(Ident)
             && matches!(self.token_at(at + 1), Some(Ident | Path | Str))
     }
@@ -211,7 +213,10 @@ impl Splitter<'_> {
         let written = self.written(at);
         let meant = match self.words().any(|word| word.text == written) {
             true => written.to_owned(),
-            false => suggest(written, texts)?,
+            false => match foreign(written) {
+                Some(meant) => return Some(meant),
+                None => suggest(written, texts)?,
+            },
         };
         self.words()
             .find(|word| word.text == meant)

@@ -19,6 +19,8 @@ pub(crate) struct Instance {
     pub(crate) unit: UnitId,
     /// What each of its parameters is.
     pub(crate) args: Vec<Argument>,
+    /// Where a task asks for it first.
+    pub(crate) span: Span,
 }
 
 /// What a parameter is, and how it is called in names of nets.
@@ -144,11 +146,12 @@ impl Instances {
             name = format!("{name}({})", names.collect::<Vec<_>>().join(", "));
         }
         let args = given.into_iter().map(|given| given.value).collect();
-        self.named(name, step.unit, args)
+        self.named(name, step, args)
     }
 
     /// The same text may mean different values where tasks with parameters run one another: those are numbered.
-    fn named(&mut self, text: String, unit: UnitId, args: Vec<Argument>) -> String {
+    fn named(&mut self, text: String, step: &TaskStep, args: Vec<Argument>) -> String {
+        let unit = step.unit;
         let same = self.by_text.entry(text.clone()).or_default();
         let key = format!("{unit:?} {args:?}");
         if let Some(name) = same.get(&key) {
@@ -163,6 +166,7 @@ impl Instances {
             name: name.clone(),
             unit,
             args,
+            span: step.span,
         });
         name
     }

@@ -53,6 +53,11 @@ pub fn is_unreachable(finding: &Finding) -> bool {
     finding.code == Code::RPI6103
 }
 
+/// Whether it is told that a command can never finish: an error of each of its nets, whatever the others do.
+pub fn is_endless(finding: &Finding) -> bool {
+    finding.code == Code::RPI6102
+}
+
 fn unreachable(result: &ResultPort) -> Finding {
     let message = format!("result `{}` can never happen", result.name);
     Finding::new(Code::RPI6103, message)

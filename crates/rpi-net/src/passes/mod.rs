@@ -24,7 +24,7 @@ pub use crate::tree::Item;
 pub use analysis::{Analysis, PASSES, Pass, analyse, analyse_unless_ring, has_ring};
 pub use conjunction::Conjunction;
 pub use dependencies::{Dependence, Dependencies, Reader};
-pub use ends::is_unreachable;
+pub use ends::{is_endless, is_unreachable};
 pub use presence::{Presences, Sureness, View};
 pub use schedule::Schedule;
 pub use users::Users;

@@ -6,7 +6,7 @@ use super::names::plain_name;
 use super::report::{Wanted, listed, no_member};
 use super::types::is_foreign;
 use crate::program::{DeclKind, Lookup};
-use crate::ty::{DevicePortTy, DeviceTy, Subst, Ty};
+use crate::ty::{DevicePortTy, DeviceTy, Member, Subst, Ty};
 use crate::typed::{BlockId, ExprId, FlowId, Kind, Leaf, Place};
 use rpi_diag::{Code, Finding, Fix, Span};
 use rpi_syntax::Name;
@@ -37,16 +37,25 @@ fn ports(device: &DeviceTy, actuators: bool) -> String {
     listed(ports.map(|port| port.name.as_str()))
 }
 
-/// The outputs to choose from, where it is a call that has them.
-fn outputs(ty: &Ty) -> Option<String> {
+/// That a value of a type has no part of this name, and which parts it has.
+pub(super) fn no_part(ty: &Ty, of: &str, field: &Ident) -> Finding {
+    let near = rpi_diag::suggest(&field.name, names_of(ty.members()));
+    let finding = no_member(of, &field.name, field.span, near);
     let what = match ty {
         Ty::Tuple(_) => "outputs",
         Ty::Struct(_) => "fields",
-        _ => return None,
+        _ => return finding,
     };
-    let members = ty.members();
-    let names: Vec<&str> = members.iter().filter_map(|m| m.name.as_deref()).collect();
-    (!names.is_empty()).then(|| format!("its {what} are {}", names.join(", ")))
+    let names: Vec<&str> = names_of(ty.members()).collect();
+    match names.is_empty() {
+        true => finding,
+        false => finding.help(format!("its {what} are {}", names.join(", "))),
+    }
+}
+
+/// The names of the parts of a value.
+pub(super) fn names_of(parts: &[Member]) -> impl Iterator<Item = &str> {
+    parts.iter().filter_map(|member| member.name.as_deref())
 }
 
 impl<'a> Body<'_, 'a> {
@@ -140,13 +149,7 @@ impl<'a> Body<'_, 'a> {
             Ty::Spatial(..) => self.spatial_part(base, field, span),
             ty => match member_of(&ty, &field.name) {
                 Some((at, ty)) => self.add(Kind::Part { base, at }, ty, span),
-                None => {
-                    let names = ty.members().iter().filter_map(|m| m.name.as_deref());
-                    let near = rpi_diag::suggest(&field.name, names);
-                    let finding = no_member(&owner(&ty), &field.name, field.span, near);
-                    let finding = outputs(&ty).into_iter().fold(finding, Finding::help);
-                    self.fault_with(finding, span)
-                }
+                None => self.fault_with(no_part(&ty, &owner(&ty), field), span),
             },
         }
     }

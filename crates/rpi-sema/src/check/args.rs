@@ -189,17 +189,31 @@ impl<'a> Body<'_, 'a> {
         true
     }
 
+    /// Reports the arguments by names that nothing in a declaration has; whether there are any.
+    pub(super) fn report_strangers(&mut self, id: DeclId, given: &[Given<'a>]) -> bool {
+        let ports = self.c.ports_of(id);
+        let params = self.c.params_of(id);
+        let names = ports.chain(params.iter().map(|param| &param.name().name));
+        let names: Vec<&Name> = names.collect();
+        let decl = self.c.program.decl(id);
+        let named = given.iter().filter_map(|arg| arg.name);
+        let strangers = named.filter(|name| !names.contains(&&name.name));
+        let strangers: Vec<Finding> = strangers
+            .map(|name| stranger(&decl.name, decl.span, &names, name, given))
+            .collect();
+        let any = !strangers.is_empty();
+        strangers
+            .into_iter()
+            .for_each(|finding| self.report(finding));
+        any
+    }
+
     fn no_port(&mut self, header: &Header, arg: &Given<'a>, given: &[Given<'a>]) -> bool {
         let (ports, count) = (by_place(header).len(), given.len());
         let finding = match arg.name {
             Some(name) => {
-                let names = header.inputs.iter().map(|p| p.name.as_str());
-                let named = given.iter().filter_map(|arg| arg.name);
-                let named: Vec<&str> = named.map(|name| name.name.as_str()).collect();
-                let open = names.clone().filter(|name| !named.contains(name));
-                let near = rpi_diag::suggest(&name.name, open);
-                super::statics::no_param(&header.name, name, near)
-                    .also(header.span, format!("it has {}", listed(names)))
+                let names: Vec<&Name> = header.inputs.iter().map(|p| &p.name).collect();
+                stranger(&header.name, header.span, &names, name, given)
             }
             None => Finding::new(
                 Code::RPI1010,
@@ -309,6 +323,25 @@ impl<'a> Body<'_, 'a> {
         }
         true
     }
+}
+
+/// An argument by a name that nothing in a declaration has.
+fn stranger(
+    of: &Name,
+    declared: Span,
+    names: &[&Name],
+    name: &Ident,
+    given: &[Given<'_>],
+) -> Finding {
+    let is_given = |other: &Name| {
+        given
+            .iter()
+            .any(|arg| arg.name.is_some_and(|n| n.name == *other))
+    };
+    let open = names.iter().filter(|other| !is_given(other));
+    let near = rpi_diag::suggest(&name.name, open.map(|name| name.as_str()));
+    let names = listed(names.iter().map(|name| name.as_str()));
+    super::statics::no_param(of, name, near).also(declared, format!("it has {names}"))
 }
 
 /// The ports that arguments by place are for.

@@ -441,7 +441,10 @@ impl<'a> Body<'_, 'a> {
         }
         let open = self.c.complete(id, &mut statics);
         if self.c.lacks_sizes(id, &open, &statics, span) {
-            self.report_missing(id, &open, span);
+            // What is given under a wrong name may be what tells them.
+            if !self.report_strangers(id, &given) {
+                self.report_missing(id, &open, span);
+            }
             return Err(Ty::Unknown);
         }
         let header = self.c.header(id, Rc::new(statics.clone()));

@@ -1,8 +1,8 @@
 //! Composite values: arrays and structs.
 
-use super::access::leaves;
+use super::access::{leaves, no_part};
 use super::body::Body;
-use super::report::{Wanted, no_member, not_a};
+use super::report::{Wanted, not_a};
 use super::types::{MAX_LEAVES, too_large};
 use crate::program::{DeclKind, Lookup, Space};
 use crate::ty::{StructTy, Subst, Ty, fit};
@@ -107,7 +107,7 @@ impl<'a> Body<'_, 'a> {
             self.expect(base, &Ty::Struct(ty.clone()), &Wanted::Here);
         }
         let given = self.given_fields(&ty, &value.fields);
-        let parts = self.fill_fields(&ty, &given, base, span);
+        let parts = given.and_then(|given| self.fill_fields(&ty, &given, base, span));
         match parts {
             Some(parts) => self.add(Kind::Build(parts.into()), Ty::Struct(ty), span),
             None => self.add(Kind::Fault, Ty::Struct(ty), span),
@@ -147,33 +147,31 @@ impl<'a> Body<'_, 'a> {
         None
     }
 
-    fn given_fields(&mut self, ty: &Rc<StructTy>, fields: &'a [FieldValue]) -> Vec<Option<ExprId>> {
+    fn given_fields(
+        &mut self,
+        ty: &Rc<StructTy>,
+        fields: &'a [FieldValue],
+    ) -> Option<Vec<Option<ExprId>>> {
         let values = fields.iter().map(|field| (field, self.expr(&field.value)));
         let values: Vec<(&FieldValue, ExprId)> = values.collect();
         self.matched_fields(ty, &values)
     }
 
-    /// For each field the value that is given for it.
+    /// For each field the value that is given for it. [`None`] if one is given under a name that none has: it is not
+    /// left out as well.
     pub(super) fn matched_fields(
         &mut self,
         ty: &Rc<StructTy>,
         fields: &[(&'a FieldValue, ExprId)],
-    ) -> Vec<Option<ExprId>> {
+    ) -> Option<Vec<Option<ExprId>>> {
         let mut given = vec![None; ty.fields.len()];
+        let mut sound = true;
         for (value, id) in fields.iter().copied() {
             let name = &value.field.name;
             let Some(k) = ty.fields.iter().position(|f| f.name.as_ref() == Some(name)) else {
-                let names = ty.fields.iter().filter_map(|f| f.name.as_deref());
-                let near = rpi_diag::suggest(name, names);
-                let finding = no_member(
-                    &format!("the struct `{}`", ty.name),
-                    name,
-                    value.field.span,
-                    near,
-                );
-                let names = ty.fields.iter().filter_map(|f| f.name.as_deref());
-                let names: Vec<&str> = names.collect();
-                self.report(finding.help(format!("its fields are {}", names.join(", "))));
+                let of = format!("the struct `{}`", ty.name);
+                self.report(no_part(&Ty::Struct(ty.clone()), &of, &value.field));
+                sound = false;
                 continue;
             };
             self.expect(id, &ty.fields[k].ty, &Wanted::Here);
@@ -182,7 +180,7 @@ impl<'a> Body<'_, 'a> {
                 self.report(finding);
             }
         }
-        given
+        sound.then_some(given)
     }
 
     /// Fields that are not given come from the base, or else have their defaults.

@@ -131,7 +131,8 @@ impl<'a> Body<'_, 'a> {
         match self.closed_type(id, &subst) {
             Some(Ty::Struct(ty)) => {
                 let given = self.matched_fields(&ty, &values);
-                match self.fill_fields(&ty, &given, None, span) {
+                let parts = given.and_then(|given| self.fill_fields(&ty, &given, None, span));
+                match parts {
                     Some(parts) => self.add(Kind::Build(parts.into()), Ty::Struct(ty), span),
                     None => self.add(Kind::Fault, Ty::Struct(ty), span),
                 }

@@ -1,5 +1,6 @@
 //! Calls of what cannot be called, and what was meant by them.
 
+use super::access::names_of;
 use super::body::Body;
 use super::names::plain_name;
 use crate::program::{Lookup, Space};
@@ -57,7 +58,7 @@ impl<'a> Body<'_, 'a> {
         let Ty::Struct(ty) = self.c.type_decl(id) else {
             return self.fault(span);
         };
-        let form = fields(&ty).map(|field| format!("{field} = ..."));
+        let form = names_of(&ty.fields).map(|field| format!("{field} = ..."));
         let form = form.collect::<Vec<_>>().join("; ");
         let mended = told.help(format!(
             "a value of it is written `{} {{{form}}}`",
@@ -141,10 +142,6 @@ fn between(start: u32, end: u32, around: Span) -> Span {
     }
 }
 
-fn fields(ty: &StructTy) -> impl Iterator<Item = &str> {
-    ty.fields.iter().filter_map(|field| field.name.as_deref())
-}
-
 /// Brackets and names of fields in place of those of a call.
 fn as_fields(ty: &StructTy, call: &ast::Call, span: Span) -> Option<Fix> {
     if call.args.is_empty() || call.args.len() != ty.fields.len() {
@@ -152,7 +149,7 @@ fn as_fields(ty: &StructTy, call: &ast::Call, span: Span) -> Option<Fix> {
     }
     let mut fix = Fix::sure("write the fields");
     let mut from = call.callee.span.end;
-    for (k, (arg, field)) in call.args.iter().zip(fields(ty)).enumerate() {
+    for (k, (arg, field)) in call.args.iter().zip(names_of(&ty.fields)).enumerate() {
         let name = arg.name.as_ref().map_or(field, |name| name.name.as_str());
         let opening = if k == 0 { " {" } else { "; " };
         let text = format!("{opening}{name} = ");

@@ -79,21 +79,23 @@ pub(super) fn size_params(node: &NodeDecl) -> Vec<Param<'_>> {
 impl<'a> Checker<'a> {
     /// Whether a callable declaration has a parameter or in-port of this name.
     pub(super) fn takes(&self, id: DeclId, name: &Name) -> bool {
-        let inputs: &[VarDecl] = match self.program.decl(id).kind {
+        self.ports_of(id).any(|port| port == name)
+            || self
+                .params_of(id)
+                .iter()
+                .any(|param| param.name().name == *name)
+    }
+
+    /// The names of the in-ports of a callable declaration.
+    pub(super) fn ports_of(&self, id: DeclId) -> impl Iterator<Item = &'a Name> + use<'a> {
+        let inputs: &'a [VarDecl] = match self.program.decl(id).kind {
             DeclKind::Node(d) => d.signature.inputs.as_deref().unwrap_or(&[]),
             DeclKind::Fragment(d) => d.signature.inputs.as_deref().unwrap_or(&[]),
             DeclKind::Primitive(d) => d.signature.inputs.as_deref().unwrap_or(&[]),
             _ => &[],
         };
-        let is_port = inputs
-            .iter()
-            .flat_map(|port| &port.names)
-            .any(|port| port.name == *name);
-        is_port
-            || self
-                .params_of(id)
-                .iter()
-                .any(|param| param.name().name == *name)
+        let names = inputs.iter().flat_map(|port| &port.names);
+        names.map(|name| &name.name)
     }
 
     /// The static parameters of a callable declaration.

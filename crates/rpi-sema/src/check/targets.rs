@@ -120,14 +120,22 @@ impl<'a> Body<'_, 'a> {
         if let Lookup::Found(id) = self.c.program.lookup(self.module, &name.name) {
             return self.not_definable(name, self.c.program.decl(id).kind.what());
         }
-        if self.is_new_unknown(&name.name) {
-            let near = self.c.suggest(&name.name, self.local_names());
-            let finding = unknown("flow", &name.name, name.span, near);
-            let help = match in_part && self.unit.kind == UnitKind::Command {
-                true => "a device is a parameter of the command: `command C (arm: Arm)`",
-                false => "flows are declared after `returns` or `var`",
-            };
-            self.report(finding.help(help));
+        let near = self.c.suggest(&name.name, self.local_names());
+        let finding = unknown("flow", &name.name, name.span, near);
+        let help = match in_part && self.unit.kind == UnitKind::Command {
+            true => "a device is a parameter of the command: `command C (arm: Arm)`",
+            false => "flows are declared after `returns` or `var`",
+        };
+        let is_new = self.is_new_unknown(&name.name);
+        let mut told = self.findings.iter_mut();
+        match told.find(|told| told.code == finding.code && told.message == finding.message) {
+            // Where it is read it has been told, without what to do.
+            Some(told) if told.help.is_empty() && told.fixes.is_empty() => {
+                told.help.push(help.to_owned());
+            }
+            Some(_) => {}
+            None if is_new => self.report(finding.help(help)),
+            None => {}
         }
         (Place::Nowhere, Ty::Unknown)
     }

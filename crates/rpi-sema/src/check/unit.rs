@@ -186,6 +186,13 @@ impl<'a> Checker<'a> {
         calls.collect()
     }
 
+    /// Whether a declaration is of the standard library.
+    fn is_of_library(&self, id: DeclId) -> bool {
+        let module = self.program.module(self.program.decl(id).module);
+        let modules = (self.program.library.modules)();
+        modules.contains(&module.name.as_str())
+    }
+
     fn check_unit(&mut self, id: UnitId) {
         let entry = &mut self.entries[id.0 as usize];
         if entry.state != Progress::Queued {
@@ -215,9 +222,18 @@ impl<'a> Body<'_, 'a> {
     /// Names the call that a generic callable is checked for, beside what is wrong in it.
     fn say_for_whom(&mut self, header: &Header, called: Span) {
         let findings = std::mem::take(&mut self.findings);
-        let named = |finding: Finding| match finding.severity() {
-            Severity::Error => finding.also(called, format!("in `{}`, called here", header.name)),
-            _ => finding,
+        let is_error = |finding: &Finding| finding.severity() == Severity::Error;
+        let text = format!("in `{}`, called here", header.name);
+        if self.c.is_of_library(header.decl) {
+            // It is without a fault: whatever is told comes of what this call gives it.
+            let first = findings.into_iter().find(is_error);
+            self.findings
+                .extend(first.map(|first| first.because_of(called, text)));
+            return;
+        }
+        let named = |finding: Finding| match is_error(&finding) {
+            true => finding.also(called, text.clone()),
+            false => finding,
         };
         self.findings = findings.into_iter().map(named).collect();
     }

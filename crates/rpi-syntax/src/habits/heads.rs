@@ -162,6 +162,28 @@ pub(super) fn comma(found: &Found<'_, '_>) -> Option<Habit> {
     Some(Habit { finding, mend })
 }
 
+/// `(x real)`
+pub(super) fn no_colon(found: &Found<'_, '_>) -> Option<Habit> {
+    use Token::{BoolType, Enum, Ident, IntType, RealType, Struct};
+    let at = found.fault.at;
+    let named = found.token_before() == Some(Ident) && found.expects(Token::Colon);
+    let is_upper = |at: usize| found.written(at).starts_with(char::is_uppercase);
+    let is_type = match found.token(at)? {
+        BoolType | IntType | RealType | Enum | Struct => true,
+        // Types are mostly written with capitals, flows are not.
+        Ident => is_upper(at) && !is_upper(at - 1),
+        _ => false,
+    };
+    if !named || !is_type {
+        return None;
+    }
+    let name = found.span_at(at - 1);
+    let finding = found.unexpected();
+    let finding = finding.fix(Fix::sure("insert `:`").insert_after(name, ":"));
+    let mend = Mend::Tokens(vec![found.before_token(at, Token::Colon)]);
+    Some(Habit { finding, mend })
+}
+
 /// `(real x)`
 pub(super) fn type_first(found: &Found<'_, '_>) -> Option<Habit> {
     use Token::{BoolType, Colon, Comma, Ident, IntType, RParen, RealType, Semi};

@@ -75,6 +75,7 @@ const HABITS: &[fn(&Found<'_, '_>) -> Option<Habit>] = &[
     heads::no_let_after_locals,
     heads::begin_end,
     heads::comma,
+    heads::no_colon,
     heads::type_first,
     bodies::needless_word,
     bodies::late_declaration,
