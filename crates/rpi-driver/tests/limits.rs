@@ -85,6 +85,41 @@ fn types_in_reverse_order_cost_no_stack() {
 }
 
 #[test]
+fn faults_without_end_are_told_to_a_limit() {
+    let found = found(&"node ".repeat(100_000));
+    assert!(found.len() < 10_100, "{} findings", found.len());
+    assert!(found.iter().any(|(code, _)| *code == Code::RPI0011));
+}
+
+#[test]
+fn a_merge_may_have_as_many_cases_as_an_enum_has_values() {
+    let list = |join: &str, one: &dyn Fn(usize) -> String| {
+        let all: Vec<String> = (0..20_000).map(one).collect();
+        all.join(join)
+    };
+    let values = list(", ", &|k| format!("V{k}"));
+    let cases = list(" ", &|k| format!("(V{k} -> x when V{k}(e))"));
+    let text = format!(
+        "type E = enum {{ {values} }};\nnode N (e: E; x: int) returns (y: int)\nlet\n  y = merge e {cases};\ntel\n"
+    );
+    assert_eq!(found(&text), []);
+}
+
+#[test]
+fn delays_without_first_values_are_looked_for_to_a_limit() {
+    let n = 150;
+    let all =
+        |one: &dyn Fn(usize) -> String, join: &str| (0..n).map(one).collect::<Vec<_>>().join(join);
+    let names = all(&|k| format!("x{k}"), ", ");
+    let sum = all(&|k| format!("last x{k}"), " + ");
+    let equations = row(n, |k| format!("  x{k} = a + {sum};"));
+    let text = format!(
+        "node N (a: real) returns (y: real)\nvar {names}: real;\nlet\n{equations}  y = x0;\ntel\n"
+    );
+    assert!(found(&text).iter().any(|(code, _)| *code == Code::RPI5001));
+}
+
+#[test]
 fn structs_do_not_nest_without_end() {
     let reverse = row(50_000, |k| {
         format!("type T{k} = struct {{ a: T{} }};", k + 1)

@@ -154,6 +154,12 @@ pub(crate) fn property_comment(span: Span) -> Finding {
         .help("what is read: `--%PROPERTY`, maybe a name in quotes, a Boolean and `;`, on one line of the body of a node in a `.lus` file")
 }
 
+pub(crate) fn too_many_faults(from: Span) -> Finding {
+    Finding::new(Code::RPI0011, "the file has too many faults")
+        .at(from, "the rest is not read")
+        .help("correct those before it first")
+}
+
 pub(crate) fn file_too_long(file: FileId) -> Finding {
     Finding::new(Code::RPI0011, "the file is too long to be read")
         .at(Span::new(file, 0, 0), "more than 2 GB")

@@ -3,6 +3,7 @@
 use crate::ast::{File, Item};
 use crate::context::Context;
 use crate::lexer::{Lexed, Lexeme, lex_skipping};
+use crate::lexical;
 use crate::split::{Chunk, Head, split};
 use crate::{Mode, Parse, mend, nesting, outside, with_stack};
 use rpi_diag::{Code, FileId, Finding, Severity, Span};
@@ -96,11 +97,19 @@ impl Gaps<'_> {
     }
 }
 
+/// More faults of one file are not told: nobody reads them.
+const MAX_FAULTS: usize = 10_000;
+
 fn items(file: FileId, text: &str, mode: Mode, lexed: &Lexed) -> (Vec<Item>, Vec<Finding>) {
     let cx = Context::new(file, text, mode, lexed);
     let mut findings = Vec::new();
     let mut items = Vec::new();
     for chunk in split(text, &lexed.lexemes, mode) {
+        if findings.len() > MAX_FAULTS {
+            let next = lexed.lexemes[chunk.range.start];
+            findings.push(lexical::too_many_faults(cx.span(next.start, next.end)));
+            break;
+        }
         items.extend(item(&cx, &chunk, lexed, &mut findings));
     }
     (items, findings)
@@ -126,9 +135,13 @@ fn item(
             lexemes[0].token = word;
             let told = findings.len();
             let item = mend::item(cx, &lexemes, findings);
-            if is_foreign {
-                // What follows the word is of that language, too.
+            if is_foreign && findings.len() > told {
+                // What follows the word is of that language, too: another word does not mend it.
                 findings.truncate(told);
+                findings
+                    .last_mut()
+                    .into_iter()
+                    .for_each(|f| f.fixes.clear());
             }
             Some(item)
         }

@@ -3,10 +3,11 @@
 use super::body::Body;
 use super::locals::Local;
 use super::report::{Wanted, listed, not_a, unknown};
+use crate::hash::{Map, Set};
 use crate::ty::{EnumTy, Ty, join};
 use crate::typed::{ClockOn, Each, ExprId, FlowId, Kind};
 use rpi_diag::{Code, Finding, Span};
-use rpi_syntax::ast::{self, Clock, Ident, Merge, MergeCase, Tick, When};
+use rpi_syntax::ast::{self, Clock, Ident, Merge, Tick, When};
 use std::rc::Rc;
 
 impl<'a> Body<'_, 'a> {
@@ -96,14 +97,14 @@ impl<'a> Body<'_, 'a> {
 
     fn enum_value(&mut self, e: &Rc<EnumTy>, value: &Ident) -> Option<u32> {
         let last = value.name.rsplit("::").next().unwrap_or_default();
-        let index = e.values.iter().position(|v| v == last);
+        let index = e.place_of(last);
         if index.is_none() {
             let near = rpi_diag::suggest(last, e.values.iter().map(|v| v.as_str()));
             let of = format!("the enum `{}`", e.name);
             let finding = super::report::no_member(&of, last, value.span, near);
             self.report(finding);
         }
-        index.and_then(|k| u32::try_from(k).ok())
+        index
     }
 
     /// `merge c (A -> x) (B -> y)`
@@ -112,13 +113,20 @@ impl<'a> Body<'_, 'a> {
         let on = self.expr(&merge.on);
         let of = self.ty_of(on).clone();
         let mut cases: Vec<(u32, ExprId)> = Vec::new();
+        let mut first: Map<u32, Span> = Map::default();
         let mut ty = Ty::Unknown;
         for case in &merge.cases {
             let mut then = self.expr(&case.then);
             ty = self.case_type(ty, &cases, then);
             if let Some(value) = self.case_value(&of, &case.value) {
                 then = self.activated_by(on, value, then);
-                self.add_case(&mut cases, value, then, case);
+                match first.get(&value) {
+                    Some(first) => self.report(case_twice(&case.value, *first)),
+                    None => {
+                        first.insert(value, self.span_of(then));
+                        cases.push((value, then));
+                    }
+                }
             }
         }
         self.all_cases(&of, &cases, span);
@@ -134,29 +142,14 @@ impl<'a> Body<'_, 'a> {
         join(&so_far, &common).unwrap_or(so_far)
     }
 
-    fn add_case(
-        &mut self,
-        cases: &mut Vec<(u32, ExprId)>,
-        value: u32,
-        then: ExprId,
-        case: &MergeCase,
-    ) {
-        match cases.iter().find(|(v, _)| *v == value) {
-            Some((_, first)) => {
-                let first = self.span_of(*first);
-                self.report(case_twice(&case.value, first));
-            }
-            None => cases.push((value, then)),
-        }
-    }
-
     fn all_cases(&mut self, of: &Ty, cases: &[(u32, ExprId)], span: Span) {
         let names: Vec<&str> = match of {
             Ty::Bool => vec!["false", "true"],
             Ty::Enum(e) => e.values.iter().map(|v| v.as_str()).collect(),
             _ => return,
         };
-        let is_there = |k: usize| cases.iter().any(|(value, _)| *value as usize == k);
+        let there: Set<usize> = cases.iter().map(|(value, _)| *value as usize).collect();
+        let is_there = |k: usize| there.contains(&k);
         let missing: Vec<&str> = names
             .iter()
             .enumerate()

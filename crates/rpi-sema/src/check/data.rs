@@ -157,10 +157,7 @@ impl<'a> Body<'_, 'a> {
         all: &'a [Constructor],
     ) -> Ty {
         let values = all.iter().map(|c| c.name.name.clone()).collect();
-        let tag = Ty::Enum(Rc::new(EnumTy {
-            name: name.clone(),
-            values,
-        }));
+        let tag = Ty::Enum(Rc::new(EnumTy::new(name.clone(), values)));
         if def.statics.is_empty() && all.iter().all(|c| c.fields.is_empty()) {
             return tag;
         }

@@ -483,10 +483,10 @@ impl<'a> Body<'_, 'a> {
                 fields: Vec::new(),
                 defaults: Vec::new(),
             })),
-            Some((TypeKind::Enum(values), _)) => Ty::Enum(Rc::new(EnumTy {
-                name,
-                values: values.iter().map(|v| v.name.name.clone()).collect(),
-            })),
+            Some((TypeKind::Enum(values), _)) => {
+                let values = values.iter().map(|v| v.name.name.clone()).collect();
+                Ty::Enum(Rc::new(EnumTy::new(name, values)))
+            }
             Some((TypeKind::Data(all), _)) => self.data_meaning(def, name, all),
             Some((TypeKind::Struct(fields), _)) => self.struct_meaning(def, name, fields),
             Some((_, ty)) => self.ty(ty),

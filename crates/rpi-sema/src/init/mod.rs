@@ -129,11 +129,16 @@ fn given(net: &Net) -> impl Iterator<Item = PortRef> + '_ {
 /// Looks at most so often for delays that others hide.
 const ROUNDS: usize = 20;
 
+/// Looks at so many nodes for them, each time it looks.
+const NODES: usize = 400_000;
+
 /// The delays that are read too early, also those that only show when others have a first value.
 fn all_roots(net: &Net, rules: &[Rule], claims: &[PortRef]) -> Vec<NodeId> {
     let mut rules = rules.to_vec();
     let mut roots = Vec::new();
-    for _ in 0..ROUNDS {
+    // Of what is hidden in a large net the rest is told when the others have first values.
+    let rounds = (NODES / net.nodes.len().max(1)).clamp(1, ROUNDS);
+    for _ in 0..rounds {
         let more = read_early(&Solution::new(net, rules.clone(), claims));
         if more.is_empty() {
             break;

@@ -64,6 +64,31 @@ pub struct EnumTy {
     pub name: Name,
     /// Its values in text order.
     pub values: Vec<Name>,
+    /// Their places, by name.
+    by_name: Vec<u32>,
+}
+
+impl EnumTy {
+    /// An enum with these values.
+    #[must_use]
+    pub fn new(name: Name, values: Vec<Name>) -> EnumTy {
+        let mut by_name: Vec<u32> = (0..).take(values.len()).collect();
+        by_name.sort_by_key(|place| values[*place as usize].as_str());
+        EnumTy {
+            name,
+            values,
+            by_name,
+        }
+    }
+
+    /// The place of a value: the number that stands for it.
+    #[must_use]
+    pub fn place_of(&self, value: &str) -> Option<u32> {
+        let name = |place: &u32| self.values[*place as usize].as_str();
+        let at = self.by_name.partition_point(|place| name(place) < value);
+        let place = self.by_name.get(at)?;
+        (name(place) == value).then_some(*place)
+    }
 }
 
 /// A struct with its static parameters resolved.
