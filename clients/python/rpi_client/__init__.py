@@ -10,6 +10,18 @@
 """
 
 from ._core import Core, RpiError, connect
-from ._goal import Ending, Feedback, Goal, Overruns, Session, Task, TaskEnd
+from ._goal import Ending, Feedback, Goal, Overruns, Session, Step, Task, TaskEnd
 
-__all__ = ["Core", "Ending", "Feedback", "Goal", "Overruns", "RpiError", "Session", "Task", "TaskEnd", "connect"]
+__all__ = [
+    "Core",
+    "Ending",
+    "Feedback",
+    "Goal",
+    "Overruns",
+    "RpiError",
+    "Session",
+    "Step",
+    "Task",
+    "TaskEnd",
+    "connect",
+]

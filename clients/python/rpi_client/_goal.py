@@ -6,12 +6,12 @@ import asyncio
 from dataclasses import dataclass, field, fields
 from typing import TYPE_CHECKING, Any, AsyncIterator, Sequence, TypeVar
 
-from ._core import RpiError
+from ._core import GONE, RpiError
 
 if TYPE_CHECKING:
     from ._core import Core
 
-_Told = TypeVar("_Told", "Ending", "Overruns")
+_Told = TypeVar("_Told", "Ending", "Overruns", "Step")
 
 
 @dataclass(frozen=True)
@@ -19,7 +19,8 @@ class Ending:
     """How a command has ended: ``cause`` (``result``, ``fault``, ``aborted``, ...), the name of its result, its error number
     (0 for none), the number of its cycles, whether it had been asked to end, whether it left something moving, whether another took over;
     ``why`` it ended so, in which ``place`` of the program and ``at`` which line and column of the text (``3:21``), where that was not its own doing;
-    the devices that ``braked`` on their own."""
+    the devices that ``braked`` on their own; by how much its first set-points did not join those of whoever went before
+    (``jump``: which actuator and quantity, value and limit), where they did not."""
 
     cause: str
     result: str | None
@@ -32,6 +33,7 @@ class Ending:
     place: str | None = None
     at: str | None = None
     braked: list[str] = field(default_factory=list)
+    jump: str | None = None
 
 
 @dataclass(frozen=True)
@@ -53,10 +55,11 @@ def _as(kind: type[_Told], told: dict[str, Any]) -> _Told:
 
 @dataclass(frozen=True)
 class Feedback:
-    """What a command exports, as texts that keep every bit, and where it is in its life."""
+    """What a command exports, as texts that keep every bit, where it is in its life, and whether it jumped, as in :class:`Ending`."""
 
     state: str
     values: dict[str, str] = field(default_factory=dict)
+    jump: str | None = None
 
 
 class Session:
@@ -125,10 +128,9 @@ class Goal:
     def __init__(self, core: Core, name: str) -> None:
         self._core = core
         self.name = name
-        self._news: asyncio.Queue[Feedback | None] = asyncio.Queue()
+        self._readers: list[asyncio.Queue[Feedback | None]] = []
         self._ending: asyncio.Future[Ending] = asyncio.get_running_loop().create_future()
-        self._values: dict[str, str] = {}
-        self._state = "ready"
+        self._latest = Feedback("ready")
         core.listen(name, self._hear)
 
     async def start(self) -> None:
@@ -163,9 +165,17 @@ class Goal:
         await self._core.call("command.unload", command=self.name)
 
     async def feedback(self) -> AsyncIterator[Feedback]:
-        """What it tells, until it has ended."""
-        while (news := await self._news.get()) is not None:
-            yield news
+        """How it is now, and then what it tells until it has ended; whoever comes after that gets what it told last."""
+        news: asyncio.Queue[Feedback | None] = asyncio.Queue()
+        news.put_nowait(self._latest)
+        if self._ending.done():
+            news.put_nowait(None)
+        self._readers.append(news)
+        try:
+            while (told := await news.get()) is not None:
+                yield told
+        finally:
+            self._readers.remove(news)
 
     async def result(self) -> Ending:
         """Waits for its end; :class:`RpiError` if it is unloaded without having run, as who loses a choice is."""
@@ -173,33 +183,69 @@ class Goal:
 
     def _hear(self, update: dict[str, Any]) -> None:
         if update.get("gone"):
-            if not self._ending.done():
-                self._ending.set_exception(ConnectionError("the control core is gone"))
-                # Nobody may be waiting for it; that is no fault.
-                self._ending.exception()
-            self._news.put_nowait(None)
+            self._fail(ConnectionError(GONE))
             return
-        self._values = {**self._values, **update.get("values", {})}
-        self._state = update.get("state", self._state)
-        self._news.put_nowait(Feedback(self._state, dict(self._values)))
+        state, jump = update.get("state", self._latest.state), update.get("jump", self._latest.jump)
+        self._latest = Feedback(state, {**self._latest.values, **update.get("values", {})}, jump)
+        self._tell(self._latest)
         if "ending" in update and not self._ending.done():
             self._ending.set_result(_as(Ending, update["ending"]))
-            self._news.put_nowait(None)
-        elif self._state == "unloaded" and not self._ending.done():
-            self._ending.set_exception(RpiError(-32001, "it was unloaded before it ran", []))
-            # Nobody may be waiting for it; that is no fault.
-            self._ending.exception()
-            self._news.put_nowait(None)
+            self._tell(None)
+        elif state == "unloaded":
+            self._fail(_unloaded())
+
+    def _tell(self, news: Feedback | None) -> None:
+        for reader in self._readers:
+            reader.put_nowait(news)
+
+    def _fail(self, why: Exception) -> None:
+        """It will not end any more, unless it has."""
+        _fail(self._ending, why)
+        self._tell(None)
+
+
+def _fail(future: asyncio.Future[Any], why: Exception) -> None:
+    """Whoever waits for this learns that it will not come."""
+    if not future.done():
+        future.set_exception(why)
+        # Nobody may be waiting for it; that is no fault.
+        future.exception()
+
+
+def _unloaded() -> RpiError:
+    return RpiError(-32001, "it was unloaded before it ran", [])
+
+
+@dataclass(frozen=True)
+class Step:
+    """How a ``command`` of a task has ended, as :class:`Ending` tells it; ``handled`` if a branch of the task was for its error."""
+
+    command: str
+    cause: str
+    result: str | None
+    error: int
+    cycles: int
+    why: str | None = None
+    place: str | None = None
+    at: str | None = None
+    braked: list[str] = field(default_factory=list)
+    jump: str | None = None
+    handled: bool = False
 
 
 @dataclass(frozen=True)
 class TaskEnd:
     """How a task has ended: ``state`` (``done``, ``failed``, ``cancelled``), what could not be started, and its latest commands
-    with the results by which they ended."""
+    that have ended."""
 
     state: str
     trouble: str | None
-    commands: list[tuple[str, str | None]]
+    steps: list[Step]
+
+    @property
+    def commands(self) -> list[tuple[str, str | None]]:
+        """Its latest commands with the results by which they ended."""
+        return [(step.command, step.result) for step in self.steps]
 
 
 class Task:
@@ -220,20 +266,19 @@ class Task:
         await self._core.call("task.cancel", task=self.name)
 
     async def unload(self) -> None:
-        """Lets go of it."""
+        """Lets go of it: one that runs is unloaded when it has ended."""
         await self._core.call("task.unload", task=self.name)
 
     async def result(self) -> TaskEnd:
-        """Waits for its end."""
+        """Waits for its end; :class:`RpiError` if it is unloaded without having run."""
         return await asyncio.shield(self._end)
 
     def _hear(self, update: dict[str, Any]) -> None:
-        if self._end.done():
-            return
+        state = update.get("state")
         if update.get("gone"):
-            self._end.set_exception(ConnectionError("the control core is gone"))
-            # Nobody may be waiting for it; that is no fault.
-            self._end.exception()
-        elif update.get("state") in ("done", "failed", "cancelled"):
-            commands = [(step["command"], step["result"]) for step in update["ended"]]
-            self._end.set_result(TaskEnd(update["state"], update.get("trouble"), commands))
+            _fail(self._end, ConnectionError(GONE))
+        elif state == "unloaded":
+            _fail(self._end, _unloaded())
+        elif state in ("done", "failed", "cancelled") and not self._end.done():
+            steps = [_as(Step, step) for step in update["ended"]]
+            self._end.set_result(TaskEnd(state, update.get("trouble"), steps))

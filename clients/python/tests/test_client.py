@@ -114,6 +114,38 @@ class ClientTest(unittest.IsolatedAsyncioTestCase):
             end = await asyncio.wait_for(task.result(), 10)
             self.assertEqual((end.state, [result for _, result in end.commands]), ("done", ["over"] * 3))
 
+    async def test_an_unloaded_task_is_told(self) -> None:
+        async with await connect(self.path) as core:
+            task = await (await core.open_session("test")).load_task(COUNT + "task All let Count(); tel")
+            waiting = asyncio.create_task(task.result())
+            await task.unload()
+            with self.assertRaisesRegex(RpiError, "unloaded"):
+                await asyncio.wait_for(waiting, 10)
+            self.assertNotIn(task.name, core._listeners)
+
+    async def test_everybody_reads_feedback_to_its_end(self) -> None:
+        async with await connect(self.path) as core:
+            goal = await (await core.open_session("test")).load(COUNT)
+
+            async def last() -> str:
+                told = [feedback async for feedback in goal.feedback()]
+                return f"{told[-1].state} {told[-1].values['n']}"
+
+            readers = [asyncio.create_task(last()) for _ in range(2)]
+            await goal.start()
+            self.assertEqual(await asyncio.wait_for(asyncio.gather(*readers), 10), ["terminated 300"] * 2)
+            self.assertEqual(await asyncio.wait_for(last(), 10), "terminated 300")
+
+    async def test_how_the_steps_of_a_task_have_ended(self) -> None:
+        async with await connect(self.path) as core:
+            task = await (await core.open_session("test")).load_task(COUNT + "task All let Count(); tel")
+            await task.start()
+            await asyncio.sleep(0.1)
+            await core.emergency_stop("test")
+            end = await asyncio.wait_for(task.result(), 10)
+            (step,) = end.steps
+            self.assertEqual((end.state, step.cause, step.why), ("failed", "aborted", "emergency stop"))
+
     async def test_an_emergency_stop_holds(self) -> None:
         async with await connect(self.path) as core:
             session = await core.open_session("test")

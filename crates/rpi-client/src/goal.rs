@@ -137,6 +137,8 @@ pub struct Feedback {
     pub state: String,
     /// By key.
     pub values: BTreeMap<String, String>,
+    /// By how much its first set-points did not join those of whoever went before, where they did not.
+    pub jump: Option<String>,
 }
 
 /// How a command has ended. One that lost a choice, or was unloaded before it ran, has not: see [`Goal::result`].
@@ -158,6 +160,9 @@ pub struct Ending {
     pub at: Option<String>,
     /// The devices that it left moving, which have braked on their own.
     pub braked: Vec<String>,
+    /// By how much its first set-points did not join those of whoever went before, where they did not: which actuator and
+    /// quantity, value and limit.
+    pub jump: Option<String>,
 }
 
 /// A loaded command.
@@ -256,6 +261,9 @@ impl Goal {
                 let text = value.as_str().unwrap_or_default().to_owned();
                 known.values.insert(key.clone(), text);
             }
+            if let Some(jump) = update["jump"].as_str() {
+                known.jump = Some(jump.to_owned());
+            }
             Some(known.clone())
         })
     }
@@ -310,7 +318,7 @@ impl Overruns {
 
 impl Ending {
     /// From what the server tells.
-    fn of(told: &Value) -> Ending {
+    pub(crate) fn of(told: &Value) -> Ending {
         let text = |key: &str| told[key].as_str().map(str::to_owned);
         let braked = told["braked"].as_array().into_iter().flatten();
         let braked = braked.filter_map(Value::as_str).map(str::to_owned);
@@ -323,6 +331,7 @@ impl Ending {
             place: text("place"),
             at: text("at"),
             braked: braked.collect(),
+            jump: text("jump"),
         }
     }
 }

@@ -28,4 +28,4 @@ mod tls;
 pub use connection::Core;
 pub use error::Error;
 pub use goal::{Ending, Feedback, Goal, OnLoss, Overruns, Program, Session};
-pub use task::{Task, TaskEnd};
+pub use task::{Step, Task, TaskEnd};

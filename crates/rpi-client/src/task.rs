@@ -1,11 +1,13 @@
 //! Tasks of programs, which the server carries out.
 
+use std::cell::RefCell;
 use std::sync::mpsc::{Receiver, channel};
 
 use serde_json::{Value, json};
 
 use crate::connection::Core;
 use crate::error::Error;
+use crate::goal::Ending;
 
 /// How a task has ended.
 #[derive(Clone, PartialEq, Eq, Debug)]
@@ -14,8 +16,19 @@ pub struct TaskEnd {
     pub state: String,
     /// What could not be started, and why.
     pub trouble: Option<String>,
-    /// The latest of its commands, with the results by which they have ended.
-    pub commands: Vec<(String, Option<String>)>,
+    /// The latest of its commands that have ended.
+    pub steps: Vec<Step>,
+}
+
+/// A command of a task that has ended.
+#[derive(Clone, PartialEq, Eq, Debug)]
+pub struct Step {
+    /// Its name in the program.
+    pub command: String,
+    /// How it has ended.
+    pub ending: Ending,
+    /// A branch of the task was for its error.
+    pub handled: bool,
 }
 
 /// A loaded task.
@@ -24,6 +37,8 @@ pub struct Task {
     core: Core,
     name: String,
     updates: Receiver<Value>,
+    /// Its end, once that was told.
+    end: RefCell<Option<Result<TaskEnd, Error>>>,
 }
 
 impl Task {
@@ -37,6 +52,7 @@ impl Task {
             core: core.clone(),
             name,
             updates,
+            end: RefCell::default(),
         })
     }
 
@@ -78,34 +94,35 @@ impl Task {
     /// Waits for its end.
     ///
     /// # Errors
-    /// If the connection ends before.
+    /// If the connection ends before, or it is unloaded without having run.
     pub fn result(&self) -> Result<TaskEnd, Error> {
-        loop {
-            let told = self
-                .core
-                .call("task.describe", json!({"task": self.name}))?;
-            let state = told["state"].as_str().unwrap_or_default();
-            if ["done", "failed", "cancelled"].contains(&state) {
-                return Ok(TaskEnd::of(&told));
-            }
-            let next = self.updates.recv();
-            next.map_err(|_| Error::connection("the control core is gone"))?;
+        while self.end.borrow().is_none() {
+            let told = self.updates.recv();
+            let told = told.map_err(|_| Error::connection("the control core is gone"))?;
+            *self.end.borrow_mut() = match told["state"].as_str() {
+                Some("done" | "failed" | "cancelled") => Some(Ok(TaskEnd::of(&told))),
+                Some("unloaded") => Some(Err(Error::unloaded())),
+                _ => None,
+            };
         }
+        let gone = || Err(Error::unloaded());
+        self.end.borrow().clone().unwrap_or_else(gone)
     }
 }
 
 impl TaskEnd {
     fn of(told: &Value) -> TaskEnd {
         let text = |value: &Value| value.as_str().map(str::to_owned);
-        let commands = told["ended"].as_array().into_iter().flatten();
-        let commands = commands.map(|step| {
-            let title = text(&step["command"]).unwrap_or_default();
-            (title, text(&step["result"]))
+        let steps = told["ended"].as_array().into_iter().flatten();
+        let steps = steps.map(|step| Step {
+            command: text(&step["command"]).unwrap_or_default(),
+            ending: Ending::of(step),
+            handled: step["handled"] == true,
         });
         TaskEnd {
             state: text(&told["state"]).unwrap_or_default(),
             trouble: text(&told["trouble"]),
-            commands: commands.collect(),
+            steps: steps.collect(),
         }
     }
 }

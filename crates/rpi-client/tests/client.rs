@@ -150,7 +150,7 @@ fn a_task_is_carried_out_by_the_server() {
     task.start().unwrap();
     let end = task.result().unwrap();
     assert_eq!((end.state.as_str(), end.trouble), ("done", None));
-    let names: Vec<&str> = end.commands.iter().map(|c| c.0.as_str()).collect();
+    let names: Vec<&str> = end.steps.iter().map(|s| s.command.as_str()).collect();
     assert_eq!(names, ["Count(30)", "Count(10)", "Count(50)", "Count(5)"]);
     let endless = load("Endless");
     endless.start().unwrap();

@@ -63,14 +63,19 @@ fn result(result: Option<&EndResult>, ending: Ending) -> RunEnd {
 
 /// A set-point that does not join, in words.
 pub(super) fn jump(jump: &Jump, cell: &Cell) -> String {
+    jump_text(jump, &actuator(jump.resource, cell))
+}
+
+/// A set-point of this actuator that does not join, in words.
+#[must_use]
+pub fn jump_text(jump: &Jump, actuator: &str) -> String {
     let (what, unit) = match jump.quantity {
         Quantity::Position => ("position", ""),
         Quantity::Velocity => ("velocity", "/s"),
         Quantity::Acceleration => ("acceleration", "/s^2"),
     };
     let (value, limit) = (jump.value, jump.limit);
-    let of = actuator(jump.resource, cell);
-    format!("{what} of {of} would be {value:.4}{unit} where {limit:.4}{unit} is the limit")
+    format!("{what} of {actuator} would be {value:.4}{unit} where {limit:.4}{unit} is the limit")
 }
 
 /// What people call an actuator.

@@ -30,7 +30,7 @@ pub(crate) use print::time as time_text;
 pub(crate) use sides::sampled_flows;
 pub(crate) use sights::Sights;
 
-pub use end::{fault_text, stop_text};
+pub use end::{fault_text, jump_text, stop_text};
 pub use inputs::{BadSetting, Setting};
 pub use job::{Failure, Job, Limits, Progress, run};
 pub use outcome::{Blame, CommandEnd, DeviceEnd, Outcome, RunEnd, Status, Trouble};

@@ -4,7 +4,9 @@ use rpi_host::control::{
     Cause, CommandId, Ending, Event, Notice, Outcome, Refused, State, Ticket, Why,
 };
 
+use rpi_device::Jump;
 use rpi_host::recording::Written;
+use rpi_host::run::jump_text;
 
 use super::commands::{results, yields};
 use super::owed::Debt;
@@ -158,7 +160,7 @@ impl Desk {
             Notice::Braked {
                 command, resource, ..
             } => self.braked(command, resource),
-            Notice::Jumped { .. } => {}
+            Notice::Jumped { command, jump } => self.jumped(command, &jump),
             Notice::Rule { rule, outcome } => match outcome {
                 Outcome::Fired => self.rule_fired(rule),
                 Outcome::Failed(_) => self.rule_over(rule, RuleState::Failed),
@@ -188,6 +190,22 @@ impl Desk {
         if !record.status.braked.contains(&device) {
             record.status.braked.push(device);
         }
+    }
+
+    /// The first set-points of a command that took over do not join those before: told even where that is allowed.
+    fn jumped(&mut self, id: CommandId, jump: &Jump) {
+        let jump = jump_text(jump, &self.devices.actuator(jump.resource));
+        let number = self.by_id.get(&id).copied().unwrap_or_default();
+        let Some(record) = self.record_of(id) else {
+            return;
+        };
+        let line = format!(
+            "{} does not join what went before: {jump}",
+            record.called(number)
+        );
+        record.tell_jump(&jump);
+        record.status.jump.get_or_insert(jump);
+        self.journal.note(format_args!("{line}"));
     }
 
     fn ended(&mut self, id: CommandId, ending: Ending) {

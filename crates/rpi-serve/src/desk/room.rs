@@ -95,7 +95,7 @@ impl Desk {
             return false;
         };
         match task == Some(oldest) {
-            true => drop(self.tasks.remove(&oldest)),
+            true => self.forget_task(oldest),
             false => self.give_up(oldest),
         }
         true

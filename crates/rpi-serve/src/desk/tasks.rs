@@ -28,6 +28,8 @@ pub(crate) enum TaskPhase {
     Cancelling,
     /// It has ended so.
     Ended(TaskEnd),
+    /// Gone.
+    Unloaded,
 }
 
 impl TaskPhase {
@@ -41,6 +43,7 @@ impl TaskPhase {
             TaskPhase::Ended(TaskEnd::Done) => "done",
             TaskPhase::Ended(TaskEnd::Failed) => "failed",
             TaskPhase::Ended(TaskEnd::Cancelled) => "cancelled",
+            TaskPhase::Unloaded => "unloaded",
         }
     }
 }
@@ -58,6 +61,8 @@ pub(crate) struct Step {
     pub(crate) place: Option<Place>,
     /// The devices that it left moving, which brake on their own.
     pub(crate) braked: Vec<String>,
+    /// By how much it jumped as it took over, if it did.
+    pub(crate) jump: Option<String>,
     pub(crate) error: i64,
     pub(crate) cycles: u64,
     /// A branch of the task is for its error.
@@ -365,6 +370,7 @@ impl Desk {
             why: why(&ending),
             place: record.status.place.clone(),
             braked: record.status.braked.clone(),
+            jump: record.status.jump.clone(),
             error: ending.error,
             cycles: ending.cycles,
             handled: false,
@@ -400,8 +406,19 @@ impl Desk {
         };
         if record.has_ended() || record.status.phase == TaskPhase::Ready {
             let session = record.session;
-            self.tasks.remove(&number);
+            self.forget_task(number);
             self.close_if_empty(session);
+        }
+    }
+
+    /// A task is no more: whoever watches it is told, as nothing else will come.
+    pub(super) fn forget_task(&mut self, number: u64) {
+        self.tell_progress(number);
+        if let Some(mut record) = self.tasks.remove(&number) {
+            record.status.phase = TaskPhase::Unloaded;
+            for mut sink in record.watchers {
+                sink.tell(&Update::Task(&record.status));
+            }
         }
     }
 }

@@ -28,6 +28,8 @@ pub(crate) struct Status {
     pub(crate) place: Option<Place>,
     /// The devices that it left moving, which brake on their own.
     pub(crate) braked: Vec<String>,
+    /// By how much its first set-points did not join those of whoever went before, if they did not.
+    pub(crate) jump: Option<String>,
     /// Another has started in its place: by the rule that stopped it, or because it ended in motion by `yield`.
     pub(crate) taken_over: bool,
 }
@@ -41,6 +43,7 @@ impl Status {
             result: None,
             place: None,
             braked: Vec::new(),
+            jump: None,
             taken_over: false,
         }
     }
@@ -78,6 +81,8 @@ pub(crate) struct DeviceInfo {
 pub(crate) enum Update<'a> {
     /// The state of the command.
     Command(&'a Status),
+    /// By how much the command has jumped as it took over.
+    Jumped(&'a str),
     /// Exports of the command that have changed: key and value.
     Values(&'a [(String, String)]),
     /// The state of the rule.

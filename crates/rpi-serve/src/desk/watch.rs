@@ -144,6 +144,12 @@ impl Record {
         self.subscriptions.retain_mut(|s| s.tell(&self.status, now));
     }
 
+    /// Tells everybody that it has jumped.
+    pub(super) fn tell_jump(&mut self, jump: &str) {
+        let told = |s: &mut Subscription| s.sink.tell(&Update::Jumped(jump));
+        self.subscriptions.retain_mut(told);
+    }
+
     pub(super) fn set_phase(&mut self, phase: Phase) {
         if self.status.phase != phase {
             self.status.phase = phase;

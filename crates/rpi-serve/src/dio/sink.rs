@@ -27,7 +27,7 @@ impl Sink for DioSink {
                 self.push("st", Arg::text(state))
             }
             // The protocol has no word for these.
-            Update::Emergency(_) | Update::Task(_) => true,
+            Update::Emergency(_) | Update::Task(_) | Update::Jumped(_) => true,
             Update::DeviceAdded(info) => {
                 self.push("da", device(info)) && self.push_status(&info.name, condition(info.code))
             }

@@ -19,6 +19,7 @@ impl Sink for RpcSink {
     fn tell(&mut self, update: &Update<'_>) -> bool {
         let mut params = match update {
             Update::Command(status) => self::status(status),
+            Update::Jumped(jump) => json!({"jump": jump}),
             Update::Values(values) => json!({"values": self::values(values)}),
             Update::Rule(state) => json!({"state": rule(*state)}),
             Update::Session(open) => json!({"open": open}),
@@ -64,7 +65,11 @@ pub(super) fn status(status: &Status) -> Value {
             "place": path(status.place.as_ref()),
             "at": at(status.place.as_ref()),
             "braked": status.braked,
+            "jump": status.jump,
         });
+    }
+    if let Some(jump) = &status.jump {
+        told["jump"] = json!(jump);
     }
     told
 }
@@ -88,7 +93,7 @@ pub(super) fn task(status: &TaskStatus) -> Value {
         json!({
             "command": step.title, "result": step.result, "error": step.error, "cycles": step.cycles,
             "cause": step.cause, "why": step.why,
-            "place": path(step.place.as_ref()), "at": at(step.place.as_ref()), "braked": step.braked, "handled": step.handled,
+            "place": path(step.place.as_ref()), "at": at(step.place.as_ref()), "braked": step.braked, "jump": step.jump, "handled": step.handled,
         })
     };
     let running = status.running.iter();

@@ -17,3 +17,4 @@ mod recording;
 mod rules;
 mod share;
 mod spec;
+mod told;

@@ -1,0 +1,96 @@
+//! What those who watch are told of what became of a task or command.
+
+use rpi_core::Continuity;
+use rpi_serve::Settings;
+use serde_json::{Value, json};
+
+use crate::client::{get, open, server, settings};
+use crate::rules::{COUNT, Owner, SWING};
+
+/// Takes over with a leap of its joint 0.
+const LEAP: &str = "use motion;
+command Leap (arm: Arm)
+let
+  arm.joints = (arm.position with [0] = arm.position[0] + 0.5[rad]);
+  finish done when time > 1[s];
+tel
+";
+
+/// The next update of this command or task of which `wanted` makes something.
+fn next<T>(
+    owner: &mut Owner,
+    (kind, name): (&str, &Value),
+    wanted: impl Fn(&Value) -> Option<T>,
+) -> T {
+    owner.client.wait("an update", |text| {
+        let update: Value = serde_json::from_str(text).ok()?;
+        let params = &update["params"];
+        wanted(params).filter(|_| params[kind] == *name)
+    })
+}
+
+/// As with commands: nothing comes any more, and whoever waits for its end would wait for ever.
+#[test]
+fn who_watches_a_task_is_told_that_it_is_unloaded() {
+    let server = open();
+    let mut owner = Owner::new(&server);
+    let text = format!("{COUNT}task All let Count(); tel\n");
+    let load = json!({"session": owner.session, "text": text});
+    for ends in [&["unloaded"][..], &["done", "unloaded"]] {
+        let task = owner.ask("task.load", &load)["result"]["task"].clone();
+        owner.ask("watch.task", &json!({"task": task}));
+        if ends.len() > 1 {
+            owner.ask("task.start", &json!({"task": task}));
+        }
+        owner.ask("task.unload", &json!({"task": task}));
+        for end in ends {
+            next(&mut owner, ("task", &task), |told| {
+                (told["state"] == *end).then_some(())
+            });
+        }
+    }
+}
+
+/// Which actuator, quantity, value and limit, as `rpi run` tells it: in the ending where the leap is refused, at once where
+/// it is allowed.
+#[test]
+fn a_leap_is_told_to_whom_it_concerns() {
+    for (continuity, cause) in [(None, Some("fault")), (Some(Continuity::Allow), None)] {
+        let server = server(
+            &Settings {
+                continuity,
+                ..settings()
+            },
+            (),
+        );
+        let mut owner = Owner::new(&server);
+        let first = owner.load(SWING, "first", "rpi");
+        let leap = owner.load(LEAP, "leap", "rpi");
+        owner.ask("watch.command", &json!({"command": leap}));
+        let rule = json!({"when": format!("{}@ended", first.as_str().unwrap()), "start": [leap]});
+        let made = owner.ask("rule.make", &rule);
+        assert!(made["error"].is_null(), "{made}");
+        owner.ask("command.start", &json!({"command": first}));
+        std::thread::sleep(std::time::Duration::from_millis(50));
+        owner.ask("command.cancel", &json!({"command": first}));
+        let jump = next(&mut owner, ("command", &leap), |told| {
+            told["jump"].as_str().map(str::to_owned)
+        });
+        assert!(jump.starts_with("velocity of arm[0] would be "), "{jump}");
+        assert!(jump.ends_with("is the limit"), "{jump}");
+        if let Some(cause) = cause {
+            let ending = next(&mut owner, ("command", &leap), |told| {
+                told["ending"].is_object().then(|| told["ending"].clone())
+            });
+            assert_eq!(ending["cause"], cause, "{ending}");
+            assert_eq!(ending["jump"], json!(jump), "{ending}");
+        }
+        let told = owner.ask("command.describe", &json!({"command": leap}));
+        assert_eq!(told["result"]["jump"], json!(jump), "{told}");
+        let log = get(server.address(), "/log");
+        assert!(
+            log.contains(&format!("(leap) does not join what went before: {jump}")),
+            "{log}"
+        );
+    }
+}
