@@ -75,6 +75,8 @@ impl Marker<'_> {
             _ => None,
         };
         match (lexemes[at].token, self.written(lexemes[at])) {
+            // What goes before it may be `fi`, which was a name so far.
+            (Token::Ident, "check") if !is_name => Some(Token::Check),
             (Token::If, _) => Some(self.opens(Token::IfBlock)),
             (Token::When, _) => Some(self.opens(Token::WhenBlock)),
             (_, "cond") if next == Some(Token::Bar) => {

@@ -10,6 +10,8 @@ use crate::token::{Keyword, Place, Token};
 /// Turns every contextual word that stands where it is a name into a name, and every text that
 /// names a claim into a label.
 pub(crate) fn settle(lexemes: &mut [Lexeme], mode: Mode) {
+    let has_own_check = mode == Mode::Rpi && declares_node(lexemes, Token::Check);
+    let mut in_contract = false;
     for at in 0..lexemes.len() {
         let token = lexemes[at].token;
         if token == Token::Str {
@@ -17,11 +19,42 @@ pub(crate) fn settle(lexemes: &mut [Lexeme], mode: Mode) {
         } else if let Some(word) = token.keyword()
             && !word.is_reserved_in(mode)
             && !Around::new(lexemes, at).makes_keyword(word)
-            && !(mode == Mode::Lustre && Around::new(lexemes, at).begins_check(word))
+            && !begins_claim(lexemes, at, in_contract, has_own_check)
         {
             lexemes[at].token = Token::Ident;
         }
+        match lexemes[at].token {
+            Token::Con | Token::Contract => in_contract = true,
+            Token::Noc | Token::Tel => in_contract = false,
+            _ => {}
+        }
     }
+}
+
+/// Whether a node of the file has the word as its name.
+fn declares_node(lexemes: &[Lexeme], word: Token) -> bool {
+    use Token::{Function, Imported, Node};
+    let pairs = lexemes.windows(2);
+    let mut names = pairs.filter(|pair| matches!(pair[0].token, Node | Function | Imported));
+    names.any(|pair| pair[1].token == word)
+}
+
+/// `guarantee (x > 0);` of a contract, `check (x > 0);` of a body: no call stands there, only one of a node `check` that the
+/// file declares.
+fn begins_claim(lexemes: &[Lexeme], at: usize, in_contract: bool, has_own_check: bool) -> bool {
+    use Token::{Assume, Check, Ensure, Guarantee, LParen, ModeWord, Require};
+    let around = Around::new(lexemes, at);
+    let of_mode = |at: usize| lexemes[at].token == ModeWord;
+    let begins = match around.before {
+        Some(LParen) => at.checked_sub(3).is_some_and(of_mode),
+        _ => around.begins_statement(),
+    };
+    let is_claim = match lexemes[at].token {
+        Check => !in_contract && !has_own_check,
+        Assume | Ensure | Guarantee | Require => in_contract,
+        _ => false,
+    };
+    is_claim && begins && around.after == Some(LParen)
 }
 
 fn settle_text(lexemes: &mut [Lexeme], at: usize) {
@@ -214,12 +247,6 @@ impl Around {
             Place::Conversion => self.converts(),
             Place::Prefix => self.is_prefix(),
         }
-    }
-
-    /// `check (x > 0);`: in Lustre no call stands there.
-    fn begins_check(&self, word: &Keyword) -> bool {
-        let called = self.after == Some(Token::LParen) && self.begins_statement();
-        word.token == Token::Check && called
     }
 
     /// `arm.end`; but a `.` after `tel` ends a declaration.
