@@ -204,7 +204,7 @@ impl Core {
         let place = self.place(id)?;
         self.fits(place, Event::Start)?;
         self.free_for(place)?;
-        self.begin(place, self.tick, Event::Start, bank);
+        self.begin(place, self.tick, Event::Start);
         self.conclude(bank);
         Ok(())
     }

@@ -20,7 +20,7 @@ impl Core {
         let mut at = 0;
         while at < self.rules.len() {
             match self.rules[at].fires {
-                true => self.fire(at, next, bank),
+                true => self.fire(at, next),
                 false => at += 1,
             }
         }
@@ -31,7 +31,7 @@ impl Core {
     pub(crate) fn fire_if_true(&mut self, id: RuleId, bank: &mut dyn DeviceBank) {
         let at = self.rules.iter().position(|p| p.id == id);
         if let Some(at) = at.filter(|at| self.is_true(&self.rules[*at].rule)) {
-            self.fire(at, self.tick, bank);
+            self.fire(at, self.tick);
             self.conclude(bank);
         }
     }
@@ -43,7 +43,7 @@ impl Core {
     }
 
     /// Fires a rule as a whole, or not at all if it cannot start what it is to start.
-    fn fire(&mut self, at: usize, next: u64, bank: &mut dyn DeviceBank) {
+    fn fire(&mut self, at: usize, next: u64) {
         self.changed = true;
         if let Err(why) = self.can_fire(&self.rules[at].rule) {
             return self.drop_rule(at, Outcome::Failed(why));
@@ -57,7 +57,7 @@ impl Core {
         rule.cancel.iter().for_each(|c| self.cancel_by(*c));
         let (due, predecessor) = (self.due_after(&rule, next), self.predecessor(&rule));
         for command in &rule.start {
-            self.take_over(*command, due, predecessor, bank);
+            self.take_over(*command, due, predecessor);
         }
         rule.handed.iter().for_each(|handed| self.hand(handed));
         // There is room: both lists together never hold more rules than one of them has room for.
@@ -94,17 +94,11 @@ impl Core {
         }
     }
 
-    fn take_over(
-        &mut self,
-        command: CommandId,
-        due: u64,
-        predecessor: Option<i64>,
-        bank: &mut dyn DeviceBank,
-    ) {
+    fn take_over(&mut self, command: CommandId, due: u64, predecessor: Option<i64>) {
         let Some(place) = self.find(command) else {
             return;
         };
-        self.begin(place, due, Event::Fire, bank);
+        self.begin(place, due, Event::Fire);
         if let Some(entry) = self.entries[place].as_mut() {
             entry.command.machine.join();
             entry.command.moment.predecessor = predecessor;
@@ -128,20 +122,12 @@ impl Core {
     }
 
     /// Lets a command run from tick `due` on, holding all that it needs.
-    pub(crate) fn begin(
-        &mut self,
-        place: usize,
-        due: u64,
-        event: Event,
-        bank: &mut dyn DeviceBank,
-    ) {
+    pub(crate) fn begin(&mut self, place: usize, due: u64, event: Event) {
         self.changed = true;
         self.take_all(place);
         if let Some(entry) = self.entries[place].as_mut() {
             entry.command.happen(event);
             (entry.due, entry.fresh, entry.live) = (due, true, true);
-            let ticks = u32::try_from(entry.ticks).unwrap_or(u32::MAX);
-            entry.command.resources().for_each(|r| bank.pace(r, ticks));
         }
     }
 

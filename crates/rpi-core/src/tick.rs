@@ -43,7 +43,7 @@ impl Core {
 
     /// Tells each command that is due what it must know at the start of its cycle. Requests that arrive later count from
     /// the next cycle on.
-    fn tell(&mut self, bank: &dyn DeviceBank, wall_ns: i64) {
+    fn tell(&mut self, bank: &mut dyn DeviceBank, wall_ns: i64) {
         for place in 0..self.entries.len() {
             if !self.entries[place]
                 .as_ref()
@@ -59,6 +59,8 @@ impl Core {
             let (cycle, command) = (entry.command.machine.cycle(), &mut entry.command);
             if cycle == 0 {
                 entry.start_ns = wall_ns;
+                let ticks = u32::try_from(entry.ticks).unwrap_or(u32::MAX);
+                command.resources().for_each(|r| bank.begin(r, ticks));
             }
             let since = cycle.saturating_mul(command.machine.image().period_ns);
             command.moment = Moment {

@@ -3,9 +3,11 @@
 mod support;
 
 use rpi_core::{Cause, Command, CommandId, Continuity, Core, Notice, Refused, State, Why};
-use rpi_net::ResultKind;
+use rpi_net::{Net, ResultKind};
 use rpi_prims::FaultCode;
-use support::{Axes, MS, ROOT, core, follow, leaper, load, mover, mover_flow, over, ticks};
+use support::{
+    Axes, MS, ROOT, core, follow, leaper, load, load_for, mover, mover_flow, over, ticks,
+};
 
 rpi_testkit::trap_allocations!();
 
@@ -47,6 +49,33 @@ fn a_successor_takes_over_in_motion() {
     assert_eq!(core.command(ids[1]).unwrap().result(), Some("done"));
     assert_eq!(steps(&bank, 0), [1, 1, 1, 1, 1, 1, 1, 1, 0]);
     assert_eq!(bank.stops, [0; 4]);
+}
+
+/// The last set-point of a command holds for its whole period: the device hears of the successor's when that begins. (S5)
+#[test]
+fn a_successor_of_a_shorter_period_begins_when_its_predecessor_would_go_on() {
+    let mut bank = Axes::new();
+    let mut core = Core::with_capacity(4, MS);
+    let mut insert = |period, net: Net| {
+        let mut command = load_for(period, &net, &mut bank);
+        // These axes know no periods.
+        command.guard(Continuity::Allow);
+        core.insert(command).map_err(|e| e.1).expect("room")
+    };
+    let ids = [
+        insert(5 * MS, mover(0, 20, 7)),
+        insert(MS, mover(0, 3, 100)),
+    ];
+    core.start(ids[0], &mut bank).unwrap();
+    follow(&mut core, ids[1], ids[0], true, &mut bank).unwrap();
+    let mut paces = Vec::new();
+    for _ in 0..12 {
+        ticks(&mut core, &mut bank, 1);
+        paces.push((bank.paces[0], bank.set_points(0).len()));
+    }
+    // Two set-points for five ticks each, then one in every tick.
+    let first = [(5, 1); 5].into_iter().chain([(5, 2); 5]);
+    assert_eq!(paces, first.chain([(1, 3), (1, 4)]).collect::<Vec<_>>());
 }
 
 /// Fig. 5 (b): scheduled too late, the regular end comes first, and the successor starts right after it. (M10.2)

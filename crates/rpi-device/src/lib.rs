@@ -136,9 +136,10 @@ pub trait DeviceBank {
         own..own.saturating_add(1)
     }
 
-    /// Tells how many ticks lie between the set-points for an actuator, from its next one on: the period of the command
-    /// that holds it. A device that was never told expects one in every tick.
-    fn pace(&mut self, resource: u32, ticks: u32) {
+    /// Tells that a command begins that holds an actuator, and how many ticks lie between its set-points, from the next one
+    /// on: a device that was never told expects one in every tick. What the device had against the set-points of others is
+    /// not this command's concern; that it has failed is.
+    fn begin(&mut self, resource: u32, ticks: u32) {
         let _ = (resource, ticks);
     }
 

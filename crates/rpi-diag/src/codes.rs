@@ -86,7 +86,7 @@ codes! {
     RPI1002 Error "name declared twice";
     RPI1003 Error "name of another kind of thing";
     RPI1004 Error "part that is not there";
-    RPI1005 Error "module that is not there";
+    RPI1005 Error "module or file that is not there";
     RPI1007 Error "declaration that needs itself";
     RPI1008 Error "flow defined twice";
     RPI1009 Error "flow that is never defined";

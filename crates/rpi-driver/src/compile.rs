@@ -49,6 +49,8 @@ pub struct Asked {
     pub told: bool,
     /// Whether it is told what tests can reach.
     pub marks: bool,
+    /// Whether the text comes from somebody who may not read files of this machine: none but itself is looked for.
+    pub alone: bool,
     /// The period of a cycle, nanoseconds, where it is not the one of the machine.
     pub period_ns: Option<u64>,
 }
@@ -59,6 +61,7 @@ impl From<Claims> for Asked {
             claims,
             told: false,
             marks: false,
+            alone: false,
             period_ns: None,
         }
     }
@@ -96,7 +99,9 @@ pub fn compile_with(input: &Input, asked: impl Into<Asked>) -> Result<Compiled, 
 fn program(input: &Input, text: &str, asked: Asked) -> Result<Compiled, InputError> {
     let mut sources = SourceMap::new();
     let (name, path) = (input.stem(), display(&input.path));
-    let mut modules = program_text(input, &name, &path, text).modules(&mut sources);
+    let mut text = program_text(input, &name, &path, text);
+    text.folder = text.folder.filter(|_| !asked.alone);
+    let mut modules = text.modules(&mut sources);
     if let Some(why) = modules.no_machine.take() {
         return Err(why);
     }

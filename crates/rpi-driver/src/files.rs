@@ -14,6 +14,8 @@ pub struct Disk;
 
 impl Files for Disk {
     fn text(&self, path: &Path) -> Option<String> {
-        std::fs::read_to_string(path).ok()
+        // A pipe or a device may never end, or never begin.
+        let is_file = std::fs::metadata(path).is_ok_and(|meta| meta.is_file());
+        is_file.then(|| std::fs::read_to_string(path).ok())?
     }
 }

@@ -33,7 +33,10 @@ struct Profile {
 pub(crate) fn machine(folder: Option<&Path>, files: &dyn Files) -> Result<Machine, InputError> {
     let path = folder.unwrap_or(Path::new("")).join(MACHINE);
     let text = folder.and_then(|_| files.text(&path));
-    let machine = text.map(|text| parse(&text)).transpose();
+    let machine = match text {
+        None if folder.is_some() && path.exists() => Err("this is no text file".to_owned()),
+        text => text.map(|text| parse(&text)).transpose(),
+    };
     machine
         .map(Option::unwrap_or_default)
         .map_err(|why| InputError {

@@ -8,7 +8,7 @@ use rpi_diag::{FileId, Finding, SourceMap};
 use rpi_net::passes::Machine;
 use rpi_sema::program::{Program, Source};
 use rpi_sema::query::Index;
-use rpi_syntax::ast::{File, Item, ItemKind};
+use rpi_syntax::ast::{File, Ident, Item, ItemKind};
 use rpi_syntax::{Mode, Name, parse};
 
 use crate::files::Files;
@@ -200,15 +200,25 @@ impl<'a> Loader<'a> {
         parsed.file
     }
 
-    fn include(&mut self, name: &str, mode: Mode) -> Option<File> {
-        let path = self.folder.as_ref()?.join(name);
-        let path_text = path.display().to_string();
-        let known = self
-            .sources
-            .files()
-            .any(|id| self.sources.name(id) == path_text);
-        let text = self.disk.text(&path).filter(|_| !known)?;
-        let file = self.sources.add(path_text, text.as_str());
+    /// A file that is taken up, unless it has been already.
+    fn include(&mut self, include: &Ident, mode: Mode) -> Option<File> {
+        let folder = self.folder.as_ref();
+        let path = folder.map(|folder| folder.join(include.name.as_str()));
+        let path_text = path.as_ref().map(|path| path.display().to_string());
+        let is_known = |path: &String| {
+            let mut known = self.sources.files().map(|id| self.sources.name(id));
+            known.any(|name| name == path)
+        };
+        if path_text.as_ref().is_some_and(is_known) {
+            return None;
+        }
+        let text = path.and_then(|path| self.disk.text(&path));
+        let Some((path, text)) = path_text.zip(text) else {
+            self.findings
+                .push(rpi_sema::no_file(include, folder.is_none()));
+            return None;
+        };
+        let file = self.sources.add(path, text.as_str());
         Some(self.parse(file, &text, mode))
     }
 
@@ -249,9 +259,9 @@ impl<'a> Loader<'a> {
     }
 }
 
-fn includes(file: &File) -> Vec<String> {
+fn includes(file: &File) -> Vec<Ident> {
     let include = |kind: &ItemKind| match kind {
-        ItemKind::Include(path) => Some(path.name.to_string()),
+        ItemKind::Include(path) => Some(path.clone()),
         _ => None,
     };
     file.items

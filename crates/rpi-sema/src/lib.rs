@@ -27,7 +27,7 @@ pub mod ty;
 pub mod typed;
 pub mod units;
 
-pub use check::{Checked, check, result_identity};
+pub use check::{Checked, check, no_file, result_identity};
 pub use needless::needless;
 pub use sound::sound;
 pub use told::told;

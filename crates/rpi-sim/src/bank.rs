@@ -228,9 +228,9 @@ impl DeviceBank for SimBank {
         })
     }
 
-    fn pace(&mut self, resource: u32, ticks: u32) {
+    fn begin(&mut self, resource: u32, ticks: u32) {
         if let Some((device, own)) = self.owner_mut(resource) {
-            device.pace(own, ticks);
+            device.begin(own, ticks);
         }
     }
 

@@ -269,8 +269,9 @@ impl Device for Base {
         self.braking = self.is_moving();
     }
 
-    fn pace(&mut self, _resource: u32, ticks: u32) {
+    fn begin(&mut self, _resource: u32, ticks: u32) {
         self.pace = ticks.max(1);
+        self.code = Code::OK;
     }
 
     fn step(&mut self, time: f64) {

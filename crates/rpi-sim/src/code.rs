@@ -47,6 +47,9 @@ impl Code {
     /// A velocity in a direction in which the platform cannot drive.
     pub const NOT_DRIVABLE: Self = Self(13);
 
+    /// The arm brakes as a whole, as another of its joints was left without a set-point.
+    pub const BRAKING: Self = Self(14);
+
     /// The device has failed, whatever the set-point.
     #[must_use]
     pub const fn is_failure(self) -> bool {
@@ -133,5 +136,10 @@ pub const CODES: &[CodeText] = &[
         Code::NOT_DRIVABLE,
         "not-drivable",
         "the platform cannot drive in this direction",
+    ),
+    line(
+        Code::BRAKING,
+        "braking",
+        "the arm brakes as a whole: another of its joints was stopped or left alone",
     ),
 ];

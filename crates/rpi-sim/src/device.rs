@@ -48,8 +48,8 @@ pub(crate) trait Device: Send {
     fn stop(&mut self, resource: u32) {
         let _ = resource;
     }
-    /// See [`rpi_device::DeviceBank::pace`].
-    fn pace(&mut self, resource: u32, ticks: u32) {
+    /// See [`rpi_device::DeviceBank::begin`].
+    fn begin(&mut self, resource: u32, ticks: u32) {
         let _ = (resource, ticks);
     }
     /// Lets one tick pass, which ends at `time` (s).

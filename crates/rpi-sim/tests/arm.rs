@@ -347,10 +347,59 @@ fn set_points_that_join_take_over_from_the_brake() {
     assert!((rig.real(acceleration).expect("one") - a).abs() < 1e-6);
 }
 
+/// The arm brakes as a whole: who goes on setting another joint is told, and whoever begins may set all that moves.
+#[test]
+fn who_sets_one_joint_hears_that_the_arm_brakes_for_another() {
+    let mut rig = Rig::new("");
+    let mut last = [0.0; 2];
+    for target in speed_up(30.0, 150) {
+        rig.set(0, target);
+        rig.set(1, target);
+        rig.bank.step();
+        last = [last[1], target];
+    }
+    rig.bank.stop(1);
+    let next = 2.0 * last[1] - last[0];
+    rig.set(0, next);
+    rig.bank.step();
+    let target = rig_follows(&mut rig, 0);
+    rig.set(0, target);
+    rig.bank.step();
+    assert_eq!(rig.error(0), Code::BRAKING);
+    let target = rig_follows(&mut rig, 0);
+    assert_eq!(rig.check(0, target), Refusal::DEVICE_FAILED);
+    rig.bank.step();
+    (0..7).for_each(|axis| rig.bank.begin(axis, 1));
+    let targets: [f64; 7] = std::array::from_fn(|axis| rig_follows(&mut rig, axis));
+    rig.all(targets);
+    let codes: Vec<Code> = (0..7).map(|axis| rig.error(axis)).collect();
+    assert_eq!(codes, [Code::OK; 7]);
+}
+
+/// The set-point by which an axis goes on as it does.
+fn rig_follows(rig: &mut Rig, axis: usize) -> f64 {
+    let [velocity, acceleration] = ["joint.commanded_velocity", "joint.commanded_acceleration"]
+        .map(|name| {
+            let port = rig.sensor(name, axis);
+            rig.real(port).expect("one")
+        });
+    rig.position(axis) + TICK * (velocity + TICK * acceleration)
+}
+
+/// What one was refused is no concern of who comes next.
+#[test]
+fn who_begins_sees_no_refusals_of_others() {
+    let mut rig = Rig::new("");
+    assert_eq!(rig.check(0, 0.5), Refusal::ILLEGAL_VALUE);
+    assert_eq!(rig.error(0), Code::DISCONTINUITY);
+    rig.bank.begin(0, 1);
+    assert_eq!(rig.error(0), Code::OK);
+}
+
 #[test]
 fn a_command_with_a_longer_period_is_followed_evenly() {
     let mut rig = Rig::new("enforce = [\"velocity\", \"position\"]");
-    (0..7).for_each(|axis| rig.bank.pace(axis, 5));
+    (0..7).for_each(|axis| rig.bank.begin(axis, 5));
     let mut before = 0.0;
     for set_point in 1..=20 {
         let target = 0.005 * f64::from(set_point);

@@ -31,14 +31,14 @@ pub(crate) enum Task {
     ///
     /// With --inputs or --step a node of a program (.rpi, .lus) is run by itself: one row of the table per cycle. Else
     /// commands run, and it shows what happened at the end. Exit status: 0 if all ended without error, 1 for a command's error, 2 for bad
-    /// input, 3 for a fault while running, or set-points that a device refused and no command minded. Interrupted (SIGINT, SIGTERM), it does what it does after --time: commands are stopped, devices brake,
-    /// files are finished, what happened is shown; the exit status is then 130 or 143.
+    /// input, 3 for a fault while running, or set-points that a device refused and no command minded. Interrupted (SIGINT, SIGTERM, SIGHUP), it does what it does after --time: commands are stopped, devices brake,
+    /// files are finished, what happened is shown; the exit status is then 130, 143 or 129.
     Run(RunArgs),
     /// Run as a server: commands are loaded, started, scheduled and watched from outside while others run.
     ///
     /// Speaks the DirectIO protocol 2.0 (websocket `/DirectIO/` and pages) and JSON-RPC 2.0 (websocket `/rpc`). Listens on
     /// this machine only, unless told otherwise; beyond it a token and TLS are needed. Runs until it is interrupted
-    /// (SIGINT, SIGTERM): then everything is stopped, and it closes once all devices stand still.
+    /// (SIGINT, SIGTERM, SIGHUP): then everything is stopped, and it closes once all devices stand still.
     Serve(ServeArgs),
     /// Record all ports of a run as a trace, or pick rows out of a recording.
     ///
@@ -250,7 +250,7 @@ pub(crate) struct ServeArgs {
     pub(crate) share: ShareArgs,
     #[command(flatten)]
     pub(crate) clock: ClockArgs,
-    /// Record everything until the server is interrupted (SIGINT, SIGTERM): a file .mcap, which viewers open and `rpi replay` runs again.
+    /// Record everything until the server is interrupted (SIGINT, SIGTERM, SIGHUP): a file .mcap, which viewers open and `rpi replay` runs again.
     #[arg(long, value_name = "FILE")]
     pub(crate) record: Option<PathBuf>,
     /// What happens if a command takes over with a jump of position, velocity or acceleration. Unless given, programs are

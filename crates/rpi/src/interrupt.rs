@@ -1,4 +1,5 @@
-//! Signals by which somebody ends this process in order: SIGINT (Ctrl-C) and SIGTERM; and SIGQUIT (Ctrl-\\), an emergency stop.
+//! Signals by which somebody ends this process in order: SIGINT (Ctrl-C), SIGTERM, and SIGHUP, as its terminal is gone; and SIGQUIT
+//! (Ctrl-\\), an emergency stop.
 
 use std::io;
 use std::sync::Arc;
@@ -32,12 +33,21 @@ impl Interrupt {
             signal_hook::consts::SIGQUIT,
             Arc::clone(&interrupt.emergency),
         )?;
-        for (signal, number) in [(SIGINT, 2), (SIGTERM, 15)] {
-            // In this order: whoever sees that it was raised can say by what.
-            flag::register_usize(signal, Arc::clone(&interrupt.signal), number)?;
-            flag::register(signal, Arc::clone(&interrupt.raised))?;
+        interrupt.end_by(SIGINT)?;
+        interrupt.end_by(SIGTERM)?;
+        #[cfg(unix)]
+        if !is_ignored(signal_hook::consts::SIGHUP) {
+            interrupt.end_by(signal_hook::consts::SIGHUP)?;
         }
         Ok(interrupt)
+    }
+
+    fn end_by(&self, signal: i32) -> io::Result<()> {
+        // In this order: whoever sees that it was raised can say by what.
+        let number = usize::try_from(signal).unwrap_or_default();
+        flag::register_usize(signal, Arc::clone(&self.signal), number)?;
+        flag::register(signal, Arc::clone(&self.raised))?;
+        Ok(())
     }
 
     /// Becomes true when somebody interrupts.
@@ -55,4 +65,14 @@ impl Interrupt {
         let signal = u8::try_from(self.signal.load(Ordering::Relaxed)).ok()?;
         (signal > 0).then_some(Exit::Interrupted { signal })
     }
+}
+
+/// Whether whoever started this process has made it ignore a signal, as `nohup` does; told by the system where it tells that
+/// (proc(5), `SigIgn`).
+#[cfg(unix)]
+fn is_ignored(signal: i32) -> bool {
+    let status = std::fs::read_to_string("/proc/self/status").unwrap_or_default();
+    let ignored = status.lines().find_map(|line| line.strip_prefix("SigIgn:"));
+    let ignored = ignored.and_then(|mask| u64::from_str_radix(mask.trim(), 16).ok());
+    ignored.is_some_and(|mask| mask >> (signal - 1) & 1 == 1)
 }

@@ -90,12 +90,15 @@ const UNDER_WAY: Duration = Duration::from_secs(1);
 #[test]
 fn a_run_that_is_interrupted_ends_in_order() {
     let folder = tempfile::tempdir().unwrap();
-    let (program, file) = (blending(), folder.path().join("out.mcap"));
-    let output = signalled(&[program.to_str().unwrap()], &file, "-INT", UNDER_WAY);
-    assert_eq!(output.status.code(), Some(130), "{}", said(&output));
-    assert!(said(&output).contains("cut off"), "{}", said(&output));
-    let (code, told) = replay(&file);
-    assert_eq!(code, Some(0), "{told}");
+    let program = blending();
+    for (signal, code) in [("-INT", 130), ("-HUP", 129)] {
+        let file = folder.path().join(format!("out{signal}.mcap"));
+        let output = signalled(&[program.to_str().unwrap()], &file, signal, UNDER_WAY);
+        assert_eq!(output.status.code(), Some(code), "{}", said(&output));
+        assert!(said(&output).contains("cut off"), "{}", said(&output));
+        let (code, told) = replay(&file);
+        assert_eq!(code, Some(0), "{told}");
+    }
 }
 
 #[test]

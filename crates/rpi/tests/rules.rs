@@ -164,9 +164,15 @@ fn what_a_device_refuses_is_no_good_end() {
         "[devices.arm]\nkind = \"arm\"\nmodel = \"kuka-lwr4+\"\n",
     )
     .unwrap();
+    let later = "tel\ncommand Miss\nlet\n  finish found when time > 1[s];\n  fail nothing when time > 5[ms];\n";
+    let both = format!(
+        "{later}tel\ntask Both (arm: Arm)\nlet\n  Jump(arm);\n  Miss() on fail then end | on any then end;\n"
+    );
     for (minds, status, how) in [
         ("", 3, "finished with over"),
         ("  fail arm_error when arm.error;\n", 1, "arm_error"),
+        // What fails later, and is minded, has nothing to do with it.
+        (both.as_str(), 3, "nothing"),
     ] {
         let text = format!(
             "use motion;

@@ -5,7 +5,7 @@ use std::io::IsTerminal;
 use std::path::Path;
 
 use rpi_diag::{Code, Finding, Format, Severity, SourceMap, Span, Style, render_as};
-use rpi_driver::{Asked, Compiled};
+use rpi_driver::{Asked, Claims, Compiled};
 
 use crate::args::CheckArgs;
 use crate::mend::mend;
@@ -37,6 +37,7 @@ pub(crate) fn compile(path: &Path, told: bool) -> Result<Compiled, Box<dyn std::
     Ok(rpi_driver::compile_with(
         &input,
         Asked {
+            claims: Claims::Off,
             told,
             ..Asked::default()
         },

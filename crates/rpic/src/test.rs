@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use rpi_diag::{Code, Finding, Span, counted};
-use rpi_driver::{Asked, Compiled, Input, Test};
+use rpi_driver::{Asked, Claims, Compiled, Input, Test};
 use rpi_host::testing::{Case, Condition, Ended, Holds, Report, run};
 use rpi_image::image::TextRange;
 use rpi_net::{Claim, ClaimKind};
@@ -19,6 +19,7 @@ pub(crate) fn test(args: &TestArgs) -> Outcome {
     for file in &rpi_driver::files_of(&args.files)? {
         let input = rpi_driver::read(file)?;
         let asked = Asked {
+            claims: Claims::Off,
             marks: args.coverage,
             ..Asked::default()
         };

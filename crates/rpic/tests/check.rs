@@ -216,14 +216,18 @@ fn a_machine_that_is_none_is_told() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("program.rpi");
     std::fs::write(&path, "const a = 1;\n").unwrap();
-    std::fs::write(folder.path().join("machine.toml"), "speed = 3\n").unwrap();
-    let output = std::process::Command::new(env!("CARGO_BIN_EXE_rpic"))
-        .arg("check")
-        .arg(&path)
-        .output()
-        .unwrap();
-    assert_eq!(output.status.code(), Some(2));
-    let told = String::from_utf8_lossy(&output.stderr).into_owned();
+    let check = || {
+        let mut rpic = std::process::Command::new(env!("CARGO_BIN_EXE_rpic"));
+        let output = rpic.arg("check").arg(&path).output().unwrap();
+        assert_eq!(output.status.code(), Some(2));
+        String::from_utf8_lossy(&output.stderr).into_owned()
+    };
+    let machine = folder.path().join("machine.toml");
+    std::fs::create_dir(&machine).unwrap();
+    assert!(check().contains("this is no text file"));
+    std::fs::remove_dir(&machine).unwrap();
+    std::fs::write(&machine, "speed = 3\n").unwrap();
+    let told = check();
     for part in [
         "machine.toml: ",
         "line 1: unknown field `speed`",

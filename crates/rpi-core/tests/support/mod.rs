@@ -21,6 +21,8 @@ pub struct Axes {
     /// Set-points by axis, in order, as far as there is room.
     pub log: Vec<(u32, f64)>,
     pub stops: [u32; 4],
+    /// The ticks between set-points of who has begun last.
+    pub paces: [u32; 4],
     pub failed: bool,
 }
 
@@ -51,6 +53,9 @@ impl DeviceBank for Axes {
     }
     fn resource(&self, port: PortId) -> u32 {
         port.0
+    }
+    fn begin(&mut self, resource: u32, ticks: u32) {
+        self.paces[resource as usize] = ticks;
     }
     fn read(&mut self, port: PortId, value: &mut [u64]) -> bool {
         value[0] = self.positions[port.0 as usize].to_bits();
@@ -176,7 +181,12 @@ pub fn over(b: &mut Build, flow: PortRef, limit: f64) -> PortRef {
 }
 
 pub fn load(net: &Net, bank: &mut Axes) -> Box<Command> {
-    let image = twin::image(net, &LowerOptions::running(MS)).expect("it can be lowered");
+    load_for(MS, net, bank)
+}
+
+/// A command of this period.
+pub fn load_for(period_ns: u64, net: &Net, bank: &mut Axes) -> Box<Command> {
+    let image = twin::image(net, &LowerOptions::running(period_ns)).expect("it can be lowered");
     Box::new(
         Command::load(image, bank)
             .map_err(|f| format!("{f:?}"))

@@ -110,6 +110,7 @@ fn count(troubles: &mut Vec<Trouble>, report: &Report) {
         Some(k) => troubles[k].times += 1,
         None if troubles.len() < TROUBLES => troubles.push(Trouble {
             what,
+            is_refusal: !report.code.is_failure(),
             axis: report.axis,
             times: 1,
             first: report.time,

@@ -161,6 +161,9 @@ pub struct DeviceEnd {
 pub struct Trouble {
     /// What, in a word.
     pub what: String,
+    /// Whether it is about a set-point, and not that the device itself has failed.
+    #[serde(skip)]
+    pub is_refusal: bool,
     /// Which axis, from 0; none if it concerns the whole device.
     pub axis: Option<usize>,
     /// How often.
@@ -191,19 +194,29 @@ impl Outcome {
     /// command minded.
     #[must_use]
     pub fn status(&self) -> Status {
-        let troubled = self
-            .devices
-            .iter()
-            .any(|device| !device.troubles.is_empty());
-        let mut ends = self.commands.iter().map(|command| &command.end);
-        let minded = ends.any(|end| end.status() != Status::Good);
-        if self.stopped.is_some() || troubled && !minded {
+        let troubles = self.devices.iter().flat_map(|device| &device.troubles);
+        let mut refused = troubles.filter(|trouble| trouble.is_refusal);
+        if self.stopped.is_some() || refused.any(|trouble| !self.is_minded(trouble)) {
             return Status::Fault;
         }
         let all = self.commands.iter().filter(|c| !c.handled);
         let all = all.map(|c| c.end.status());
         all.max_by_key(|status| *status as u8)
             .unwrap_or(Status::Good)
+    }
+
+    /// Whether a command that ran when a device refused something has not ended well. Of those that are not listed nothing is
+    /// known any more.
+    fn is_minded(&self, trouble: &Trouble) -> bool {
+        let tick = trouble.first * 1e9 / self.tick_ns as f64;
+        let ran = |command: &CommandEnd| {
+            // What is refused in one cycle is read in the next.
+            let lasted = |first: f64| first - 1.0..=first + command.cycles as f64 + 1.0;
+            let first = command.first_tick.map(|first| first as f64);
+            first.is_some_and(|first| lasted(first).contains(&tick))
+        };
+        let mut bad = (self.commands.iter()).filter(|c| c.end.status() != Status::Good);
+        self.unlisted > 0 || bad.any(ran)
     }
 
     /// Finds where the faults of commands stand in the texts that their images were made of, and gives what is told of each.

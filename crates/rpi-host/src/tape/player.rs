@@ -178,7 +178,7 @@ impl DeviceBank for Player {
         port.0..port.0
     }
 
-    fn pace(&mut self, resource: u32, _: u32) {
+    fn begin(&mut self, resource: u32, _: u32) {
         self.word(Kind::Pace, resource);
     }
 

@@ -72,8 +72,8 @@ impl<P: Plant> DeviceBank for Taped<P> {
         self.plant.resources(port)
     }
 
-    fn pace(&mut self, resource: u32, ticks: u32) {
-        self.plant.pace(resource, ticks);
+    fn begin(&mut self, resource: u32, ticks: u32) {
+        self.plant.begin(resource, ticks);
         self.note(Kind::Pace, resource, false, &[u64::from(ticks)]);
     }
 

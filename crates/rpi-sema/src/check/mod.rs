@@ -93,6 +93,7 @@ pub(crate) use names::predeclared_name;
 pub use names::result_identity;
 pub(crate) use prim::{machine_type, packed, param_default};
 pub(crate) use statics::{params, params_of};
+pub use unknown::no_file;
 pub(crate) use unknown::no_module;
 #[cfg(test)]
 pub(crate) use words::operator_names;

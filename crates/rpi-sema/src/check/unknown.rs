@@ -5,6 +5,7 @@ use super::foreign;
 use super::report::unknown;
 use rpi_diag::{Applicability, Code, Finding, Fix, Span};
 use rpi_syntax::Name;
+use rpi_syntax::ast::Ident;
 use std::collections::BTreeSet;
 
 impl Body<'_, '_> {
@@ -85,6 +86,17 @@ pub(crate) fn no_module<'n>(
     Finding::new(Code::RPI1005, format!("there is no module `{name}`"))
         .at(span, "neither in the standard library nor beside this file")
         .did_you_mean(span, rpi_diag::suggest(name, known))
+}
+
+/// A file that a text includes and that is not there; a text alone has none beside it.
+#[must_use]
+pub fn no_file(include: &Ident, is_alone: bool) -> Finding {
+    let why = match is_alone {
+        true => "this text has no files beside it",
+        false => "there is none beside this file, or no text in it",
+    };
+    let message = format!("there is no file `{}`", include.name);
+    Finding::new(Code::RPI1005, message).at(include.span, why)
 }
 
 /// Of findings that one and the same sure change mends, the first: the others follow from the same fault.

@@ -204,7 +204,13 @@ impl Origin {
             kind,
             bytes: self.text.as_bytes().to_vec(),
         };
-        let compiled = rpi_driver::compile(&input).map_err(|e| vec![e.to_string()])?;
+        let asked = rpi_driver::Asked {
+            claims: rpi_driver::Claims::Off,
+            alone: true,
+            ..Default::default()
+        };
+        let compiled = rpi_driver::compile_with(&input, asked);
+        let compiled = compiled.map_err(|e| vec![e.to_string()])?;
         match compiled.has_errors() {
             true => Err(reasons(&compiled)),
             false => Ok(compiled),

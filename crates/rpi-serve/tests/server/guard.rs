@@ -3,11 +3,14 @@
 use std::net::{Ipv4Addr, SocketAddr};
 use std::time::{Duration, Instant};
 
+use serde_json::json;
+
 use rpi_serve::{CannotOpen, Limits, OnLoss, Server, Settings, TlsFiles};
 use rpi_sim::Cell;
 
 use crate::client::{Client, PATIENCE, get, http, open, post, server, settings};
 use crate::nets::{ECHO, hold, swing};
+use crate::rules::{COUNT, Owner};
 
 #[test]
 fn beyond_this_machine_a_token_and_tls_are_needed() {
@@ -279,5 +282,21 @@ fn what_becomes_of_commands_without_their_client_is_chosen() {
         if policy != "run-on" {
             assert!(other.ask(&format!("neca(\"{waiting}\")")).is_err());
         }
+    }
+}
+
+/// A text from a client names no file of the server's machine: nothing is read, and nothing of it is told.
+#[test]
+fn a_text_from_a_client_reads_no_files() {
+    let server = open();
+    let mut owner = Owner::new(&server);
+    let folder = tempfile::tempdir().unwrap();
+    let secret = folder.path().join("secret.lus");
+    std::fs::write(&secret, "hush\n").unwrap();
+    for method in ["command.load", "task.load"] {
+        let text = format!("include {:?}\n{COUNT}", secret.to_str().unwrap());
+        let load = json!({"session": owner.session.clone(), "text": text});
+        let told = owner.ask(method, &load).to_string();
+        assert!(told.contains("RPI1005") && !told.contains("hush"), "{told}");
     }
 }

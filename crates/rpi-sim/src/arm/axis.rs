@@ -49,6 +49,13 @@ impl Axis {
         self.staged.is_none() && self.commanded.is_moving()
     }
 
+    /// What was wrong with a set-point is not any more, only that the joint has failed.
+    pub(super) fn forget_refusal(&mut self) {
+        if !self.code.is_failure() {
+            self.code = Code::OK;
+        }
+    }
+
     /// Takes the staged set-point, or holds if there is none.
     pub(super) fn take(&mut self) {
         let held = State::standing(self.commanded.position);

@@ -54,6 +54,7 @@ impl Arm {
             return Refusal::DEVICE_FAILED;
         }
         match self.judge(target, index, value, self.enforced) {
+            Ok(staged) if self.is_held_by_brake(&staged) => Refusal::DEVICE_FAILED,
             Ok(staged) => {
                 self.absolve(&staged);
                 Refusal::NONE
@@ -70,6 +71,12 @@ impl Arm {
                 Refusal::ILLEGAL_VALUE
             }
         }
+    }
+
+    /// Whether the arm brakes as a whole and has told so to who sets some of these axes.
+    fn is_held_by_brake(&self, staged: &Staged) -> bool {
+        let mut axes = self.axes.iter().zip(staged);
+        self.brake.is_some() && axes.any(|(axis, s)| s.is_some() && axis.code == Code::BRAKING)
     }
 
     fn joint_failed(&self, axis: usize) -> bool {
@@ -301,8 +308,10 @@ impl Device for Arm {
         self.told_to_stop |= (resource as usize) < self.axes();
     }
 
-    fn pace(&mut self, resource: u32, ticks: u32) {
-        if (resource as usize) < self.axes() {
+    fn begin(&mut self, resource: u32, ticks: u32) {
+        if let Some(axis) = self.axes.get_mut(resource as usize) {
+            axis.forget_refusal();
+            self.pose_code = Code::OK;
             self.pace = ticks.max(1);
         }
     }

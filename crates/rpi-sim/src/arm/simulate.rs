@@ -35,7 +35,7 @@ impl Arm {
         let left_alone = self.axes.iter().any(Axis::is_left_alone);
         match (came, left_alone, self.brake.is_some()) {
             (true, false, _) => self.take_set_points(),
-            (true, true, true) => self.drop_staged(),
+            (true, true, true) => self.refuse_to_leave_brake(),
             (false, _, _) if self.left > 0 => {}
             (_, true, false) => self.miss_set_points(),
             (false, false, false) => self.axes.iter_mut().for_each(Axis::take),
@@ -56,6 +56,16 @@ impl Arm {
             }
         }
         self.begin_braking();
+    }
+
+    /// The arm brakes as a whole: who sets only some of what moves is told that it does not follow.
+    fn refuse_to_leave_brake(&mut self) {
+        for axis in 0..self.axes.len() {
+            if self.axes[axis].staged.is_some() {
+                self.blame(axis, Violation::of(Code::BRAKING));
+            }
+        }
+        self.drop_staged();
     }
 
     fn drop_staged(&mut self) {

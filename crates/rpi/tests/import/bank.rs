@@ -63,8 +63,8 @@ impl DeviceBank for Noting {
         self.bank.resources(port)
     }
 
-    fn pace(&mut self, resource: u32, ticks: u32) {
-        self.bank.pace(resource, ticks);
+    fn begin(&mut self, resource: u32, ticks: u32) {
+        self.bank.begin(resource, ticks);
     }
 
     fn read(&mut self, port: PortId, value: &mut [u64]) -> bool {
