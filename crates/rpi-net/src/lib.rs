@@ -23,8 +23,8 @@ pub use column::Column;
 pub use landmark::{Choice, Exit, Exits, Landmarks, Side};
 pub use net::{
     Absent, Activation, Alternatives, Driver, ExportPort, Fragment, FragmentId, FragmentPort,
-    Input, Inputs, Net, Node, NodeId, Origin, PortRef, Restart, ResultKind, ResultPort, Types,
-    without_calls,
+    Given, Input, Inputs, Net, Node, NodeId, Origin, PortRef, Restart, ResultKind, ResultPort,
+    Types, without_calls,
 };
 pub use rpi_prims::PrimId;
 pub use tree::{Item, Tree};

@@ -147,8 +147,13 @@ fn reals(tree: &Tree<'_>, keys: &[&'static str; 3]) -> Result<Bits, LiteralError
     fields.iter().map(|f| Ok(real(f)?.to_bits())).collect()
 }
 
+/// A number; one that is too large for a real is not infinite, which is a word of its own.
 fn real(tree: &Tree<'_>) -> Result<f64, LiteralError> {
-    tree.word("a number", |w| w.parse().ok())
+    let value: f64 = tree.word("a number", |w| w.parse().ok())?;
+    let is_meant = |word: &str| value.is_finite() || !word.contains(|c: char| c.is_ascii_digit());
+    tree.word("a number that a real can hold, or inf", |word| {
+        is_meant(word).then_some(value)
+    })
 }
 
 fn truth(word: &str) -> Option<bool> {

@@ -229,6 +229,15 @@ pub struct Alternatives {
     pub ports: Vec<String>,
 }
 
+/// An input that a command takes over from the one before it when it starts, and that is set from outside if there is none.
+#[derive(Clone, PartialEq, Eq, Debug)]
+pub struct Given {
+    /// The input's key.
+    pub key: String,
+    /// It has no default: somebody has to give it.
+    pub is_needed: bool,
+}
+
 /// A net: one command, ready for the passes.
 #[derive(Clone, PartialEq, Debug)]
 pub struct Net {
@@ -240,6 +249,8 @@ pub struct Net {
     pub fragments: Vec<Fragment>,
     /// How it ends.
     pub driver: Driver,
+    /// What it takes over from the command before it.
+    pub given: Vec<Given>,
     /// What it publishes besides the primitives with an export role.
     pub exports: Vec<ExportPort>,
     /// Ports of devices that exclude each other.
@@ -277,6 +288,7 @@ impl Net {
                 terminate: None,
                 fail: None,
             },
+            given: Vec::new(),
             exports: Vec::new(),
             alternatives: Vec::new(),
             claims: Vec::new(),

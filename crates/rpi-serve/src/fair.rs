@@ -53,6 +53,8 @@ pub(crate) enum Full {
     All,
     /// It would be more than its share.
     Share,
+    /// It would be more than the share of all that come from where it does.
+    Place,
 }
 
 impl Taken {
@@ -95,9 +97,10 @@ impl Taken {
         if more > free {
             return Err(Full::All);
         }
-        match share(self.of_client, 1) && share(self.of_peer, OF_PEER) {
-            true => Ok(()),
-            false => Err(Full::Share),
+        match (share(self.of_client, 1), share(self.of_peer, OF_PEER)) {
+            (true, true) => Ok(()),
+            (false, _) => Err(Full::Share),
+            (true, false) => Err(Full::Place),
         }
     }
 }
@@ -144,7 +147,7 @@ mod tests {
     fn what_was_left_behind_counts_for_where_its_owner_came_from() {
         let held = [(Holder::Was(client(1, 1)), 190), (Holder::Nobody, 2)];
         let same = Taken::by(Some(client(2, 1)), held);
-        assert_eq!(same.admit(3, 256), Err(Full::Share));
+        assert_eq!(same.admit(3, 256), Err(Full::Place));
         let other = Taken::by(Some(client(3, 2)), held);
         assert_eq!(other.admit(64, 256), Ok(()));
         assert_eq!(other.admit(65, 256), Err(Full::All));

@@ -32,6 +32,7 @@ use rpi_serve::Script;
 pub(crate) fn run(args: &RunArgs) -> exit::Outcome {
     let compiled = compile(args)?;
     let script = target::script(&compiled, &args.target, target::to_run)?;
+    target::has_all(&compiled, &args.target, &script)?;
     let (record, plot) = (args.record.as_deref(), args.plot.as_deref());
     if record.is_some() && record == plot {
         return Err("--record and --plot need a file each".into());

@@ -46,6 +46,28 @@ pub(crate) fn script(compiled: &Compiled, target: &Target, lower: Lower) -> Resu
     lower(net, period).map(Script::once)
 }
 
+/// Fails if a command that runs by itself needs values that another hands over, and that nobody has set.
+pub(crate) fn has_all(compiled: &Compiled, target: &Target, script: &Script) -> Result<(), String> {
+    let (tasks, name) = (&compiled.tasks, target.command.as_deref());
+    let image = script.images.first().map(|image| image.name.as_str());
+    let net = compiled.nets().iter().find(|net| Some(&*net.name) == image);
+    let Some(net) = net.filter(|_| task(tasks, name).is_none()) else {
+        return Ok(());
+    };
+    let is_set = |key: &str| target.settings.iter().any(|set| set.key == key);
+    let needed = net.given.iter().map(|given| (given.key.as_str(), given));
+    let needed = needed.filter(|(key, given)| given.is_needed && !is_set(key));
+    let needed: Vec<&str> = needed.map(|(key, _)| key).collect();
+    let [first, ..] = needed[..] else {
+        return Ok(());
+    };
+    Err(format!(
+        "{} takes {} over, and no command runs before it: give it by --set {first}=VALUE",
+        net.name,
+        needed.join(", ")
+    ))
+}
+
 fn task<'a>(tasks: &'a [Task], name: Option<&str>) -> Option<&'a Task> {
     match (tasks, name) {
         ([only], None) => Some(only),

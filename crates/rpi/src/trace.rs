@@ -35,6 +35,7 @@ fn record(args: &TraceArgs) -> Outcome {
     let script = target::script(&compiled, &args.target, |net, period| {
         rpi_driver::lower_to_look(net, period).map(|image| (image, None))
     })?;
+    target::has_all(&compiled, &args.target, &script)?;
     let (cell, _) = target::cell(&args.source, &args.target, &script)?;
     let tick_ns = script.images.first().map_or(1, |image| image.period_ns);
     let mut text = Vec::new();

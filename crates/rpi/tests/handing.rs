@@ -59,3 +59,28 @@ fn who_starts_late_takes_over_the_same() {
         ["10.06", "10.06", "10.06"]
     );
 }
+
+/// Run by itself a command has nobody to hand it anything: what has no default is to be set, and is not 0.
+#[test]
+fn what_nobody_hands_over_must_be_set() {
+    let folder = tempfile::tempdir().unwrap();
+    let program = folder.path().join("both.rpi");
+    std::fs::write(&program, PROGRAM).unwrap();
+    let run = |options: &[&str]| {
+        let run = ["run", "--command", "Cut"];
+        let mut command = Command::new(env!("CARGO_BIN_EXE_rpi"));
+        let output = command.args(run).args(options).arg(&program).output();
+        let output = output.unwrap();
+        let said = String::from_utf8_lossy(&output.stderr).into_owned();
+        (output.status.code(), said)
+    };
+    let (code, said) = run(&[]);
+    assert_eq!(code, Some(2), "{said}");
+    let needs = "Cut takes length, n over, and no command runs before it";
+    assert!(said.contains(needs), "{said}");
+    let (code, said) = run(&["--set", "length=0.5"]);
+    assert_eq!(code, Some(2), "{said}");
+    assert!(said.contains("--set n=VALUE"), "{said}");
+    let (code, said) = run(&["--set", "length=0.5", "--set", "n=2"]);
+    assert_eq!(code, Some(0), "{said}");
+}

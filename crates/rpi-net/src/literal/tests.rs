@@ -45,6 +45,20 @@ fn texts_read_and_write_back() {
 }
 
 #[test]
+fn what_is_too_large_for_a_real_is_not_infinite() {
+    let read = |text: &str| read_one(text, Scalar::Real);
+    for text in ["1e400", "-1e400"] {
+        let why = read(text).unwrap_err().to_string();
+        assert!(why.contains("that a real can hold, or inf"), "{why}");
+    }
+    let vector = "{x:1e400,y:0,z:0}";
+    assert!(read_one(vector, Scalar::Vector).is_err());
+    for text in ["inf", "-inf", "Infinity", "1e308", "1e-400"] {
+        assert!(read(text).is_ok(), "{text}");
+    }
+}
+
+#[test]
 fn rotations_are_turns_about_z_then_y_then_x() {
     let rotation = |text| {
         Rotation::load(

@@ -9,7 +9,7 @@ use crate::ty::Ty;
 use crate::typed::{BlockId, ExprId, FlowId, FlowRole, Leaf, Optional, Unit, UnitId, UnitKind};
 use rpi_diag::Finding;
 use rpi_image::{Scalar, Value};
-use rpi_net::{Driver, ExportPort, Input, Net, Origin, ResultKind, ResultPort};
+use rpi_net::{Driver, ExportPort, Given, Input, Net, Origin, ResultKind, ResultPort};
 use rpi_syntax::ast::EndKind;
 
 /// The port of an input that tells when it was set last, absent before.
@@ -269,6 +269,12 @@ impl<'u> Elab<'u> {
                     true => self.unless_given(&given, scalar, default, declared.span),
                     false => given,
                 });
+                if declared.role == FlowRole::Given {
+                    self.net.given.push(Given {
+                        key: key.clone(),
+                        is_needed: declared.default.is_none() && !optional,
+                    });
+                }
                 shapes.push(PortShape { key, ty, optional });
             }
             *scope.state(*flow) = State::Known(wire.into());

@@ -9,7 +9,7 @@ use rpi_host::control::{
 };
 use rpi_image::Image;
 use rpi_image::image::{End, EndKind, InputPort};
-use rpi_net::literal;
+use rpi_net::{Given, literal};
 
 use super::completion::Reasons;
 use super::eval::Eval;
@@ -31,8 +31,8 @@ pub(crate) struct Record {
     pub(crate) origin: Option<Origin>,
     /// The text that it was made of.
     pub(super) text: Option<Arc<str>>,
-    /// Inputs that are taken over when it starts.
-    pub(super) taken_over: Vec<String>,
+    /// Inputs that are taken over when it starts; those that were set are not needed any more.
+    pub(super) given: Vec<Given>,
     pub(crate) status: Status,
     pub(crate) image: Option<Arc<Image>>,
     pub(super) board: Option<Arc<Board>>,
@@ -160,7 +160,7 @@ impl Desk {
                 record.title.clone_from(&loaded.image.name);
             }
             record.reasons = loaded.reasons;
-            record.taken_over = loaded.taken_over;
+            record.given = loaded.given;
         }
         match self.control.adopt_with_board(loaded.command) {
             Ok(adopted) => self.adopted(number, adopted, loaded.image, bytes),
@@ -246,9 +246,24 @@ impl Desk {
 
     /// Starts a command.
     pub(crate) fn start(&mut self, name: &str, reply: Reply) {
-        match self.may_start() {
+        match self.may_start().and_then(|()| self.has_all(name)) {
             Ok(()) => self.ask(name, Control::start, reply),
             Err(why) => reply(Err(why)),
+        }
+    }
+
+    /// Fails if a command needs values that nobody has given: one that is started by request follows none.
+    fn has_all(&self, name: &str) -> Result<(), Failure> {
+        let (_, record) = self.find(name)?;
+        let needed = record.given.iter().filter(|given| given.is_needed);
+        let needed: Vec<&str> = needed.map(|given| given.key.as_str()).collect();
+        let waits = record.status.phase == Phase::Is(State::Ready);
+        match needed.is_empty() || !waits {
+            true => Ok(()),
+            false => Err(Failure::Bad(format!(
+                "{name} takes {} over, and follows no command that hands it over: set it first (`command.set`), or schedule it after one that exports it",
+                needed.join(", ")
+            ))),
         }
     }
 
@@ -281,7 +296,9 @@ impl Desk {
         match may.and_then(|()| self.settings(values)) {
             Ok(settings) => {
                 let ticket = self.control.set(settings);
-                self.asked(ticket, Then::Nothing, Some(reply));
+                if self.asked(ticket, Then::Nothing, Some(reply)) {
+                    values.iter().for_each(|value| self.note_given(value));
+                }
             }
             Err(why) => reply(Err(why)),
         }
@@ -309,10 +326,20 @@ impl Desk {
         Ok(settings.into_values().collect())
     }
 
+    /// What was set is given.
+    fn note_given(&mut self, (name, key, _): &(&str, &str, &str)) {
+        let number = self.find(name).map(|(number, _)| number);
+        let record = number.ok().and_then(|n| self.commands.get_mut(&n));
+        let given = record.into_iter().flat_map(|r| &mut r.given);
+        given
+            .filter(|given| given.key == *key)
+            .for_each(|given| given.is_needed = false);
+    }
+
     fn setting(&self, (name, key, value): &(&str, &str, &str)) -> Result<Setting, Failure> {
         let (_, record) = self.find(name)?;
         let waits = [State::Ready, State::Scheduled].map(Phase::Is);
-        let is_taken = record.taken_over.iter().any(|taken| taken == key);
+        let is_taken = record.given.iter().any(|given| given.key == *key);
         if is_taken && !waits.contains(&record.status.phase) {
             return Err(Failure::Bad(format!(
                 "{key} of {name} is taken over when it starts, and cannot be set any more"
@@ -359,7 +386,7 @@ impl Record {
             task: None,
             origin: None,
             text: None,
-            taken_over: Vec::new(),
+            given: Vec::new(),
             status: Status::new(phase),
             image: None,
             board: None,

@@ -81,6 +81,18 @@ impl Devices {
 /// What there are so many of.
 const DEVICES: &str = "devices";
 
+/// What stands in the name of a device besides letters and digits.
+const MARKS: &str = " _-.:#/()";
+
+/// What can be said of a simulated device; clients of the reference system say more.
+pub(crate) const PARAMETERS: [&str; 5] = [
+    "link_lengths",
+    "min_joint",
+    "max_joint",
+    "max_vel",
+    "max_acc",
+];
+
 /// A device that a client wants to have.
 #[derive(Debug)]
 pub(crate) struct NewDevice<'a> {
@@ -124,8 +136,8 @@ impl Desk {
                 ))),
             });
         }
-        if new.name.len() > self.limits.name {
-            return reply(Err(Failure::Limit("bytes of a name")));
+        if let Err(why) = self.may_be_named(new.name) {
+            return reply(Err(why));
         }
         let spec = self
             .may_ask()
@@ -136,6 +148,21 @@ impl Desk {
                 self.put(place, &spec, new.kind, reply);
             }
             Err(why) => reply(Err(why)),
+        }
+    }
+
+    /// Fails if a device cannot have this name: pages, messages and the log show it as it is.
+    fn may_be_named(&self, name: &str) -> Result<(), Failure> {
+        if name.len() > self.limits.name {
+            return Err(Failure::Limit("bytes of a name"));
+        }
+        let usable = |c: char| c.is_alphanumeric() || MARKS.contains(c);
+        match !name.trim().is_empty() && name.chars().all(usable) {
+            true => Ok(()),
+            false => Err(Failure::Bad(format!(
+                "{name:?} is no name of a device: it has letters, digits, blanks and {}",
+                MARKS.trim()
+            ))),
         }
     }
 
@@ -176,6 +203,12 @@ impl Desk {
         self.change_twin(place, None);
         self.devices.places[place] = None;
         for number in ended {
+            if let Some(record) = self.commands.get(&number) {
+                let called = record.called(number);
+                self.journal.note(format_args!(
+                    "{called} is unloaded, as device {name} is removed"
+                ));
+            }
             self.owe(number, Debt::Unload);
         }
         let then = Then::NoDevice(name.to_owned());

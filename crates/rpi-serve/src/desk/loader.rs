@@ -6,8 +6,8 @@ use std::sync::{Arc, Mutex, PoisonError};
 
 use rpi_core::{Command, Continuity, OnOverrun};
 use rpi_driver::{Compiled, Input, Program};
-use rpi_image::{Image, Role};
-use rpi_net::Net;
+use rpi_image::Image;
+use rpi_net::{Given, Net};
 use rpi_sim::SimBank;
 
 use super::completion::Reasons;
@@ -70,7 +70,7 @@ pub(crate) struct Loaded {
     pub(crate) image: Arc<Image>,
     pub(super) reasons: Reasons,
     /// Its inputs that stand after `given`.
-    pub(super) taken_over: Vec<String>,
+    pub(super) given: Vec<Given>,
     /// Of which devices the names were resolved: see [`Twin`].
     pub(crate) generation: u64,
 }
@@ -117,7 +117,7 @@ fn load(
     continuity: Option<Continuity>,
     twin: &Mutex<Twin>,
 ) -> Result<Loaded, Vec<String>> {
-    let (image, work, reasons, taken_over) = image(job)?;
+    let (image, work, reasons, given) = image(job)?;
     let image = Arc::new(image);
     let mut twin = twin.lock().unwrap_or_else(PoisonError::into_inner);
     let generation = twin.generation;
@@ -134,28 +134,20 @@ fn load(
         command: Box::new(command),
         image,
         reasons,
-        taken_over,
+        given,
         generation,
     })
 }
 
 /// The image of a command, the bound on what its primitives do, why its Booleans can be true, and what it takes over.
-type Lowered = (Image, u64, Reasons, Vec<String>);
+type Lowered = (Image, u64, Reasons, Vec<Given>);
 
 fn image(job: &Job) -> Result<Lowered, Vec<String>> {
     let compiled = job.origin.compiled()?;
     let net = choose(&compiled, job.origin.command.as_deref())?;
     let lowered = rpi_driver::lower_with_work(net, job.period_ns);
     let (image, work) = lowered.map_err(|e| vec![e])?;
-    let taken_over = taken_over(&compiled, net);
-    Ok((image, work, Reasons::of(net), taken_over))
-}
-
-/// The inputs of a command that it takes over from the one before it: those that are declared as a flow, under its name.
-fn taken_over(compiled: &Compiled, net: &Net) -> Vec<String> {
-    let inputs = net.nodes.iter().filter(|n| n.desc().role == Role::Input);
-    let declared = inputs.filter(|n| compiled.sources.slice(n.origin.span) == n.name);
-    declared.map(|n| n.name.clone()).collect()
+    Ok((image, work, Reasons::of(net), net.given.clone()))
 }
 
 /// The task of a program that was asked for, or its only one.
@@ -172,7 +164,7 @@ fn script(job: &Job) -> Result<Script, Vec<String>> {
             "there is no task in the text; `command.load` loads its command {}",
             command.name
         )],
-        _ => which("task", known().collect()),
+        _ => which("task", job.origin.command.as_deref(), known().collect()),
     })?;
     let lower = |net: &Net| {
         let (image, work) = rpi_driver::lower_with_work(net, job.period_ns)?;
@@ -230,17 +222,26 @@ fn choose<'a>(compiled: &'a Compiled, name: Option<&str>) -> Result<&'a Net, Vec
     found.ok_or_else(|| {
         which(
             "command",
+            name,
             nets.iter().map(|net| net.name.as_str()).collect(),
         )
     })
 }
 
-/// Asks which one is meant.
-fn which(what: &str, known: Vec<&str>) -> Vec<String> {
+/// Asks which one is meant, or tells that there is none of the name that was said.
+fn which(what: &str, name: Option<&str>, known: Vec<&str>) -> Vec<String> {
+    let there = known.join(", ");
     vec![match known.is_empty() {
         true if what == "task" => "there is no task in the text".to_owned(),
         true => "there is no command in the text that can run as it stands; one whose parameters have no value is run by a task: `Name(3)`".to_owned(),
-        false => format!("which {what}? There are: {}", known.join(", ")),
+        false => match name {
+            Some(name) => {
+                let meant = rpi_diag::suggest(name, known.into_iter());
+                let meant = meant.map_or_else(String::new, |m| format!("; did you mean {m}?"));
+                format!("there is no {what} {name} in the text, there are: {there}{meant}")
+            }
+            None => format!("which {what}? There are: {there}"),
+        },
     }]
 }
 

@@ -37,7 +37,7 @@ use crate::limits::{Limits, OnLoss};
 use crate::server::Settings;
 
 pub(crate) use commands::{Load, Record, results};
-pub(crate) use devices::NewDevice;
+pub(crate) use devices::{NewDevice, PARAMETERS};
 pub(crate) use emergency::Emergency;
 pub(crate) use loader::Language;
 pub(crate) use place::Place;

@@ -133,6 +133,8 @@ pub(crate) enum Failure {
     Limit(&'static str),
     /// More than the server grants one client beside others.
     Share(&'static str),
+    /// More than the server grants all clients from one place beside others.
+    Place(&'static str),
     /// More of a tick than commands may take.
     TooMuch(TooMuch),
     /// The server has too much to do.
@@ -148,6 +150,7 @@ impl Failure {
         match full {
             Full::All => Failure::Limit(what),
             Full::Share => Failure::Share(what),
+            Full::Place => Failure::Place(what),
         }
     }
 }
@@ -194,6 +197,10 @@ impl fmt::Display for Failure {
             Failure::Share(what) => write!(
                 f,
                 "limit reached: {what} of one client, which has as much as it leaves free for others; unload or close what is not needed any more"
+            ),
+            Failure::Place(what) => write!(
+                f,
+                "limit reached: {what} of all clients from one place, which have no more than three times what they leave free for others; unload, close or remove what is not needed any more"
             ),
             Failure::TooMuch(why) => {
                 let alone = why.needed_ns > why.granted_ns;

@@ -85,9 +85,15 @@ impl Answers {
     }
 
     /// What is no request at all is answered all the same.
-    pub(super) fn no_request(mut self) -> bool {
+    pub(super) fn no_request(self) -> bool {
+        self.for_somebody()
+            .error(-32600, "this is no request", Value::Null)
+    }
+
+    /// The same way, and an answer even if none was asked for.
+    pub(super) fn for_somebody(mut self) -> Answers {
         self.id.get_or_insert(Value::Null);
-        self.error(-32600, "this is no request", Value::Null)
+        self
     }
 
     fn send(&self, mut answer: Value) -> bool {
@@ -131,7 +137,7 @@ fn code_of(why: &Failure) -> (i64, Value) {
         Failure::Unknown(_) => (-32001, Value::Null),
         Failure::Rejected(reasons) => (-32002, json!({"reasons": reasons})),
         Failure::Refused(_) | Failure::InUse(_) | Failure::Held(_) => (-32003, Value::Null),
-        Failure::Limit(_) | Failure::Share(_) => (-32004, Value::Null),
+        Failure::Limit(_) | Failure::Share(_) | Failure::Place(_) => (-32004, Value::Null),
         Failure::TooMuch(why) => {
             let [needed, taken, granted] =
                 [why.needed_ns, why.taken_ns, why.granted_ns].map(|ns| ns as f64 * 1e-9);

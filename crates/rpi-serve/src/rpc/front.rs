@@ -78,9 +78,9 @@ impl RpcFront {
     fn one(&mut self, request: &Value, answers: Answers) -> bool {
         let is_ours = request
             .get("jsonrpc")
-            .is_none_or(|version| version == "2.0");
+            .is_some_and(|version| version == "2.0");
         let name = request.get("method").and_then(Value::as_str);
-        let Some(name) = name.filter(|_| is_ours) else {
+        let Some(name) = name else {
             return answers.no_request();
         };
         let Some(method) = METHODS.iter().find(|known| known.name == name) else {
@@ -88,6 +88,10 @@ impl RpcFront {
             let why = format!("there is no method {name}{}", meant(name, known));
             return answers.error(-32601, &why, Value::Null);
         };
+        if method.params.is_some() && !is_ours {
+            let why = "this is no request of JSON-RPC 2.0: `\"jsonrpc\": \"2.0\"` is missing";
+            return answers.for_somebody().error(-32600, why, Value::Null);
+        }
         if method.params.is_some() && !answers.has_good_id() {
             let why = "an id is a text, a whole number or null";
             return answers.for_nobody().error(-32600, why, Value::Null);
@@ -151,7 +155,7 @@ impl Call<'_> {
 }
 
 /// Asks whether another one was meant, if one is like it.
-fn meant<'k>(name: &str, known: impl Iterator<Item = &'k str>) -> String {
+pub(super) fn meant<'k>(name: &str, known: impl Iterator<Item = &'k str>) -> String {
     let meant = rpi_diag::suggest(name, known);
     meant.map_or_else(String::new, |m| format!("; did you mean {m}?"))
 }

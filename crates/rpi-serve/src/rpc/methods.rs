@@ -6,12 +6,13 @@ use std::time::Duration;
 use rpi_core::OnOverrun;
 use serde_json::{Map, Value, json};
 
-use super::front::{Answer, Call, RpcFront};
+use super::front::{Answer, Call, RpcFront, meant};
 use super::sink::{self, RpcSink};
 use super::tasks;
 use crate::condition::{self, Expr, Saying};
 use crate::desk::{
-    Desk, Failure, Language, Load, Make, NewDevice, Record, Reply, TOO_CURIOUS, Watching,
+    Desk, Failure, Language, Load, Make, NewDevice, PARAMETERS, Record, Reply, TOO_CURIOUS,
+    Watching,
 };
 use crate::limits::OnLoss;
 
@@ -325,6 +326,15 @@ fn list_devices(front: &mut RpcFront, _: &Call<'_>) -> Answer {
 fn add_device(front: &mut RpcFront, call: &Call<'_>) -> Answer {
     let parameters = call.optional("parameters", an_object())?;
     let parameters = parameters.into_iter().flatten();
+    for (key, _) in parameters.clone() {
+        if !PARAMETERS.contains(&key.as_str()) {
+            let meant = meant(key, PARAMETERS.into_iter());
+            let known = PARAMETERS.join(", ");
+            return Err(Failure::Bad(format!(
+                "parameters: there is no {key}, there are {known}{meant}"
+            )));
+        }
+    }
     let parameters: BTreeMap<String, String> = parameters
         .map(|(key, value)| (key.clone(), literal(value)))
         .collect();

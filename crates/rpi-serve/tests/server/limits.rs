@@ -84,7 +84,10 @@ fn what_a_client_leaves_behind_counts() {
         assert!(begin.elapsed() < PATIENCE, "they are still there");
     }
     let refused = last.ask("nse(\"one more\")").unwrap_err();
-    assert!(refused.contains("sessions of one client"), "{refused}");
+    assert!(
+        refused.contains("sessions of all clients from one place"),
+        "{refused}"
+    );
 }
 
 /// Why the server closes a connection, in its words.
@@ -158,7 +161,9 @@ fn nobody_makes_all_devices() {
     let made = made.iter().map(|answer| answer.contains("200 OK"));
     let made: Vec<bool> = made.collect();
     assert_eq!(made.iter().position(|made| !made), Some(6), "{made:?}");
-    assert!(add(9).contains("devices"), "{}", add(9));
+    let why = add(9);
+    let whose = "limit reached: devices of all clients from one place";
+    assert!(why.contains(whose), "{why}");
 }
 
 #[test]

@@ -125,7 +125,8 @@ fn a_unix_socket_takes_a_message_per_line() {
         .set_read_timeout(Some(crate::client::PATIENCE))
         .unwrap();
     let mut answers = BufReader::new(stream.try_clone().unwrap()).lines();
-    let mut ask = |request: Value| -> Value {
+    let mut ask = |mut request: Value| -> Value {
+        request["jsonrpc"] = json!("2.0");
         stream.write_all(format!("{request}\n").as_bytes()).unwrap();
         serde_json::from_str(&answers.next().unwrap().unwrap()).unwrap()
     };

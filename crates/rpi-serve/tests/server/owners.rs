@@ -71,3 +71,69 @@ fn parameters_of_the_wrong_kind_are_told() {
     let absent = owner.ask("command.load", &load("command", Value::Null));
     assert!(absent["result"]["command"].is_string(), "{absent}");
 }
+
+/// What is misspelt would not be heard, and a name is shown as it is on pages and in the log.
+#[test]
+fn devices_have_names_and_known_parameters() {
+    let server = open();
+    let mut owner = Owner::new(&server);
+    let add = |name: &str, parameters: Value| json!({"name": name, "type": "kuka_lwr_sim", "parameters": parameters});
+    let cases = [
+        add("", Value::Null),
+        add(" ", Value::Null),
+        add("x\ny", Value::Null),
+        add("<x>", Value::Null),
+        add("two", json!({"max_velocity": [1]})),
+        add("two", json!({"max_vel": {"a": 1}})),
+    ];
+    for params in cases {
+        let refused = owner.ask("device.add", &params);
+        assert_eq!(refused["error"]["code"], -32602, "{params}: {refused}");
+    }
+    let good = add("arm two", json!({"max_vel": [1, 1, 1, 1, 1, 1, 1]}));
+    let made = owner.ask("device.add", &good);
+    assert_eq!(made["result"]["device"], "arm two", "{made}");
+}
+
+/// What a removed device takes along is told.
+#[test]
+fn commands_that_go_with_their_device_are_named() {
+    let server = open();
+    let mut owner = Owner::new(&server);
+    let two = json!({"name": "two", "type": "kuka_lwr_sim"});
+    owner.ask("device.add", &two);
+    let net = crate::nets::hold(0).replace("'arm'", "'two'");
+    let hold = owner.load(&net, "hold", "rpinet");
+    owner.ask("watch.command", &json!({"command": hold}));
+    owner.ask("command.start", &json!({"command": hold}));
+    owner.ask("command.abort", &json!({"command": hold}));
+    owner.client.wait("its end", |text| {
+        text.contains("\"terminated\"").then_some(())
+    });
+    let removed = owner.ask("device.remove", &json!({"name": "two"}));
+    assert_eq!(removed["result"], json!({}), "{removed}");
+    let log = crate::client::get(server.address(), "/log");
+    let name = hold.as_str().unwrap();
+    let told = format!("{name} (hold) is unloaded, as device two is removed");
+    assert!(log.contains(&told), "{log}");
+}
+
+/// A name that there is not is no question which one is meant.
+#[test]
+fn names_that_are_not_in_the_text_are_told() {
+    let server = open();
+    let mut owner = Owner::new(&server);
+    let text = format!("{COUNT}task T let Count(); tel task P let Count(); tel");
+    let known = "there are: Count; did you mean Count?";
+    let cases = [
+        ("command", "Cuont", known),
+        ("task", "Quux", "there are: T, P"),
+    ];
+    for (kind, name, known) in cases {
+        let mut load = json!({"session": owner.session, "text": text});
+        load[kind] = json!(name);
+        let refused = owner.ask(&format!("{kind}.load"), &load);
+        let why = format!("there is no {kind} {name} in the text, {known}");
+        assert_eq!(refused["error"]["message"], why, "{refused}");
+    }
+}

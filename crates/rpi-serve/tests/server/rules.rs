@@ -72,7 +72,7 @@ fn rules_ask_for_booleans_only() {
     }
 }
 
-/// What is taken over is read in the first cycle; before it may be set, as whoever comes first has no predecessor.
+/// What is taken over is read in the first cycle; before it is to be set, as whoever comes first has no predecessor.
 #[test]
 fn what_is_taken_over_cannot_be_set_while_it_runs() {
     let server = open();
@@ -80,8 +80,16 @@ fn what_is_taken_over_cannot_be_set_while_it_runs() {
     let text = "command Cut () given (length: real[m])\nlet\n  far = length;\n  export far;\n  finish cut when far > 5[m];\ntel\n";
     let cut = owner.load(text, "cut", "rpi");
     let set = |length: f64| json!({"command": cut, "values": {"length": length}});
+    let refused = owner.ask("command.start", &json!({"command": cut}));
+    assert_eq!(refused["error"]["code"], -32602, "{refused}");
+    assert!(
+        refused.to_string().contains("takes length over"),
+        "{refused}"
+    );
+    assert!(refused.to_string().contains("command.set"), "{refused}");
     assert_eq!(owner.ask("command.set", &set(1.0))["result"], json!({}));
-    owner.ask("command.start", &json!({"command": cut}));
+    let started = owner.ask("command.start", &json!({"command": cut}));
+    assert_eq!(started["result"], json!({}), "{started}");
     let refused = owner.ask("command.set", &set(7.0));
     assert_eq!(refused["error"]["code"], -32602, "{refused}");
     assert!(refused.to_string().contains("taken over"), "{refused}");

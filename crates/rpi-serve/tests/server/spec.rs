@@ -72,6 +72,8 @@ fn what_is_no_request_is_told_so() {
         "7",
         "{}",
         r#"{"jsonrpc":"1.0","id":1,"method":"ping"}"#,
+        r#"{"id":1,"method":"ping"}"#,
+        r#"{"method":"ping"}"#,
     ] {
         client.send(text);
         let answer = next(&mut client, text);
