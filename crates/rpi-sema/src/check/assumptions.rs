@@ -1,9 +1,9 @@
-//! What contracts assume, and the contracts that they take up.
+//! What contracts assume.
 
 use super::body::Body;
 use crate::typed::{BlockId, ClaimKind, Each, Equation, ExprId, FlowId, FlowRole, Kind, Place};
 use rpi_diag::{Code, Finding, Span};
-use rpi_syntax::ast::{Contract, ContractImport, Ident, VarDecl};
+use rpi_syntax::ast::{Contract, Ident, VarDecl};
 use std::collections::BTreeSet;
 
 impl<'a> Body<'_, 'a> {
@@ -11,39 +11,13 @@ impl<'a> Body<'_, 'a> {
     pub(super) fn assumed_by(&mut self, block: BlockId, contract: &'a Contract) -> Vec<ExprId> {
         let mut assumed = Vec::new();
         self.within(block, |body| {
-            for import in &contract.imports {
-                assumed.extend(body.import(import));
-            }
+            assumed.extend(body.check_imports(block));
             body.check_contract(contract);
         });
         let claims = self.unit.block(block).claims.iter();
         let about = claims.filter(|c| matches!(c.kind, ClaimKind::Assume | ClaimKind::Modes));
         assumed.extend(about.map(|claim| claim.condition));
         assumed
-    }
-
-    /// A contract that is taken up is an instance of its own, which only claims. Gives what goes into it.
-    fn import(&mut self, import: &'a ContractImport) -> Vec<ExprId> {
-        let span = import.call.span;
-        self.importing = true;
-        let value = self.expr(&import.call);
-        let targets = Vec::new();
-        self.current().equations.push(Equation {
-            targets,
-            value,
-            span,
-        });
-        let Kind::Call(call) = &self.unit.expr(value).kind else {
-            return Vec::new();
-        };
-        let unit = call.unit;
-        let given = call.args.iter().take(import.inputs);
-        let given = given.flatten().copied().collect();
-        self.c.check_now(unit);
-        if self.c.units[unit.0 as usize].has_state {
-            self.has_state(span);
-        }
-        given
     }
 
     /// What is assumed must be known before the outputs of the same cycle are: it allows them. In a contract by itself
@@ -78,6 +52,10 @@ impl<'a> Body<'_, 'a> {
             let expr = self.unit.expr(id);
             match &expr.kind {
                 Kind::Each(Each::Pre, _) => {}
+                // What a mode requires is an assumption of its own contract: it reads no output of the cycle.
+                Kind::Part { base, .. } if self.goes_into(*base).is_some() => {
+                    open.extend(self.goes_into(*base).unwrap_or_default());
+                }
                 Kind::Flow(flow) if is_output(*flow) => return Some((*flow, expr.span)),
                 Kind::Flow(flow) if seen.insert(*flow) => open.extend(self.values_of(*flow)),
                 kind => kind.operands(&mut |operand| open.push(operand)),

@@ -2,6 +2,7 @@
 
 use super::Checker;
 use super::bound::{Bound, Unwatched};
+use super::imported::Import;
 use super::locals::{Local, Scope};
 use super::order::{Guess, Missing, Pending};
 use super::statics::Statics;
@@ -54,6 +55,10 @@ pub(super) struct Body<'c, 'a> {
     pub(super) fixed_before: Option<usize>,
     /// Whether a condition about a bound variable decides if what is being checked is computed.
     pub(super) guarded: bool,
+    /// The contracts that are taken up, by whichever contract of the body.
+    pub(super) imports: Vec<Import<'a>>,
+    /// For each mode of the contract that was checked last whether it applies.
+    pub(super) applies: Vec<ExprId>,
     /// Whether contracts are being looked for, not nodes.
     pub(super) importing: bool,
     /// The modes of the contract that is being checked, and those that are being worked out.
@@ -98,6 +103,8 @@ impl<'c, 'a> Body<'c, 'a> {
             past: 0,
             fixed_before: None,
             guarded: false,
+            imports: Vec::new(),
+            applies: Vec::new(),
             importing: false,
             modes: Vec::new(),
             open_modes: Vec::new(),

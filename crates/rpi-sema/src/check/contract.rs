@@ -29,6 +29,7 @@ impl<'a> Body<'_, 'a> {
                 body.declare_equation(&together.equation, together.span);
             }
             body.name_modes(contract);
+            body.declare_imports(contract);
         });
         block
     }
@@ -51,10 +52,10 @@ impl<'a> Body<'_, 'a> {
         self.modes = contract.modes.iter().collect();
     }
 
-    /// `::m`: whether a mode of the contract applies. `::c::m`, of a contract that is taken up, is left open.
+    /// `::m`: whether a mode of the contract applies; `::c::m`: one of a contract that is taken up.
     pub(super) fn mode_applies(&mut self, name: &str, span: Span) -> ExprId {
-        if name.contains("::") {
-            return self.add(Kind::Outside, Ty::Bool, span);
+        if let Some((contract, mode)) = name.rsplit_once("::") {
+            return self.imported_mode_applies(contract, mode, span);
         }
         let Some(mode) = self
             .modes
@@ -109,6 +110,7 @@ impl<'a> Body<'_, 'a> {
             end: last.name.span.end,
             ..first.name.span
         };
+        self.applies.clone_from(&applies);
         let condition = self.all(BinaryOp::Or, applies, span);
         self.current().claims.push(Claim {
             kind: ClaimKind::Modes,

@@ -48,6 +48,7 @@ mod expr;
 mod foreign;
 mod frames;
 mod header;
+mod imported;
 mod instance;
 mod iterate;
 mod locals;

@@ -260,7 +260,10 @@ impl<'a> Body<'_, 'a> {
         match item {
             Later::Call(call) => self.check_call(call),
             Later::Claim(claim, span) => self.check_claim(claim, span),
-            Later::Contract(contract) => self.check_contract(contract),
+            Later::Contract(contract) => {
+                self.check_imports(self.block);
+                self.check_contract(contract);
+            }
             Later::End(end, span) => self.check_end(end, span),
             Later::Export(flow) => self.check_export(flow),
             Later::Activation(block, decl) => self.check_activation(block, decl),

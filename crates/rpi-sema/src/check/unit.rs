@@ -263,6 +263,9 @@ impl<'a> Body<'_, 'a> {
                 };
                 let assumed = self.check_body_with(node.contract.as_ref(), Some(body));
                 self.check_assumptions(&assumed, allowed.unwrap_or_default());
+                if let (NodeKind::Contract, Some(contract)) = (node.kind, &node.contract) {
+                    self.give_modes(contract);
+                }
             }
             NodeDef::Alias(callee) => self.check_alias(callee),
             NodeDef::Extern => {
