@@ -16,7 +16,10 @@ use crate::run::is_recording;
 /// Replays and prints the report.
 pub(crate) fn replay(args: &ReplayArgs) -> Outcome {
     if is_recording(&args.net) {
-        return again(args);
+        return match args.trace.is_empty() && args.command.is_none() {
+            true => again(args),
+            false => Err("a recording is compared with itself, as a whole: --trace and --command are for nets".into()),
+        };
     }
     if args.trace.is_empty() {
         return Err("against which trace? Say --trace FILE, or give a recording (.mcap)".into());

@@ -142,9 +142,12 @@ impl Track {
                 false => Err(why),
             };
         }
-        match &mut self.spot {
+        let waits = self.waits();
+        match &self.spot {
             Spot::Command(slot) => match slot.ending {
                 None => self.work_ahead(site),
+                // What follows is not ready yet.
+                Some(_) if !site.shop.may_plan(slot.first_tick) && waits => Ok(Step::Going),
                 Some(ending) => self.go_on_after(ending, site),
             },
             Spot::Split { .. } => self.step_strands(site),
@@ -158,6 +161,11 @@ impl Track {
         let why = why.filter(|_| !self.has_started())?;
         let indices = self.indices();
         Some(Trouble { indices, why })
+    }
+
+    /// Whether something is still to be scheduled behind it.
+    fn waits(&self) -> bool {
+        self.ahead.is_none() && !self.winding
     }
 
     fn finish(&mut self) -> Result<Step, Trouble> {
