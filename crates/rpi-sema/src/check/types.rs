@@ -518,12 +518,13 @@ impl<'a> Body<'_, 'a> {
 
     pub(super) fn fields(&mut self, decls: &'a [VarDecl]) -> Vec<Member> {
         let mut fields: Vec<Member> = Vec::new();
+        let names = || decls.iter().flat_map(|decl| &decl.names);
         for decl in decls {
             let ty = self.ty(&decl.ty);
             for name in &decl.names {
-                let is_known = |field: &&Member| field.name.as_ref() == Some(&name.name);
-                if fields.iter().find(is_known).is_some() {
-                    let finding = crate::program::twice(&name.name, name.span, decl.span);
+                let first = names().take(fields.len()).find(|n| n.name == name.name);
+                if let Some(first) = first {
+                    let finding = crate::program::twice(&name.name, name.span, first.span);
                     self.report(finding);
                 }
                 fields.push(Member {

@@ -44,9 +44,29 @@ pub(crate) fn sign(written: &str) -> Option<&'static Sign> {
 /// Such a sign stands in the text.
 pub(crate) fn foreign_sign(span: Span, text: &str, sign: &Sign) -> Finding {
     let meant = sign.token.spelling().unwrap_or_default();
+    if sign.written == ":=" && is_in_brackets(&text[..span.start as usize]) {
+        return habit("a changed part of a value is written with `with`")
+            .at(span, "`:=` is of another language")
+            .help("write `(a with [0] = x)`, `(r with .n = x)`");
+    }
     habit(format!("{} is written `{meant}`", sign.name))
         .at(span, format!("`{}` is of another language", sign.written))
         .fix(Fix::sure(format!("write `{meant}`")).replace(span, apart(span, text, meant)))
+}
+
+/// Whether a `[` of the statement at hand is open at the end of the text.
+fn is_in_brackets(before: &str) -> bool {
+    let mut closed = 0u32;
+    let near = before.chars().rev().take(400);
+    for c in near.take_while(|c| *c != ';') {
+        match c {
+            ']' => closed += 1,
+            '[' if closed == 0 => return true,
+            '[' => closed -= 1,
+            _ => {}
+        }
+    }
+    false
 }
 
 /// A word with the spaces that keep it apart from what stands beside it.
