@@ -119,10 +119,10 @@ fn program(input: &Input, text: &str, asked: Asked) -> Result<Compiled, InputErr
         tests: built.tests,
         told: built.told,
         tasks: built.tasks,
-        marks: asked
-            .marks
-            .then(|| marks::of_modules(&modules))
-            .unwrap_or_default(),
+        marks: match asked.marks {
+            true => marks::of_modules(&modules),
+            false => Vec::new(),
+        },
     })
 }
 

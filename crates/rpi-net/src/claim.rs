@@ -47,6 +47,9 @@ pub struct Claim {
     pub span: Span,
     /// Whether it is about earlier cycles, too.
     pub looks_back: bool,
+    /// Whether what it reads must have a value in every cycle. In Lustre it need not: a claim about the cycle before says nothing
+    /// of the first one there.
+    pub is_strict: bool,
     /// The flows that it reads.
     pub reads: Vec<ClaimRead>,
 }

@@ -220,6 +220,7 @@ mod tests {
             label: None,
             span: Span::NONE,
             looks_back: true,
+            is_strict: true,
             reads: vec![ClaimRead {
                 name: "x".to_owned(),
                 key: "x".to_owned(),

@@ -3,7 +3,7 @@
 //! Each strongly connected component of a fragment's graph gives one finding. It draws the shortest ring through the
 //! component step by step and says where a `pre` would break it.
 
-use crate::net::{Net, NodeId, PortRef, without_calls};
+use crate::net::{Activation, Fragment, Net, NodeId, PortRef, Restart, without_calls};
 use crate::passes::dependencies::{Dependence, Dependencies, Graph, Reader};
 use crate::passes::rings::Rings;
 use crate::tree::Item;
@@ -11,6 +11,8 @@ use petgraph::graph::{EdgeIndex, NodeIndex};
 use petgraph::visit::EdgeRef;
 use rpi_diag::{Code, Finding, Fix, Span};
 use rpi_image::{Scalar, Type};
+use std::cell::LazyCell;
+use std::collections::BTreeMap;
 
 /// Steps that are drawn at most; a program's rings are shorter, those of damaged nets need not be.
 const SHOWN: usize = 40;
@@ -19,11 +21,12 @@ const SHOWN: usize = 40;
 #[must_use]
 pub fn check(net: &Net, dependencies: &Dependencies) -> Vec<Finding> {
     let mut findings = Vec::new();
+    let activated = LazyCell::new(|| activated(net));
     for fragment in net.fragment_ids() {
         let graph = dependencies.graph(fragment);
         let rings = Rings::new(graph);
         for component in 0..rings.components.len() {
-            findings.push(finding(net, graph, &rings.shortest(component)));
+            findings.push(finding(net, graph, &rings.shortest(component), &activated));
         }
     }
     findings
@@ -74,7 +77,12 @@ pub fn ring(reads: &[Read]) -> Finding {
 const BREAK: &str =
     "delay one step: `pre` gives the value of the cycle before, and with `->` a first one";
 
-fn finding(net: &Net, graph: &Graph, ring: &[EdgeIndex]) -> Finding {
+fn finding(
+    net: &Net,
+    graph: &Graph,
+    ring: &[EdgeIndex],
+    activated: &BTreeMap<Span, bool>,
+) -> Finding {
     let steps = steps(net, graph, ring);
     let mut finding = drawn(
         &steps
@@ -82,7 +90,8 @@ fn finding(net: &Net, graph: &Graph, ring: &[EdgeIndex]) -> Finding {
             .map(|s| (s.from.as_str(), s.span, told(s)))
             .collect::<Vec<_>>(),
     );
-    finding.fixes = steps.iter().filter_map(|s| fix(net, s)).collect();
+    let fixes = steps.iter().filter_map(|s| fix(net, s, activated));
+    finding.fixes = fixes.collect();
     finding.help(match is_program(net) {
         true => BREAK,
         false => "delay one step by a `Pre`; one inside a fragment breaks only rings inside it",
@@ -239,17 +248,34 @@ fn span(net: &Net, reader: Reader) -> Span {
     }
 }
 
+/// Where the fragments stand that are not always active, and whether they are states.
+fn activated(net: &Net) -> BTreeMap<Span, bool> {
+    let fragments = net.fragments.iter().skip(1);
+    let sometimes = fragments.filter(|f| f.activation != Activation::Always);
+    let is_state = |f: &Fragment| matches!(f.restart, Restart::Every(_));
+    sometimes.map(|f| (f.origin.span, is_state(f))).collect()
+}
+
 /// Whether the net comes from a program, whose flows have names.
 fn is_program(net: &Net) -> bool {
     net.nodes.iter().any(|n| n.origin.flow.is_some())
 }
 
 /// A `pre` before the expression that reads.
-fn fix(net: &Net, step: &Step) -> Option<Fix> {
+fn fix(net: &Net, step: &Step, activated: &BTreeMap<Span, bool>) -> Option<Fix> {
     let Reader::Input(id, _) = step.reader else {
         return None;
     };
     if step.span.is_none() || !is_program(net) || step.reads.is_empty() {
+        return None;
+    }
+    // What is activated must stay a call, and an automaton, around its states, is no expression.
+    let is_whole = |place: &Span| {
+        let inside = activated.range(*place..).next();
+        let inside = inside.filter(|(of, _)| of.file == place.file && of.start < place.end);
+        inside.is_some_and(|(of, is_state)| of == place || *is_state)
+    };
+    if step.reads.iter().any(is_whole) {
         return None;
     }
     Some(delayed(

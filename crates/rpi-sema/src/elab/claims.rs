@@ -107,6 +107,7 @@ impl<'u> Elab<'u> {
             label: claim.label.as_ref().map(ToString::to_string),
             span: claim.span,
             looks_back: looks_back(scope, claim.condition),
+            is_strict: !scope.unit.is_lustre,
             reads,
         });
     }

@@ -193,9 +193,11 @@ fn root(known: &Known) -> Option<NodeId> {
 /// What leaves the net, or decides what is active in it, each with the fragment that looks at it.
 fn sinks(net: &Net) -> impl Iterator<Item = (PortRef, FragmentId)> + '_ {
     let own = |port: PortRef| (port, net.node(port.node).fragment);
-    // What a claim reads is only looked at.
-    let exports = net.exports.iter();
-    let exports = exports.filter(|export| !is_for_claim(&export.key));
+    let strict = net.claims.iter().filter(|claim| claim.is_strict);
+    let strict: Set<&str> = strict.map(|claim| claim.key.as_str()).collect();
+    // What a claim reads is only looked at: whether it holds must be known.
+    let counts = move |key: &str| !is_for_claim(key) || strict.contains(key);
+    let exports = net.exports.iter().filter(move |export| counts(&export.key));
     let exports = exports.map(move |export| own(export.source));
     let results = match &net.driver {
         Driver::Results(results) => &results[..],
