@@ -81,8 +81,8 @@ impl Devices {
 /// What there are so many of.
 const DEVICES: &str = "devices";
 
-/// What stands in the name of a device besides letters and digits.
-const MARKS: &str = " _-.:#/()";
+/// What stands in no name of a device: texts of the protocols, and pages, set names off by these.
+const SET_OFF: &[char] = &['"', '\\', '<', '>'];
 
 /// What can be said of a simulated device; clients of the reference system say more.
 pub(crate) const PARAMETERS: [&str; 5] = [
@@ -156,13 +156,12 @@ impl Desk {
         if name.len() > self.limits.name {
             return Err(Failure::Limit("bytes of a name"));
         }
-        let usable = |c: char| c.is_alphanumeric() || MARKS.contains(c);
-        match !name.trim().is_empty() && name.chars().all(usable) {
-            true => Ok(()),
-            false => Err(Failure::Bad(format!(
-                "{name:?} is no name of a device: it has letters, digits, blanks and {}",
-                MARKS.trim()
+        let is_bad = |c: char| c.is_control() || SET_OFF.contains(&c);
+        match name.trim().is_empty() || name.contains(is_bad) {
+            true => Err(Failure::Bad(format!(
+                "{name:?} is no name of a device: it is not blank, on one line, and without quotes, `\\`, `<` and `>`"
             ))),
+            false => Ok(()),
         }
     }
 
