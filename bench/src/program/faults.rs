@@ -17,6 +17,12 @@ pub(super) fn unknown_names(n: usize) -> String {
     node(n, |k| format!("  flow{k} = u * glow{k};"))
 }
 
+/// Flows that are read and defined, and nowhere declared.
+pub(super) fn undeclared(n: usize) -> String {
+    let body = lines(n, |k| format!("  a{k} = u + a{};", k + 1));
+    format!("node faulty (u: real) returns (y: real)\nlet\n{body}  y = u;\ntel\n")
+}
+
 /// Declarations of one name.
 pub(super) fn duplicates(n: usize) -> String {
     lines(n, |_| "const same: int = 1;".to_owned())

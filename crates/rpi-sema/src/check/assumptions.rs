@@ -52,13 +52,13 @@ impl<'a> Body<'_, 'a> {
             let expr = self.unit.expr(id);
             match &expr.kind {
                 Kind::Each(Each::Pre, _) => {}
-                // What a mode requires is an assumption of its own contract: it reads no output of the cycle.
-                Kind::Part { base, .. } if self.goes_into(*base).is_some() => {
-                    open.extend(self.goes_into(*base).unwrap_or_default());
-                }
                 Kind::Flow(flow) if is_output(*flow) => return Some((*flow, expr.span)),
                 Kind::Flow(flow) if seen.insert(*flow) => open.extend(self.values_of(*flow)),
-                kind => kind.operands(&mut |operand| open.push(operand)),
+                // What a mode requires is an assumption of its own contract: it reads no output of the cycle.
+                kind => match self.mode_of(kind) {
+                    Some(given) => open.extend(given),
+                    None => kind.operands(&mut |operand| open.push(operand)),
+                },
             }
         }
         None

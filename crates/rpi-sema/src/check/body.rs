@@ -6,13 +6,13 @@ use super::imported::Import;
 use super::locals::{Local, Scope};
 use super::order::{Guess, Missing, Pending};
 use super::statics::Statics;
+use super::unknown_names::UnknownNames;
 use crate::hash::{Map, Set};
 use crate::program::ModuleId;
 use crate::ty::Ty;
 use crate::typed::{Block, BlockId, Expr, ExprId, FlowId, Kind, Unit, UnitKind};
 use rpi_diag::{Finding, Span};
 use rpi_syntax::Name;
-use std::collections::BTreeSet;
 use std::rc::Rc;
 
 /// One body while it is checked.
@@ -33,8 +33,8 @@ pub(super) struct Body<'c, 'a> {
     pub(super) missing: Vec<Missing>,
     /// Flows that a statement with a reported fault seems to define.
     pub(super) broken: Vec<FlowId>,
-    /// Names of flows that nothing declares, as far as that has been reported: one message is enough.
-    pub(super) unknown: BTreeSet<Name>,
+    /// Names of flows that nothing declares, as far as that has been reported.
+    pub(super) unknown: UnknownNames,
     /// Whether types are being looked for: faults are reported later, when all are known.
     pub(super) inferring: bool,
     /// Which numbers tell types, where nothing else does.
@@ -92,7 +92,7 @@ impl<'c, 'a> Body<'c, 'a> {
             shares: Map::default(),
             missing: Vec::new(),
             broken: Vec::new(),
-            unknown: BTreeSet::new(),
+            unknown: UnknownNames::default(),
             inferring: false,
             guesses: Guess::Nothing,
             in_signature: false,
@@ -178,7 +178,7 @@ impl<'c, 'a> Body<'c, 'a> {
 
     /// Whether it is worth saying that nothing declares a flow of this name.
     pub(super) fn is_new_unknown(&mut self, name: &Name) -> bool {
-        self.inferring || self.unknown.insert(name.clone())
+        self.unknown.tell(name, self.findings.len())
     }
 
     /// Notes that there is state here, for functions, which have none.

@@ -53,8 +53,16 @@ impl<'a> Body<'_, 'a> {
         given
     }
 
+    /// What goes into a contract that is taken up, if this is whether one of its modes applies.
+    pub(super) fn mode_of(&self, kind: &Kind) -> Option<Vec<ExprId>> {
+        match kind {
+            Kind::Part { base, .. } => self.goes_into(*base),
+            _ => None,
+        }
+    }
+
     /// What goes into a contract that is taken up, if the expression is its instance.
-    pub(super) fn goes_into(&self, instance: ExprId) -> Option<Vec<ExprId>> {
+    fn goes_into(&self, instance: ExprId) -> Option<Vec<ExprId>> {
         let mut imports = self.imports.iter();
         let import = imports.find(|import| import.call == Some(instance))?;
         let Kind::Call(call) = &self.unit.expr(instance).kind else {

@@ -75,6 +75,7 @@ mod task;
 mod types;
 mod unit;
 mod unknown;
+mod unknown_names;
 mod untold;
 mod update;
 mod words;

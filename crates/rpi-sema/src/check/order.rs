@@ -228,6 +228,7 @@ impl<'a> Body<'_, 'a> {
     pub(super) fn put_back(&mut self, mark: Mark) {
         self.unit.exprs.truncate(mark.exprs);
         self.findings.truncate(mark.findings);
+        self.unknown.forget_from(mark.findings);
         self.made_real = self.made_real.filter(|at| *at < mark.findings);
         self.state_at = mark.state_at;
     }

@@ -120,24 +120,29 @@ impl<'a> Body<'_, 'a> {
         if let Lookup::Found(id) = self.c.program.lookup(self.module, &name.name) {
             return self.not_definable(name, self.c.program.decl(id).kind.what());
         }
-        let near = self.c.suggest(&name.name, self.local_names());
-        let finding = unknown("flow", &name.name, name.span, near);
         let help = match in_part && self.unit.kind == UnitKind::Command {
             true => "a device is a parameter of the command: `command C (arm: Arm)`",
             false => "flows are declared after `returns` or `var`",
         };
-        let is_new = self.is_new_unknown(&name.name);
-        let mut told = self.findings.iter_mut();
-        match told.find(|told| told.code == finding.code && told.message == finding.message) {
-            // Where it is read it has been told, without what to do.
-            Some(told) if told.help.is_empty() && told.fixes.is_empty() => {
-                told.help.push(help.to_owned());
-            }
-            Some(_) => {}
-            None if is_new => self.report(finding.help(help)),
-            None => {}
+        let told = self.unknown.place(&name.name);
+        if self.is_new_unknown(&name.name) {
+            let near = self.c.suggest(&name.name, self.local_names());
+            let finding = unknown("flow", &name.name, name.span, near);
+            self.report(finding.help(help));
+        } else if let Some(told) = told {
+            self.say_what_to_do(told, name, help);
         }
         (Place::Nowhere, Ty::Unknown)
+    }
+
+    /// Where an unknown flow is read that has been told, without what to do.
+    fn say_what_to_do(&mut self, told: usize, name: &Ident, help: &str) {
+        let alike = unknown("flow", &name.name, name.span, None);
+        let told = self.findings.get_mut(told);
+        let told = told.filter(|told| told.code == alike.code && told.message == alike.message);
+        if let Some(told) = told.filter(|told| told.help.is_empty() && told.fixes.is_empty()) {
+            told.help.push(help.to_owned());
+        }
     }
 
     fn place_in_flow(&mut self, flow: FlowId, target: &'a ast::Target) -> (Place, Ty) {

@@ -155,7 +155,9 @@ impl<'u> Elab<'u> {
                 None => target,
                 Some(_) => self.pick(&condition, target, next, at, choice.automaton),
             };
-            exits.push((condition, transition.span));
+            if self.tells_landmarks {
+                exits.push((condition, transition.span));
+            }
         }
         self.exits_here(choice.here, exits, choice.automaton, at);
         next

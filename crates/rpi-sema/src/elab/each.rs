@@ -94,14 +94,12 @@ impl<'u> Elab<'u> {
                 false => self.wide(scope, no, count, in_no),
             };
         }
-        let [guard, in_no] = self.guards(scope, &condition, [yes, no], at, span);
-        let [side, else_side] = sides;
-        let in_yes = At { guard, side, ..at };
-        let in_no = At {
-            guard: in_no,
-            side: else_side,
+        let guards = self.guards(scope, &condition, [yes, no], at, span);
+        let [in_yes, in_no] = [0, 1].map(|k| At {
+            guard: guards[k],
+            side: sides[k],
             ..at
-        };
+        });
         let yes = self.wide(scope, yes, count, in_yes);
         let no = self.wide(scope, no, count, in_no);
         let mut leaves = Vec::with_capacity(count);

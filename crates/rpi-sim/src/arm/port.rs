@@ -88,12 +88,9 @@ impl Arm {
     /// What was wrong with these axes is not any more.
     fn absolve(&mut self, staged: &Staged) {
         self.pose_code = Code::OK;
-        let fine = self
-            .axes
-            .iter_mut()
-            .zip(staged)
-            .filter(|(axis, staged)| staged.is_some() && !axis.code.is_failure());
-        fine.for_each(|(axis, _)| axis.code = Code::OK);
+        let axes = self.axes.iter_mut().zip(staged);
+        let set = axes.filter(|(_, staged)| staged.is_some());
+        set.for_each(|(axis, _)| axis.forget_refusal());
     }
 
     /// What is wrong with an axis, be it with the whole arm.
