@@ -26,7 +26,7 @@ impl Column {
         let cell = match self.ty {
             Scalar::Bool => truth(text).map(u64::from),
             Scalar::Int => self.integer(text).map(i64::cast_unsigned),
-            Scalar::Real => text.parse().ok().map(f64::to_bits),
+            Scalar::Real => real(text).map(f64::to_bits),
             _ => return self.literal(text),
         };
         cell.map(|cell| vec![cell])
@@ -54,7 +54,7 @@ impl Column {
             Scalar::Bool => "`true` or `false`".to_owned(),
             Scalar::Int if !self.values.is_empty() => format!("one of {}", self.values.join(", ")),
             Scalar::Int => "an integer of 64 bits".to_owned(),
-            _ => "a real".to_owned(),
+            _ => "a real of 64 bits".to_owned(),
         }
     }
 
@@ -74,6 +74,13 @@ impl Column {
         let value = usize::try_from(place).ok().and_then(|k| self.values.get(k));
         value.map_or_else(|| place.to_string(), Clone::clone)
     }
+}
+
+/// A real; digits that none can hold are none, `inf` is.
+fn real(text: &str) -> Option<f64> {
+    let value: f64 = text.parse().ok()?;
+    let is_held = value.is_finite() || !text.contains(|c: char| c.is_ascii_digit());
+    is_held.then_some(value)
 }
 
 fn truth(text: &str) -> Option<bool> {
@@ -120,5 +127,10 @@ mod tests {
         let truth = column(Scalar::Bool, &[]);
         assert!(truth.read("yes").unwrap_err().contains("`true` or `false`"));
         assert!(column(Scalar::Int, &[]).read("1.5").is_err());
+        let real = column(Scalar::Real, &[]);
+        assert_eq!(
+            real.read("1e400"),
+            Err("`1e400` is not a real of 64 bits".to_owned())
+        );
     }
 }

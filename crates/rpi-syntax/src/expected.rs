@@ -201,6 +201,7 @@ fn is_of_kind2(token: Token) -> bool {
             | EndBlock
             | Case
             | Asks
+            | Becomes
     )
 }
 

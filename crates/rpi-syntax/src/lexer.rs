@@ -53,6 +53,12 @@ pub(crate) fn lex_skipping(file: FileId, text: &str, mode: Mode, skipped: &BTree
 /// Kind 2's implication whose right side is only computed where the left holds.
 const LAZY_IMPLICATION: &str = "==>";
 
+/// What Kind 2 writes in brackets between a part and its new value.
+const BECOMES: &str = ":=";
+
+/// How far back the bracket is looked for that a changed part stands in.
+const MAX_BACK: usize = 200;
+
 /// How a contract in a comment begins.
 const CONTRACT: &str = "@contract";
 
@@ -245,6 +251,9 @@ impl<'t> Lexer<'t> {
         if self.mode == Mode::Lustre && self.slice(lexeme) == LAZY_IMPLICATION {
             return self.push(Token::Implies, lexeme);
         }
+        if self.mode == Mode::Lustre && self.slice(lexeme) == BECOMES && self.is_in_brackets() {
+            return self.push(Token::Becomes, lexeme);
+        }
         let Some(sign) = habits::sign(self.slice(lexeme)) else {
             return self.unknown(lexeme.start, lexeme.end);
         };
@@ -268,6 +277,22 @@ impl<'t> Lexer<'t> {
             Token::Percent => self.mode == Mode::Rpi && begins,
             _ => false,
         }
+    }
+
+    /// Whether a `[` is open, or another changed part stands before this one.
+    fn is_in_brackets(&self) -> bool {
+        let mut closed = 0u32;
+        let before = self.out.lexemes.iter().rev().take(MAX_BACK);
+        for lexeme in before {
+            match lexeme.token {
+                Token::RBracket => closed += 1,
+                Token::LBracket | Token::Becomes if closed == 0 => return true,
+                Token::LBracket => closed -= 1,
+                Token::Let | Token::Tel => return false,
+                _ => {}
+            }
+        }
+        false
     }
 
     fn open_str(&mut self, lexeme: Lexeme) {

@@ -2,6 +2,7 @@
 
 use crate::ast::*;
 use crate::context::Context;
+use crate::{Mode, phrase};
 use rpi_diag::Span;
 
 /// The list with one more element.
@@ -278,6 +279,32 @@ impl Context<'_> {
             default,
             span: self.span(l, r),
         })
+    }
+
+    /// `x: int | x > 0` of Kind 2, which is short for `x: subtype { x: int | x > 0 }`.
+    pub(crate) fn refined_decl(
+        &self,
+        l: u32,
+        names: Vec<Ident>,
+        base: Type,
+        condition: Expr,
+        r: u32,
+    ) -> Box<VarDecl> {
+        let Some(name) = names.first().cloned() else {
+            return self.var_decl(l, names, base, None, None, r);
+        };
+        if self.mode != Mode::Lustre {
+            self.report(phrase::no_condition(condition.span));
+            return self.var_decl(l, names, base, None, None, r);
+        }
+        let span = base.span.merge(condition.span);
+        let refined = Refined {
+            name,
+            base,
+            condition,
+        };
+        let kind = TypeKind::Refined(Box::new(refined));
+        self.var_decl(l, names, Type { kind, span }, None, None, r)
     }
 
     pub(crate) fn const_port(&self, l: u32, names: Vec<Ident>, ty: Type, r: u32) -> Box<VarDecl> {

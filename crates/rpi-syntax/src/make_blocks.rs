@@ -1,6 +1,8 @@
 //! Makes blocks of equations (`if`, `when`, `cond`, `frame` of Kind 2), and works out the equations that they stand for: one
 //! for each flow, with the conditions in its value.
 
+mod frames;
+
 use crate::ast::*;
 use crate::context::Context;
 use crate::ops::{BinaryOp, UnaryOp};
@@ -84,6 +86,27 @@ impl Defined {
         self.by.values().find(alone)
     }
 
+    /// The value of targets that nothing defines together: what defines each is taken out, what nothing defines stays
+    /// as it was.
+    fn taken(&mut self, targets: &[Target]) -> Expr {
+        let mut values = Vec::with_capacity(targets.len());
+        for target in targets {
+            let alone = self.by.iter();
+            let mut alone = alone
+                .filter(|(_, d)| matches!(&d.targets[..], [one] if same_place(one, target)))
+                .map(|(key, _)| key.clone());
+            let definition = alone.next().and_then(|key| {
+                self.order.retain(|other| *other != key);
+                self.by.remove(&key)
+            });
+            values.push(definition.map_or_else(|| before(target), |d| d.value));
+        }
+        match values.len() {
+            1 => values.remove(0),
+            _ => together(targets, values),
+        }
+    }
+
     /// The left sides of one flow each that stand in a left side of several.
     fn grouped(&self) -> Vec<String> {
         let groups = self.by.values().filter(|d| d.targets.len() > 1);
@@ -141,8 +164,9 @@ impl<'c, 't> Sense<'c, 't> {
 
     /// In the first cycle a flow is what is said before `let`, then what the block says of it.
     fn of_keep(mut self, keep: &Keep) -> Meaning {
-        let initial = self.statements(&keep.initial);
+        let mut initial = self.statements(&keep.initial);
         let mut defined = self.statements(&keep.statements);
+        frames::same_elements(self.cx, &mut initial, &mut defined);
         for first in defined.by.values_mut().filter(|d| d.targets.len() > 1) {
             if let Some(value) = initial.value_of(&first.targets) {
                 first.value = arrow(value, first.value.clone());
@@ -152,7 +176,7 @@ impl<'c, 't> Sense<'c, 't> {
         let initial = initial.by.into_iter();
         for (key, first) in initial.filter(|(key, _)| !in_groups.contains(key)) {
             let then = defined.by.get(&key).map(|then| then.value.clone());
-            let then = then.unwrap_or_else(|| before(&first.targets[0]));
+            let then = then.unwrap_or_else(|| defined.taken(&first.targets));
             if !defined.by.contains_key(&key) {
                 defined.order.push(key.clone());
             }
@@ -163,11 +187,21 @@ impl<'c, 't> Sense<'c, 't> {
             let mut targets = defined.by.values().flat_map(|d| &d.targets);
             targets.any(|target| target.name.name == name.name)
         };
-        let unsaid = keep.names.iter().filter(|name| !says(name));
-        let unsaid: Vec<BlockFault> = unsaid
-            .map(|name| BlockFault::MissingIn(name.clone(), name.span))
-            .collect();
-        self.faults.extend(unsaid);
+        let unsaid: Vec<&Ident> = keep.names.iter().filter(|name| !says(name)).collect();
+        for name in unsaid {
+            let targets = vec![Target {
+                name: name.clone(),
+                path: Vec::new(),
+                span: name.span,
+            }];
+            let (value, span) = (before(&targets[0]), name.span);
+            let definition = Definition {
+                targets,
+                value,
+                span,
+            };
+            self.add(&mut defined, name.name.to_string(), definition);
+        }
         for definition in defined.by.values_mut() {
             keep_last(&mut definition.value, &keep.names);
         }
@@ -275,10 +309,7 @@ impl<'c, 't> Sense<'c, 't> {
             .find_map(|(_, defined, _)| defined.by.get(key))?;
         let mut whole: Option<Expr> = None;
         for (condition, defined, place) in parts.iter().rev() {
-            let value = match defined.value_of(&model.targets) {
-                Some(value) => value,
-                None => self.missing(&model.targets, *place),
-            };
+            let value = self.value_in(defined, &model.targets, *place);
             whole = Some(match (whole, condition) {
                 (Some(no), Some(condition)) => either((*condition).clone(), value, no),
                 _ => value,
@@ -291,18 +322,29 @@ impl<'c, 't> Sense<'c, 't> {
         })
     }
 
+    /// The value that a branch gives to targets.
+    fn value_in(&mut self, defined: &Defined, targets: &[Target], place: Span) -> Expr {
+        if let Some(value) = defined.value_of(targets) {
+            return value;
+        }
+        if targets.iter().all(|target| defined.named(target).is_none()) {
+            return self.missing(targets, place);
+        }
+        let values = targets.iter().map(|target| match defined.named(target) {
+            Some(definition) => definition.value.clone(),
+            None => self.missing(std::slice::from_ref(target), place),
+        });
+        let kind = ExprKind::Tuple(values.collect());
+        Expr { kind, span: place }
+    }
+
     /// The value of what a branch does not define: that of the cycle before, where it is kept.
     fn missing(&mut self, targets: &[Target], place: Span) -> Expr {
         let is_kept = |target: &Target| self.kept.iter().any(|name| name.name == target.name.name);
         if targets.iter().all(is_kept) {
             return match targets {
                 [one] => before(one),
-                all => {
-                    let values = all.iter().map(before).collect();
-                    let span = all[0].span;
-                    let kind = ExprKind::Tuple(values);
-                    Expr { kind, span }
-                }
+                all => together(all, all.iter().map(before).collect()),
             };
         }
         for target in targets {
@@ -312,6 +354,13 @@ impl<'c, 't> Sense<'c, 't> {
         let (kind, span) = (ExprKind::Bool(false), place);
         Expr { kind, span }
     }
+}
+
+/// The values of several targets.
+fn together(targets: &[Target], values: Vec<Expr>) -> Expr {
+    let span = targets.first().map_or(Span::NONE, |target| target.span);
+    let kind = ExprKind::Tuple(values.into());
+    Expr { kind, span }
 }
 
 /// The target one cycle before.
@@ -365,8 +414,7 @@ fn keep_last(expr: &mut Expr, names: &[Ident]) {
     expr.each_mut(&mut |part| {
         if let ExprKind::Unary(op, inner) = &mut part.kind
             && *op == UnaryOp::Last
-            && inner
-                .as_name()
+            && frames::of_element(inner)
                 .is_some_and(|name| names.iter().any(|kept| kept.name == *name))
         {
             *op = UnaryOp::Pre;

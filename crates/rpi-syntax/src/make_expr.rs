@@ -2,7 +2,7 @@
 
 use crate::ast::*;
 use crate::context::Context;
-use crate::{phrase, text};
+use crate::{Mode, phrase, text};
 
 impl Context<'_> {
     pub(crate) fn expr(&self, l: u32, kind: ExprKind, r: u32) -> Expr {
@@ -120,13 +120,39 @@ impl Context<'_> {
         self.expr(l, ExprKind::Slice(Box::new(SliceOf { base, slice })), r)
     }
 
+    /// `base[high:low]` of Kind 2.
+    pub(crate) fn bits(&self, l: u32, base: Expr, high: Expr, low: Expr, r: u32) -> Expr {
+        let bits = Bits { base, high, low };
+        if self.mode != Mode::Lustre {
+            self.report(phrase::no_bits(bits.high.span.merge(bits.low.span)));
+        }
+        self.expr(l, ExprKind::Bits(Box::new(bits)), r)
+    }
+
+    /// `base[0 := x; 1 := y]` of Kind 2.
+    pub(crate) fn keyed(&self, l: u32, base: Expr, changes: Vec<Change>, r: u32) -> Expr {
+        let is_keyed = true;
+        let update = Update {
+            base,
+            changes,
+            is_keyed,
+        };
+        self.expr(l, ExprKind::Update(Box::new(update)), r)
+    }
+
     pub(crate) fn tuple(&self, l: u32, first: Expr, rest: Vec<Expr>, r: u32) -> Expr {
         let elements = std::iter::once(first).chain(rest).collect();
         self.expr(l, ExprKind::Tuple(elements), r)
     }
 
     pub(crate) fn update(&self, l: u32, base: Expr, changes: Vec<Change>, r: u32) -> Expr {
-        self.expr(l, ExprKind::Update(Box::new(Update { base, changes })), r)
+        let is_keyed = false;
+        let update = Update {
+            base,
+            changes,
+            is_keyed,
+        };
+        self.expr(l, ExprKind::Update(Box::new(update)), r)
     }
 
     pub(crate) fn merge(&self, l: u32, on: Expr, cases: Vec<MergeCase>, r: u32) -> Expr {

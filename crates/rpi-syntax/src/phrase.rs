@@ -48,6 +48,22 @@ pub(crate) fn unit_power(span: Span) -> Finding {
     Finding::new(Code::RPI0008, "this power is too large for a unit").at(span, "more than 99")
 }
 
+pub(crate) fn no_bits(span: Span) -> Finding {
+    Finding::new(Code::RPI0001, "expected `]` or `..` after the index")
+        .at(
+            span,
+            "only machine integers of Kind 2 are taken apart like this",
+        )
+        .help("elements that follow one another: `a[1..3]`")
+}
+
+/// `x: int | x > 0` outside of Lustre.
+pub(crate) fn no_condition(span: Span) -> Finding {
+    Finding::new(Code::RPI0001, "a port's type has no condition")
+        .at(span, "a condition of Kind 2")
+        .help("claim it: `assume x > 0`")
+}
+
 pub(crate) fn no_subrange(word: &Ident) -> Finding {
     Finding::new(Code::RPI0001, format!("`{}` takes no bounds", word.name))
         .at(word.span, "only `subrange` does")

@@ -99,6 +99,8 @@ macro_rules! tokens {
             #[regex(r"[0-9]+\.\.")]
             IntDotDot,
             #[regex(r"([0-9]+\.[0-9]*|\.[0-9]+)([eE][+-]?[0-9]+)?|[0-9]+[eE][+-]?[0-9]+")]
+            #[regex(r"0[xX][0-9a-fA-F]+(\.[0-9a-fA-F]*)?[pP][+-]?[0-9]+")]
+            #[regex(r"0[xX][0-9a-fA-F]+\.[0-9a-fA-F]+")]
             Real,
             /// `250mm`: a number that runs into a word.
             #[regex(r"[0-9]+(\.[0-9]*)?[A-Za-z_][A-Za-z0-9_]*", priority = 1)]
@@ -142,6 +144,8 @@ macro_rules! tokens {
             Case,
             /// `?` of `A?(x)`.
             Asks,
+            /// `:=` of `a[0 := x]`.
+            Becomes,
             /// `--%PROPERTY` of Kind 2.
             Property,
             /// Stands for a phrase with a fault that has been reported.

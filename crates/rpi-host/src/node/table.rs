@@ -4,6 +4,9 @@ use std::fmt;
 
 use rpi_net::Column;
 
+/// What some programs write before a text in UTF-8.
+const BYTE_ORDER_MARK: char = '\u{feff}';
+
 /// Why a table cannot be read.
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub struct BadTable {
@@ -36,7 +39,7 @@ impl<'c> Reader<'c> {
     /// # Errors
     /// If an in-port has no field or two.
     pub fn new(columns: &'c [Column], header: &str) -> Result<Reader<'c>, BadTable> {
-        let names = fields(header);
+        let names = fields(header.trim_start_matches(BYTE_ORDER_MARK));
         let field = |column: &Column| {
             let mut found = (0..names.len()).filter(|k| is_name_of(&names[*k], &column.key));
             match (found.next(), found.next()) {
@@ -194,7 +197,11 @@ mod tests {
     #[test]
     fn columns_are_found_in_any_order_and_in_both_spellings() {
         let columns = [column("n", Scalar::Int), column("x[0].on", Scalar::Bool)];
-        for header in ["x[0].on, n, other", "x_0_on,n,other"] {
+        for header in [
+            "x[0].on, n, other",
+            "x_0_on,n,other",
+            "\u{feff}x_0_on,n,other",
+        ] {
             let reader = Reader::new(&columns, header).unwrap();
             assert_eq!(
                 reader.row(2, "true,-3,?").unwrap(),

@@ -277,6 +277,7 @@ impl<'a> Body<'_, 'a> {
         let base = self.expr(&index.base);
         let at = self.expr(&index.index);
         if is_foreign(self.ty_of(base), &["map<"]) {
+            self.key_of_map(base, at);
             return self.not_an_array(base, span);
         }
         self.expect(
@@ -331,6 +332,23 @@ impl<'a> Body<'_, 'a> {
             Kind::Literal(value) => value.as_int(),
             Kind::Flow(_) if self.unit.kind != crate::typed::UnitKind::Constant => None,
             _ => self.fold_quietly(id)?.first().and_then(Leaf::as_int),
+        }
+    }
+
+    /// The key that a value of a map of Kind 2 is looked up by has the type of its keys.
+    fn key_of_map(&mut self, base: ExprId, at: ExprId) {
+        let found = self.ty_of(at).clone();
+        let Ty::Struct(map) = self.ty_of(base) else {
+            return;
+        };
+        let args = map.name.strip_prefix("map<").unwrap_or_default();
+        let wanted = key_type(args).to_owned();
+        if !found.is_unknown() && found.to_string() != wanted {
+            let message = format!("expected `{wanted}`, found `{found}`");
+            let finding = Finding::new(Code::RPI2001, message)
+                .at(self.span_of(at), format!("this is `{found}`"))
+                .also(self.span_of(base), "the map looked into");
+            self.report(finding);
         }
     }
 
@@ -420,7 +438,7 @@ impl<'a> Body<'_, 'a> {
         self.path_in(&inner, at + offset, rest)
     }
 
-    fn field_in(&mut self, ty: &Ty, field: &Ident) -> Option<(u32, Ty)> {
+    pub(super) fn field_in(&mut self, ty: &Ty, field: &Ident) -> Option<(u32, Ty)> {
         let found = member_of(ty, &field.name);
         if found.is_none() {
             let names = ty.members().iter().filter_map(|m| m.name.as_deref());
@@ -455,6 +473,20 @@ impl<'a> Body<'_, 'a> {
         self.report(finding);
         None
     }
+}
+
+/// The first of the types between `map<` and `>`.
+fn key_type(args: &str) -> &str {
+    let mut depth = 0;
+    let end = args.find(|c| {
+        depth += match c {
+            '<' | '(' | '[' => 1,
+            '>' | ')' | ']' => -1,
+            _ => 0,
+        };
+        c == ',' && depth == 0
+    });
+    end.map_or(args, |end| &args[..end])
 }
 
 /// Number of leaves, as an offset.

@@ -49,6 +49,8 @@ pub(super) struct Body<'c, 'a> {
     pub(super) bound: Vec<Bound>,
     /// Equations that define arrays element by element.
     pub(super) elements: Vec<&'a rpi_syntax::ast::Equation>,
+    /// How many equations define parts of a flow.
+    pub(super) parts_defined: Map<Name, u32>,
     /// How many `pre` stand around what is being checked.
     pub(super) past: u32,
     /// The names bound before the type of a bound variable: it does not depend on them.
@@ -59,6 +61,8 @@ pub(super) struct Body<'c, 'a> {
     pub(super) imports: Vec<Import<'a>>,
     /// For each mode of the contract that was checked last whether it applies.
     pub(super) applies: Vec<ExprId>,
+    /// Whether this is a contract by itself.
+    pub(super) is_contract: bool,
     /// Whether contracts are being looked for, not nodes.
     pub(super) importing: bool,
     /// The modes of the contract that is being checked, and those that are being worked out.
@@ -100,11 +104,13 @@ impl<'c, 'a> Body<'c, 'a> {
             state_at: None,
             bound: Vec::new(),
             elements: Vec::new(),
+            parts_defined: Map::default(),
             past: 0,
             fixed_before: None,
             guarded: false,
             imports: Vec::new(),
             applies: Vec::new(),
+            is_contract: false,
             importing: false,
             modes: Vec::new(),
             open_modes: Vec::new(),

@@ -97,7 +97,7 @@ impl<'a> Body<'_, 'a> {
             Callee::Constructor(ty, index) => {
                 let given = self.given(&call.args);
                 let values: Vec<ExprId> = given.iter().map(|arg| arg.value).collect();
-                self.construct((ty, index), &values, span)
+                self.construct((ty, index), &call.callee.statics, &values, span)
             }
             Callee::Decl(id) => self.call_decl(id, call, activation, span),
         }

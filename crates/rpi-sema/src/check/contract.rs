@@ -6,7 +6,7 @@
 use super::body::Body;
 use super::bound::Unwatched;
 use crate::ty::Ty;
-use crate::typed::{BlockId, Claim, ClaimKind, ExprId, Kind, Leaf};
+use crate::typed::{BlockId, Claim, ClaimKind, ExprId, FlowRole, Kind, Leaf};
 use rpi_diag::{Code, Finding, Severity, Span};
 use rpi_syntax::Name;
 use rpi_syntax::ast::{self, Contract, ContractMode, Locals};
@@ -36,6 +36,8 @@ impl<'a> Body<'_, 'a> {
 
     /// The names of modes are like those of flows.
     fn name_modes(&mut self, contract: &'a Contract) {
+        // The ports of a contract by itself are those of whoever takes it up.
+        let by_itself = self.is_contract;
         for (k, mode) in contract.modes.iter().enumerate() {
             let name = &mode.name;
             let twin = contract.modes[..k]
@@ -43,7 +45,9 @@ impl<'a> Body<'_, 'a> {
                 .find(|m| m.name.name == name.name);
             let flow = self
                 .local_flow(&name.name)
-                .map(|flow| self.unit.flow(flow).span);
+                .map(|flow| self.unit.flow(flow))
+                .filter(|flow| !by_itself || flow.role != FlowRole::Input)
+                .map(|flow| flow.span);
             if let Some(first) = twin.map(|twin| twin.name.span).or(flow) {
                 let finding = crate::program::twice(&name.name, name.span, first);
                 self.report(finding);
@@ -54,7 +58,7 @@ impl<'a> Body<'_, 'a> {
 
     /// `::m`: whether a mode of the contract applies; `::c::m`: one of a contract that is taken up.
     pub(super) fn mode_applies(&mut self, name: &str, span: Span) -> ExprId {
-        if let Some((contract, mode)) = name.rsplit_once("::") {
+        if let Some((contract, mode)) = name.split_once("::") {
             return self.imported_mode_applies(contract, mode, span);
         }
         let Some(mode) = self

@@ -4,21 +4,20 @@
 //! So it has a size that is known, and two values are equal if they look equal. A datatype that holds itself has no such size.
 
 use super::body::Body;
-use super::bound::Means;
 use super::report::{Wanted, listed, unknown};
 use super::statics::{Param, Static, Statics, params};
 use crate::program::{DeclId, DeclKind, Lookup, Space};
 use crate::ty::{EnumTy, Member, StructTy, Subst, Ty, fit};
-use crate::typed::{Each, ExprId, Kind, Leaf};
+use crate::typed::{ExprId, Kind, Leaf};
 use rpi_diag::{Code, Finding, Span};
 use rpi_syntax::Name;
 use rpi_syntax::ast::{
-    Arm, Constructor, FieldValue, Ident, IsA, Match, StaticArg, StructExpr, TypeDef, TypeKind,
+    Constructor, FieldValue, Ident, IsA, StaticArg, StructExpr, TypeDef, TypeKind,
 };
 use std::rc::Rc;
 
 /// The part that says which alternative a value is.
-const TAG: &str = "tag";
+pub(super) const TAG: &str = "tag";
 
 impl<'a> Body<'_, 'a> {
     /// What a declared type stands for with these arguments.
@@ -208,7 +207,7 @@ impl<'a> Body<'_, 'a> {
     }
 
     /// Where among the fields of the struct those of an alternative begin, and how many there are.
-    fn parts_of_constructor(&self, ty: DeclId, index: u32) -> (usize, usize) {
+    pub(super) fn parts_of_constructor(&self, ty: DeclId, index: u32) -> (usize, usize) {
         let count = |c: &Constructor| {
             c.fields
                 .iter()
@@ -221,10 +220,11 @@ impl<'a> Body<'_, 'a> {
         (1 + before, all.get(index).map_or(0, count))
     }
 
-    /// `A(x, y)`
+    /// `A(x, y)`, `A@<int>`
     pub(super) fn construct(
         &mut self,
         (id, index): (DeclId, u32),
+        types: &'a [StaticArg],
         values: &[ExprId],
         span: Span,
     ) -> ExprId {
@@ -233,7 +233,9 @@ impl<'a> Body<'_, 'a> {
         if count != values.len() {
             return self.wrong_parts(name, count, values.len(), span);
         }
-        let Ty::Struct(open) = self.open_type(id) else {
+        let said = (!types.is_empty()).then(|| self.type_of(id, types, span));
+        let open = said.clone().unwrap_or_else(|| self.open_type(id));
+        let Ty::Struct(open) = open else {
             return self.fault(span);
         };
         let mut subst = Subst::default();
@@ -245,7 +247,7 @@ impl<'a> Body<'_, 'a> {
                 return self.fault(span);
             }
         }
-        let Some(Ty::Struct(ty)) = self.closed_type(id, &subst) else {
+        let Some(Ty::Struct(ty)) = said.or_else(|| self.closed_type(id, &subst)) else {
             return self.untold_params(name, span);
         };
         let mut parts = Vec::with_capacity(ty.fields.len());
@@ -263,7 +265,13 @@ impl<'a> Body<'_, 'a> {
         self.add(Kind::Build(parts.into()), Ty::Struct(ty), span)
     }
 
-    fn wrong_parts(&mut self, name: &Ident, count: usize, given: usize, span: Span) -> ExprId {
+    pub(super) fn wrong_parts(
+        &mut self,
+        name: &Ident,
+        count: usize,
+        given: usize,
+        span: Span,
+    ) -> ExprId {
         let message = format!(
             "`{}` has {}, {given} given",
             name.name,
@@ -276,7 +284,7 @@ impl<'a> Body<'_, 'a> {
     }
 
     /// The alternatives of a value's type, and which one the value is.
-    fn alternatives(&mut self, value: ExprId) -> Option<(Rc<EnumTy>, ExprId)> {
+    pub(super) fn alternatives(&mut self, value: ExprId) -> Option<(Rc<EnumTy>, ExprId)> {
         let span = self.span_of(value);
         let tag = match self.ty_of(value).clone() {
             Ty::Enum(all) => return Some((all, value)),
@@ -300,7 +308,7 @@ impl<'a> Body<'_, 'a> {
         None
     }
 
-    fn is_alternative(
+    pub(super) fn is_alternative(
         &mut self,
         all: &Rc<EnumTy>,
         tag: ExprId,
@@ -315,7 +323,7 @@ impl<'a> Body<'_, 'a> {
         self.binary_prim(rpi_syntax::ops::BinaryOp::Eq, tag, index, span)
     }
 
-    fn no_alternative(&mut self, all: &EnumTy, name: &Ident) {
+    pub(super) fn no_alternative(&mut self, all: &EnumTy, name: &Ident) {
         let near = rpi_diag::suggest(&name.name, all.values.iter().map(Name::as_str));
         let finding = unknown("alternative", &name.name, name.span, near);
         let names = listed(all.values.iter().map(Name::as_str));
@@ -337,145 +345,6 @@ impl<'a> Body<'_, 'a> {
             None => {
                 self.no_alternative(&all, &of.constructor);
                 self.add(Kind::Fault, Ty::Bool, span)
-            }
-        }
-    }
-
-    /// `match x with A: 1 | B(n): n end`
-    pub(super) fn match_of(&mut self, of: &'a Match, span: Span) -> ExprId {
-        let value = self.expr(&of.value);
-        let known = self.alternatives(value);
-        let mut cases: Vec<(Option<usize>, ExprId)> = Vec::new();
-        let before = self.findings.len();
-        for arm in &of.arms {
-            let index = known.as_ref().and_then(|(all, _)| self.arm_index(all, arm));
-            let then = self.arm(value, index, arm);
-            if let Some((_, first)) = cases.first() {
-                self.common_type(*first, then, "all cases have one type");
-            }
-            cases.push((index, then));
-        }
-        let Some((all, tag)) = known else {
-            let ty = cases
-                .first()
-                .map_or(Ty::Unknown, |(_, then)| self.ty_of(*then).clone());
-            return self.add(Kind::Fault, ty, span);
-        };
-        self.all_alternatives(&all, &cases, of, span);
-        if self.findings.len() > before {
-            return self.fault(span);
-        }
-        let mut cases = cases.into_iter().rev();
-        let Some((_, last)) = cases.next() else {
-            return self.fault(span);
-        };
-        cases.fold(last, |rest, (index, then)| match index {
-            Some(index) => {
-                let is = self.is_alternative(&all, tag, index, span);
-                let ty = self.ty_of(then).clone();
-                self.add(Kind::Each(Each::If, [is, then, rest].into()), ty, span)
-            }
-            None => then,
-        })
-    }
-
-    /// Which alternative an arm is for; none for any.
-    fn arm_index(&mut self, all: &Rc<EnumTy>, arm: &Arm) -> Option<usize> {
-        let index = all
-            .values
-            .iter()
-            .position(|name| *name == arm.constructor.name);
-        let is_known = matches!(
-            self.c
-                .program
-                .lookup_in(Space::Value, self.module, &arm.constructor.name),
-            Lookup::Found(_)
-        );
-        if index.is_none() && (is_known || !arm.names.is_empty()) {
-            self.no_alternative(all, &arm.constructor);
-        }
-        index
-    }
-
-    /// The value of an arm, with names for the parts.
-    fn arm(&mut self, value: ExprId, index: Option<usize>, arm: &'a Arm) -> ExprId {
-        let before = self.bound.len();
-        match index {
-            None if arm.constructor.name != "_" => {
-                self.bind_name(&arm.constructor, Means::Expr(value))
-            }
-            None => {}
-            Some(index) => self.bind_parts(value, index, arm),
-        }
-        let then = self.expr(&arm.then);
-        self.bound.truncate(before);
-        then
-    }
-
-    fn bind_parts(&mut self, value: ExprId, index: usize, arm: &'a Arm) {
-        let found = self
-            .c
-            .program
-            .lookup_in(Space::Value, self.module, &arm.constructor.name);
-        let Lookup::Found(id) = found else { return };
-        let (from, count) = match self.c.program.decl(id).kind {
-            DeclKind::Constructor { ty, .. } => self.parts_of_constructor(ty, index as u32),
-            _ => (0, 0),
-        };
-        if count != arm.names.len() {
-            let span = arm.constructor.span;
-            self.wrong_parts(&arm.constructor, count, arm.names.len(), span);
-        }
-        let fields = self.ty_of(value).members().to_vec();
-        let mut at = 0;
-        for (k, field) in fields.iter().enumerate() {
-            let name = k.checked_sub(from).and_then(|k| arm.names.get(k));
-            if let Some(name) = name.filter(|name| name.name != "_") {
-                let part = self.add(Kind::Part { base: value, at }, field.ty.clone(), name.span);
-                self.bind_name(name, Means::Expr(part));
-            }
-            at += super::access::leaves(&field.ty);
-        }
-    }
-
-    fn all_alternatives(
-        &mut self,
-        all: &EnumTy,
-        cases: &[(Option<usize>, ExprId)],
-        of: &Match,
-        span: Span,
-    ) {
-        if cases.iter().any(|(index, _)| index.is_none()) {
-            return;
-        }
-        let given = |k: usize| {
-            cases
-                .iter()
-                .filter(move |(index, _)| *index == Some(k))
-                .count()
-        };
-        let names = all.values.iter().enumerate();
-        let missing: Vec<&str> = names
-            .filter(|(k, _)| given(*k) == 0)
-            .map(|(_, name)| name.as_str())
-            .collect();
-        if !missing.is_empty() {
-            let finding = Finding::new(
-                Code::RPI2011,
-                format!("the case {} is missing", listed(missing)),
-            )
-            .at(span, "a `match` has a case for every alternative");
-            self.report(finding);
-        }
-        for (k, arm) in of.arms.iter().enumerate() {
-            let first = of.arms[..k]
-                .iter()
-                .find(|first| first.constructor.name == arm.constructor.name);
-            if let Some(first) = first {
-                self.report(super::clocked::case_twice(
-                    &arm.constructor,
-                    first.constructor.span,
-                ));
             }
         }
     }

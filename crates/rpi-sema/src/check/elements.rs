@@ -12,7 +12,7 @@ use crate::ty::Ty;
 use crate::typed::Leaf;
 use rpi_diag::{Code, Finding, Span};
 use rpi_net::passes::causality::{self, Read};
-use rpi_syntax::ast::{Access, Equation, Expr, ExprKind, Ident, Target};
+use rpi_syntax::ast::{Access, Equation, Expr, ExprKind, Ident, Statement, StatementKind, Target};
 use rpi_syntax::ops::{BinaryOp, UnaryOp};
 
 /// The most elements that one equation may define.
@@ -31,18 +31,36 @@ impl<'a> Body<'_, 'a> {
                 .any(|target| self.index_name(target).is_some())
     }
 
+    /// Counts the equations of each array whose parts are defined.
+    pub(super) fn count_parts(&mut self, statements: &[Statement]) {
+        if self.is_rpi() {
+            return;
+        }
+        for statement in statements {
+            let StatementKind::Equation(equation) = &statement.kind else {
+                continue;
+            };
+            let parts = equation.targets.iter();
+            for target in parts.filter(|target| !target.path.is_empty()) {
+                let name = target.name.name.clone();
+                *self.parts_defined.entry(name).or_insert(0) += 1;
+            }
+        }
+    }
+
     /// The name of the first index of a target, if nothing declares it.
     fn index_name<'t>(&self, target: &'t Target) -> Option<&'t Ident> {
         let Some(Access::Index(index)) = target.path.first() else {
             return None;
         };
         let name = index.as_name()?;
+        let found = self.c.program.lookup_in(Space::Value, self.module, name);
+        let is_outside = matches!(found, Lookup::Found(_));
+        // As the only equation of an array it can not be meant for one element: the name hides the constant.
+        let is_only = || self.parts_defined.get(&target.name.name) == Some(&1);
         let known = matches!(self.find_local(name), Some(Local::Constant(_)))
             || self.statics.contains_key(name)
-            || matches!(
-                self.c.program.lookup_in(Space::Value, self.module, name),
-                Lookup::Found(_)
-            );
+            || (is_outside && !is_only());
         let is_array = matches!(self.find_local(&target.name.name), Some(Local::Flow(_)));
         (!known && is_array).then_some(&target.name)
     }

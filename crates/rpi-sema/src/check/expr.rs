@@ -35,6 +35,7 @@ impl<'a> Body<'_, 'a> {
             ExprKind::Field(field) => self.field(field, span),
             ExprKind::Index(index) => self.index(index, span),
             ExprKind::Slice(slice) => self.slice(slice, span),
+            ExprKind::Bits(of) => self.bits(of, span),
             ExprKind::Unary(op, operand) => self.unary(*op, operand, span),
             ExprKind::Binary(binary) => self.binary(binary, span),
             ExprKind::When(when) => self.when(when, span),

@@ -10,6 +10,9 @@ use crate::typed::{BlockId, Equation, ExprId, FlowRole, Kind, Optional, Place, T
 use rpi_diag::Span;
 use rpi_syntax::ast::{self, Contract, ContractImport, Ident};
 
+/// So many modes of the contracts that a contract takes up can be asked for.
+const MAX_MODES: usize = 1000;
+
 /// A contract that is taken up.
 #[derive(Clone, Copy)]
 pub(super) struct Import<'a> {
@@ -138,13 +141,16 @@ impl<'a> Body<'_, 'a> {
         self.add(Kind::Part { base, at }, Ty::Bool, span)
     }
 
-    /// A contract by itself gives out whether each of its modes applies.
+    /// A contract by itself gives out whether each of its modes applies, and those of the contracts that it takes up.
     pub(super) fn give_modes(&mut self, contract: &'a Contract) {
         let applies = std::mem::take(&mut self.applies);
-        for (mode, value) in contract.modes.iter().zip(applies) {
-            let span = mode.name.span;
+        let own = contract.modes.iter().map(|mode| &mode.name);
+        let own = own.zip(applies).map(|(name, value)| (name.clone(), value));
+        let own: Vec<(Ident, ExprId)> = own.collect();
+        for (name, value) in own.into_iter().chain(self.modes_of_imports()) {
+            let span = name.span;
             let never_absent = Optional::Declared(false);
-            let flow = self.add_flow(&mode.name, Ty::Bool, never_absent, FlowRole::Output);
+            let flow = self.add_flow(&name, Ty::Bool, never_absent, FlowRole::Output);
             let target = Target {
                 place: Place::Flow { flow, at: 0 },
                 ty: Ty::Bool,
@@ -157,5 +163,34 @@ impl<'a> Body<'_, 'a> {
             });
             self.unit.outputs.push(flow);
         }
+    }
+
+    /// `D::m` for each mode of a contract that is taken up, and whether it applies.
+    fn modes_of_imports(&mut self) -> Vec<(Ident, ExprId)> {
+        let mut modes = Vec::new();
+        for at in 0..self.imports.len() {
+            let Some((name, base)) = self.imports[at].name().zip(self.imports[at].call) else {
+                continue;
+            };
+            let Kind::Call(call) = &self.unit.expr(base).kind else {
+                continue;
+            };
+            let callee = &self.c.units[call.unit.0 as usize];
+            let outputs = callee.outputs.iter().map(|id| callee.flow(*id));
+            let names: Vec<String> = outputs
+                .map(|flow| format!("{}::{}", name.name, flow.name))
+                .collect();
+            let span = name.span;
+            for (at, name) in names.into_iter().enumerate() {
+                if modes.len() >= MAX_MODES {
+                    return modes;
+                }
+                let at = u32::try_from(at).unwrap_or(u32::MAX);
+                let value = self.add(Kind::Part { base, at }, Ty::Bool, span);
+                let name = name.as_str().into();
+                modes.push((Ident { name, span }, value));
+            }
+        }
+        modes
     }
 }

@@ -140,7 +140,7 @@ impl<'a> Body<'_, 'a> {
                 let ty = self.c.type_decl(ty);
                 self.add(Kind::Literal(Leaf::int(index.into())), ty, span)
             }
-            DeclKind::Constructor { ty, index } => self.construct((ty, index), &[], span),
+            DeclKind::Constructor { ty, index } => self.construct((ty, index), &[], &[], span),
             DeclKind::Broken(_) => self.fault(span),
             DeclKind::Frame(frame) => match self.c.constant(id) {
                 Some(constant) => self.constant_expr(&constant, span),

@@ -68,6 +68,7 @@ impl<'a> Body<'_, 'a> {
             }
         }
         self.state_clocks(body.locals.iter());
+        self.count_parts(&body.statements);
         for statement in &body.statements {
             self.declare_statement(statement, later);
         }

@@ -255,6 +255,7 @@ impl<'a> Body<'_, 'a> {
 
     fn check_node(&mut self, node: &'a NodeDecl) {
         self.check_modifier(node);
+        self.is_contract = node.kind == NodeKind::Contract;
         match &node.definition {
             NodeDef::Body(body) => {
                 let allowed = match node.kind {

@@ -1,15 +1,18 @@
-//! Values with parts replaced: `(a with [2] = x; .f[i] = y)`.
+//! Values with parts replaced: `(a with [2] = x; .f[i] = y)`; for Kind 2 `a[2 := x]`, `r[f := y]`.
 //!
 //! An index that is known only while the program runs is looked up in the list of all indices, so that it is checked as
 //! every other index is; each element is then the new one or the old one.
 
 use super::access::leaves;
 use super::body::Body;
+use super::quantifier::SETS;
 use super::report::Wanted;
+use super::types::{FOREIGN, is_foreign};
 use crate::ty::Ty;
 use crate::typed::{Each, ExprId, Kind, Leaf};
 use rpi_diag::Span;
-use rpi_syntax::ast::{Access, Change, Update};
+use rpi_syntax::Name;
+use rpi_syntax::ast::{Access, Change, Expr, Ident, Update};
 use std::rc::Rc;
 
 /// A value, where it goes, and where that is written.
@@ -22,11 +25,70 @@ struct Part<'a> {
 impl<'a> Body<'_, 'a> {
     /// `(base with [2] = x; .f[1] = y)`
     pub(super) fn update(&mut self, update: &'a Update, span: Span) -> ExprId {
+        if update.is_keyed && self.is_map_literal(&update.base) {
+            return self.map_literal(update, span);
+        }
         let base = self.expr(&update.base);
+        if update.is_keyed {
+            let change = |base, change| self.keyed(base, change, span);
+            return update.changes.iter().fold(base, change);
+        }
         update
             .changes
             .iter()
             .fold(base, |base, change| self.change(base, change, span))
+    }
+
+    /// `map[1 := x]` of Kind 2: a map with these values and no other.
+    fn is_map_literal(&self, base: &Expr) -> bool {
+        let is_free =
+            |name: &Name| self.find_local(name).is_none() && !self.statics.contains_key(name);
+        base.as_name()
+            .is_some_and(|name| name == "map" && is_free(name))
+    }
+
+    fn map_literal(&mut self, update: &'a Update, span: Span) -> ExprId {
+        for change in &update.changes {
+            if let [Access::Index(key)] = &change.path[..] {
+                self.expr(key);
+            }
+            self.expr(&change.value);
+        }
+        self.foreign("a map", SETS, update.base.span);
+        self.fault(span)
+    }
+
+    /// `base[key := value]`: of a struct the key is the name of a field.
+    fn keyed(&mut self, base: ExprId, change: &'a Change, span: Span) -> ExprId {
+        let ty = self.ty_of(base).clone();
+        let field = match (&change.path[..], &ty) {
+            ([Access::Index(key)], Ty::Struct(_)) if !is_foreign(&ty, FOREIGN) => {
+                key.as_name().map(|name| Ident {
+                    name: name.clone(),
+                    span: key.span,
+                })
+            }
+            _ => None,
+        };
+        match (&change.path[..], field) {
+            (_, Some(field)) => {
+                let value = self.expr(&change.value);
+                let inside = Part {
+                    path: &[],
+                    value,
+                    span,
+                };
+                let place = self.field_in(&ty, &field);
+                let new = place.and_then(|(at, inner)| self.replaced(base, at, inner, &inside));
+                new.unwrap_or_else(|| self.fault(span))
+            }
+            ([Access::Index(key)], None) if is_foreign(&ty, &["map<"]) => {
+                self.expr(key);
+                self.expr(&change.value);
+                self.add(Kind::Fault, ty, span)
+            }
+            _ => self.change(base, change, span),
+        }
     }
 
     fn change(&mut self, base: ExprId, change: &'a Change, span: Span) -> ExprId {
@@ -65,6 +127,14 @@ impl<'a> Body<'_, 'a> {
                 }
                 None => self.changed_at(base, at, &inside),
             };
+        }
+        if let (Access::Index(index), Ty::Tuple(members)) = (first, &ty) {
+            let count = u32::try_from(members.len()).unwrap_or(u32::MAX);
+            let k = self.integer(index)?;
+            let k = self.in_bounds(k, count, index.span)?;
+            let (before, rest) = members.split_at(k as usize);
+            let at = before.iter().map(|member| leaves(&member.ty)).sum();
+            return self.replaced(base, at, rest.first()?.ty.clone(), &inside);
         }
         if let (Access::Field(field), Ty::Spatial(..)) = (first, &ty) {
             let old = self.member(base, field);

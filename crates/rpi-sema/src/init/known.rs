@@ -7,6 +7,15 @@ use std::rc::Rc;
 /// A condition of the same cycle: a Boolean flow, and which value of it is meant.
 pub(super) type Condition = (PortRef, bool);
 
+/// When a flow that may have no value has one.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub(super) enum Unless {
+    /// In the cycles in which this holds.
+    Now(Condition),
+    /// From the first cycle on in which this holds: what is kept of a sampled flow.
+    Since(Condition),
+}
+
 /// What is known of a flow: each case allows more than the one before.
 #[derive(Clone, PartialEq, Debug)]
 pub(super) enum Known {
@@ -22,8 +31,8 @@ pub(super) enum Known {
     Undefined {
         /// The delay that has no value yet.
         root: NodeId,
-        /// It has one in the cycles in which this holds.
-        unless: Option<Condition>,
+        /// When it has one.
+        unless: Option<Unless>,
     },
 }
 
@@ -92,13 +101,13 @@ impl Known {
         }
     }
 
-    /// In cycles in which the conditions hold.
-    pub(super) fn given(self, holds: impl FnOnce() -> Vec<Condition>) -> Known {
+    /// In cycles of which it is known whether such a thing holds.
+    pub(super) fn given(self, holds: impl FnOnce(Unless) -> bool) -> Known {
         match self {
             Known::Undefined {
                 unless: Some(unless),
                 ..
-            } if holds().contains(&unless) => Known::Defined,
+            } if holds(unless) => Known::Defined,
             known => known,
         }
     }
@@ -108,7 +117,21 @@ impl Known {
         match self {
             Known::Undefined { root, unless: None } => Known::Undefined {
                 root,
-                unless: condition,
+                unless: condition.map(Unless::Now),
+            },
+            known => known,
+        }
+    }
+
+    /// Defined from then on where it is defined now, as what keeps its value is.
+    pub(super) fn kept(self) -> Known {
+        match self {
+            Known::Undefined {
+                root,
+                unless: Some(Unless::Now(condition)),
+            } => Known::Undefined {
+                root,
+                unless: Some(Unless::Since(condition)),
             },
             known => known,
         }

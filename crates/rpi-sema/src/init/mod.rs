@@ -11,12 +11,14 @@
 //! |---|---|
 //! | `glance.rs` | a first look, which most nets pass |
 //! | `known.rs` | what is known of a flow in one phase |
+//! | `latch.rs` | what has held once: `seen = c or (false -> pre seen)` |
 //! | `phases.rs` | the first cycles of a fragment, and those of the one around it |
 //! | `rules.rs` | what each kind of primitive makes of it |
 //! | `order.rs`, `solve.rs` | the least solution |
 
 mod glance;
 mod known;
+mod latch;
 mod order;
 mod phases;
 mod rules;

@@ -1,7 +1,8 @@
 //! What each kind of primitive makes of what is known of its in-ports.
 
-use super::known::{Condition, Known};
-use super::phases::Active;
+use super::known::Known;
+use super::latch;
+use super::phases::{Active, PHASES};
 use super::solve::{Seen, Solution, before};
 use crate::hash::Map;
 use rpi_image::{Presence, PrimDesc, Role, Value};
@@ -140,14 +141,24 @@ fn choice(all: &Solution<'_>, id: NodeId, phase: usize) -> Known {
     let condition = all.input(id, 0, phase).known;
     let port = all.net().node(id).inputs[0].port();
     let implied = |value: bool| port.map_or_else(Vec::new, |port| all.implied(port, value));
-    let branch = |k: usize, value: bool| all.input(id, k, phase).known.given(|| implied(value));
-    match (&condition, condition.truth()) {
+    let branch_in = |k: usize, value: bool, phase: usize| {
+        let holds = |unless| latch::holds(all, id, unless, &implied(value));
+        all.input(id, k, phase).known.given(holds)
+    };
+    let branch = |k: usize, value: bool| branch_in(k, value, phase);
+    let undefined = |known: &Known| matches!(known, Known::Undefined { .. });
+    let known = match (&condition, condition.truth()) {
         (Known::Never, _) => Known::Never,
         (_, Some(true)) => branch(1, true),
         (_, Some(false)) => branch(2, false),
         (Known::Undefined { .. }, _) => condition,
         _ => either(all, port, branch(1, true), branch(2, false)),
-    }
+    };
+    // What it keeps is what it had in all cycles in which it was given a value.
+    let keeps = undefined(&known)
+        && latch::keeps_itself(all.net(), id)
+        && !(0..PHASES).any(|phase| undefined(&branch_in(1, true, phase)));
+    if keeps { known.kept() } else { known }
 }
 
 /// What a choice gives whose condition is not known: where one branch has a value, it has one if that is chosen.
@@ -174,10 +185,11 @@ fn connective(
     let operand = |k: usize| {
         let other = inputs[1 - k].port();
         // The other operand has not decided: what that implies.
-        let holds = || -> Vec<Condition> {
-            other.map_or_else(Vec::new, |port| {
+        let holds = |unless| {
+            let implied = other.map_or_else(Vec::new, |port| {
                 all.implied(port, !absorbing ^ negated[1 - k])
-            })
+            });
+            latch::holds(all, id, unless, &implied)
         };
         all.input(id, k, phase).known.given(holds)
     };

@@ -182,6 +182,11 @@ impl<'n> Solution<'n> {
         }
     }
 
+    /// The rule of a node.
+    pub(super) fn rule_of(&self, id: NodeId) -> Rule {
+        self.rules[id.index()]
+    }
+
     /// A condition without the negations around it.
     pub(super) fn plain(&self, port: PortRef, value: bool) -> Condition {
         let (mut port, mut value) = (port, value);

@@ -15,6 +15,7 @@ impl Expr {
             ExprKind::Field(field) => vec![&field.base],
             ExprKind::Index(of) => vec![&of.base, &of.index],
             ExprKind::Slice(of) => [vec![&of.base], bounds(&of.slice)].concat(),
+            ExprKind::Bits(of) => vec![&of.base, &of.high, &of.low],
             ExprKind::Unary(_, inner) | ExprKind::Paren(inner) => vec![inner],
             ExprKind::Binary(of) => vec![&of.lhs, &of.rhs],
             ExprKind::When(of) => vec![&of.value],

@@ -25,6 +25,7 @@ impl Expr {
                 .into_iter()
                 .chain(bounds(&mut of.slice))
                 .collect(),
+            ExprKind::Bits(of) => vec![&mut of.base, &mut of.high, &mut of.low],
             ExprKind::Unary(_, inner) | ExprKind::Paren(inner) => vec![inner],
             ExprKind::Binary(of) => vec![&mut of.lhs, &mut of.rhs],
             ExprKind::When(of) => vec![&mut of.value],

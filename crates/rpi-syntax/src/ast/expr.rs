@@ -32,6 +32,8 @@ pub enum ExprKind {
     Index(Box<Index>),
     /// `a[1..6 step 2]`
     Slice(Box<SliceOf>),
+    /// `x[7:0]` (Kind 2)
+    Bits(Box<Bits>),
     /// `not x`, `pre x`
     Unary(UnaryOp, Box<Expr>),
     /// `x + y`, `x -> y`, `x fby y`, `x ?? y`
@@ -121,6 +123,17 @@ pub struct SliceOf {
     pub base: Expr,
     /// Which elements.
     pub slice: Slice,
+}
+
+/// `base[high:low]`, both ends included.
+#[derive(Clone, PartialEq, Debug)]
+pub struct Bits {
+    /// The machine integer.
+    pub base: Expr,
+    /// The highest bit that is taken.
+    pub high: Expr,
+    /// The lowest.
+    pub low: Expr,
 }
 
 /// `from..to step s`, both ends included.
@@ -324,12 +337,32 @@ pub struct Match {
 /// `A(x, y): then`
 #[derive(Clone, PartialEq, Debug)]
 pub struct Arm {
-    /// The alternative; `_` or another name for any.
-    pub constructor: Ident,
-    /// Names for its parts.
-    pub names: Vec<Ident>,
+    /// What the value looks like.
+    pub pattern: Pattern,
     /// The value in this case.
     pub then: Expr,
+}
+
+/// `A(x, B(y))`: what a value of a datatype, or a part of one, looks like.
+#[derive(Clone, PartialEq, Debug)]
+pub struct Pattern {
+    /// An alternative; `_` or another name for any.
+    pub name: Ident,
+    /// What the parts of the alternative look like.
+    pub parts: Vec<Pattern>,
+}
+
+impl Pattern {
+    /// All names in the pattern, alternatives too.
+    pub fn names(&self) -> Vec<&Ident> {
+        let mut all = vec![self];
+        let mut at = 0;
+        while let Some(pattern) = all.get(at).copied() {
+            all.extend(&pattern.parts);
+            at += 1;
+        }
+        all.into_iter().map(|pattern| &pattern.name).collect()
+    }
 }
 
 /// `T{x = 1; y = 2}`, `T{s with x = 1}`
@@ -361,6 +394,8 @@ pub struct Update {
     pub base: Expr,
     /// The changes, at least one, applied in text order.
     pub changes: Vec<Change>,
+    /// Whether it is written `base[0 := x]` (Kind 2): each path is one index; of a struct its name is a field's.
+    pub is_keyed: bool,
 }
 
 /// `.f[1] = y`

@@ -52,6 +52,10 @@ impl Dumper {
                 node("index", [self.expr(&index.base), self.expr(&index.index)])
             }
             ExprKind::Slice(of) => node("slice", [self.expr(&of.base), self.slice(&of.slice)]),
+            ExprKind::Bits(of) => {
+                let parts = [&of.base, &of.high, &of.low];
+                node("bits", parts.map(|part| self.expr(part)))
+            }
             ExprKind::Unary(op, operand) => {
                 node("unary", [Sexp::atom(op.spelling()), self.expr(operand)])
             }
@@ -117,7 +121,7 @@ impl Dumper {
         };
         let changes = update.changes.iter().map(change);
         node(
-            "update",
+            if update.is_keyed { "keyed" } else { "update" },
             std::iter::once(self.expr(&update.base)).chain(changes),
         )
     }
@@ -221,8 +225,9 @@ impl Dumper {
 
     fn match_expr(&self, of: &Match) -> Sexp {
         let arms = of.arms.iter().map(|arm| {
-            let parts = nodes("parts", &arm.names, name);
-            node("arm", [name(&arm.constructor), parts, self.expr(&arm.then)])
+            let Pattern { name: first, parts } = &arm.pattern;
+            let parts = nodes("parts", parts, pattern);
+            node("arm", [name(first), parts, self.expr(&arm.then)])
         });
         node("match", [self.expr(&of.value)].into_iter().chain(arms))
     }
@@ -237,6 +242,18 @@ impl Dumper {
             ([], None) => name(&named.name),
             _ => node("named", [name(&named.name), statics, frames]),
         }
+    }
+}
+
+fn pattern(of: &Pattern) -> Sexp {
+    match &of.parts[..] {
+        [] => name(&of.name),
+        parts => node(
+            "of",
+            [name(&of.name)]
+                .into_iter()
+                .chain(parts.iter().map(pattern)),
+        ),
     }
 }
 

@@ -48,33 +48,6 @@ pub(super) fn recursive(found: &Found<'_, '_>) -> Option<Habit> {
     })
 }
 
-/// `x: int | x > 0`
-pub(super) fn condition_of_port(found: &Found<'_, '_>) -> Option<Habit> {
-    let at = found.fault.at;
-    let is_port = found.expects(Token::RParen) && found.expects(Token::Semi);
-    if found.token(at) != Some(Token::Bar) || !is_port {
-        return None;
-    }
-    let level = found.structure.parent(at)?;
-    let end = found.structure.partner(level)?;
-    let ends = |k: &usize| {
-        found.token(*k) == Some(Token::Semi) && found.structure.parent(*k) == Some(level)
-    };
-    let end = (at..end).find(ends).unwrap_or(end);
-    let finding = refused(
-        found,
-        "a condition behind a port's type",
-        found.span_of(at..end),
-    )?
-    .help(
-        "write it into the type, `subtype { x: int | x > 0 }`, or as an `assume` of the contract",
-    );
-    Some(Habit {
-        finding,
-        mend: Mend::Tokens(vec![(at..end, Vec::new())]),
-    })
-}
-
 /// Leaves out the phrase that needs a construct.
 fn without_phrase(found: &Found<'_, '_>, construct: &str, span: Span) -> Option<Habit> {
     let finding = refused(found, construct, span)?;

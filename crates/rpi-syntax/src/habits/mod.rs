@@ -44,7 +44,6 @@ const HABITS: &[fn(&Found<'_, '_>) -> Option<Habit>] = &[
     kind2::container,
     kind2::reachable,
     kind2::recursive,
-    kind2::condition_of_port,
     operators::remainder,
     operators::else_if,
     automata::conditional,

@@ -19,6 +19,7 @@ impl Printer<'_> {
             ExprKind::Field(field) => self.field(field),
             ExprKind::Index(index) => self.index(index),
             ExprKind::Slice(slice) => self.slice_of(slice),
+            ExprKind::Bits(of) => self.bits(of),
             ExprKind::Unary(op, operand) => self.unary(*op, operand),
             ExprKind::Binary(binary) => self.chain(binary),
             ExprKind::When(when) => self.when(when),
@@ -92,6 +93,18 @@ impl Printer<'_> {
             self.base(&index.base),
             word("["),
             self.expr(&index.index),
+            word("]"),
+        ])
+    }
+
+    fn bits(&mut self, of: &Bits) -> Doc {
+        let [high, low] = [&of.high, &of.low].map(|bound| self.expr(bound));
+        concat([
+            self.base(&of.base),
+            word("["),
+            high,
+            word(":"),
+            low,
             word("]"),
         ])
     }
@@ -242,12 +255,7 @@ impl Printer<'_> {
     fn match_expr(&mut self, of: &Match) -> Doc {
         let head = concat([word("match "), self.expr(&of.value), word(" with")]);
         let arms = of.arms.iter().flat_map(|arm| {
-            let names: Vec<&str> = arm.names.iter().map(|name| name.name.as_str()).collect();
-            let parts = match &names[..] {
-                [] => String::new(),
-                all => format!("({})", all.join(", ")),
-            };
-            let pattern = text(format!("| {}{parts}: ", arm.constructor.name));
+            let pattern = text(format!("| {}: ", pattern(&arm.pattern)));
             [Doc::Line, pattern, self.expr(&arm.then)]
         });
         let arms = indent(concat(arms.collect::<Vec<_>>()));
@@ -262,7 +270,32 @@ impl Printer<'_> {
         ])
     }
 
+    /// `a[0 := x; 1 := y]`
+    fn keyed(&mut self, update: &Update) -> Doc {
+        let base = self.base(&update.base);
+        let key = |change: &Change| match &change.path[..] {
+            [Access::Index(key)] => key.span.merge(change.value.span),
+            _ => Span::NONE,
+        };
+        let changes = self.list(
+            brackets("[", ";", "]"),
+            &update.changes,
+            key,
+            |p, change| {
+                let key = match &change.path[..] {
+                    [Access::Index(key)] => p.expr(key),
+                    path => p.path(path),
+                };
+                concat([key, word(" := "), p.expr(&change.value)])
+            },
+        );
+        concat([base, changes])
+    }
+
     fn update(&mut self, update: &Update) -> Doc {
+        if update.is_keyed {
+            return self.keyed(update);
+        }
         let base = concat([word("("), self.expr(&update.base), word(" with")]);
         let after_base = brackets(" ", ";", ")");
         // A change begins with a sign that has no place of its own.
@@ -281,6 +314,15 @@ impl Printer<'_> {
             Access::Slice(slice) => concat([word("["), self.slice(slice), word("]")]),
         });
         concat(steps.collect::<Vec<_>>())
+    }
+}
+
+/// `B(x, C(y))`
+fn pattern(of: &Pattern) -> String {
+    let parts: Vec<String> = of.parts.iter().map(pattern).collect();
+    match &parts[..] {
+        [] => of.name.name.to_string(),
+        all => format!("{}({})", of.name.name, all.join(", ")),
     }
 }
 

@@ -90,6 +90,8 @@ fn begins_with_bracket(expr: &Expr) -> bool {
         ExprKind::Index(index) => begins_with_bracket(&index.base),
         ExprKind::Slice(slice) => begins_with_bracket(&slice.base),
         ExprKind::Field(field) => begins_with_bracket(&field.base),
+        ExprKind::Bits(of) => begins_with_bracket(&of.base),
+        ExprKind::Update(update) => update.is_keyed && begins_with_bracket(&update.base),
         _ => false,
     }
 }

@@ -199,7 +199,12 @@ fn expr() -> BoxedStrategy<Expr> {
                         .into_iter()
                         .map(|(path, value)| Change { path, value })
                         .collect();
-                    ExprKind::Update(Box::new(Update { base, changes })).into()
+                    ExprKind::Update(Box::new(Update {
+                        base,
+                        changes,
+                        is_keyed: false,
+                    }))
+                    .into()
                 }),
         ]
     });

@@ -7,8 +7,8 @@ use super::{
 use rpi_diag::Span;
 use rpi_syntax::Name;
 use rpi_syntax::ast::{
-    Access, Activation, Arg, Branch, Call, ExprKind, NamedType, Next, OnResult, Slice, StaticArg,
-    StaticValue, StructExpr, Tick, TypeKind,
+    Access, Activation, Arg, Branch, Call, ExprKind, NamedType, Next, OnResult, Pattern, Slice,
+    StaticArg, StaticValue, StructExpr, Tick, TypeKind,
 };
 
 impl<'a> Builder<'a> {
@@ -65,6 +65,7 @@ impl<'a> Builder<'a> {
                 self.expr(scope, &of.base);
                 self.slice(scope, &of.slice);
             }
+            ExprKind::Bits(of) => self.all(scope, [&of.base, &of.high, &of.low]),
             ExprKind::Unary(_, inner) | ExprKind::Paren(inner) => self.expr(scope, inner),
             ExprKind::Binary(binary) => self.all(scope, [&binary.lhs, &binary.rhs]),
             ExprKind::When(when) => {
@@ -97,8 +98,10 @@ impl<'a> Builder<'a> {
             ExprKind::Match(of) => {
                 self.expr(scope, &of.value);
                 for arm in &of.arms {
-                    self.name(scope, &arm.constructor.name, arm.constructor.span);
-                    let names = arm.names.iter().map(|name| &name.name);
+                    let name = &arm.pattern.name;
+                    self.name(scope, &name.name, name.span);
+                    let parts = arm.pattern.parts.iter().flat_map(Pattern::names);
+                    let names = parts.map(|name| &name.name);
                     self.with_own_names(scope, names, &arm.then);
                 }
             }
@@ -147,7 +150,17 @@ impl<'a> Builder<'a> {
         self.expr(scope, &update.base);
         for change in &update.changes {
             let owner = self.owner_of(scope, &update.base);
-            self.path(scope, owner, &change.path);
+            match &change.path[..] {
+                // The name of a field, or a flow.
+                [Access::Index(key)] if update.is_keyed && owner.is_some() => match key.as_name() {
+                    Some(name) => {
+                        let (name, span) = (name.clone(), key.span);
+                        self.member(owner, &Ident { name, span });
+                    }
+                    None => self.expr(scope, key),
+                },
+                path => self.path(scope, owner, path),
+            }
             self.expr(scope, &change.value);
         }
     }

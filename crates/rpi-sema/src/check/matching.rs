@@ -1,0 +1,333 @@
+//! `match` of Kind 2: a value by what another one looks like, also inside: `match o with Wrap(A): 0 | Wrap(B(n)): n | Empty: 1 end`.
+//!
+//! The first case that fits is taken. That one always does, and each can be, is looked for as in Maranget, Warnings for
+//! pattern matching (2007): is there a value that fits a case and none before it?
+
+use super::body::Body;
+use super::bound::Means;
+use super::report::listed;
+use crate::program::{DeclKind, Lookup, Space};
+use crate::ty::{EnumTy, Ty};
+use crate::typed::{Each, ExprId, Kind};
+use rpi_diag::{Code, Finding, Span};
+use rpi_syntax::Name;
+use rpi_syntax::ast::{Arm, Ident, Match, Pattern};
+use rpi_syntax::ops::BinaryOp;
+use std::rc::Rc;
+
+/// What a value must look like.
+#[derive(Clone)]
+enum Shape {
+    Any,
+    /// This alternative, with parts that look like this.
+    Of(usize, Vec<Shape>),
+}
+
+/// What a value fits if it is any.
+const ANY: &Shape = &Shape::Any;
+
+/// So many cases are compared with one another at most.
+const MAX_STEPS: usize = 100_000;
+
+/// A case: when it is taken, and its value.
+struct Case {
+    shape: Shape,
+    tests: Vec<ExprId>,
+    then: ExprId,
+}
+
+impl<'a> Body<'_, 'a> {
+    /// `match x with A: 1 | B(n): n end`
+    pub(super) fn match_of(&mut self, of: &'a Match, span: Span) -> ExprId {
+        let value = self.expr(&of.value);
+        let known = self.alternatives(value);
+        let before = self.findings.len();
+        let mut cases: Vec<Case> = Vec::new();
+        for arm in &of.arms {
+            let case = self.case_of_match(value, known.is_some(), arm);
+            if let Some(first) = cases.first() {
+                self.common_type(first.then, case.then, "all cases have one type");
+            }
+            cases.push(case);
+        }
+        let Some((all, _)) = known else {
+            let ty = cases
+                .first()
+                .map_or(Ty::Unknown, |case| self.ty_of(case.then).clone());
+            return self.add(Kind::Fault, ty, span);
+        };
+        if self.findings.len() == before {
+            self.fit_some_case(&all, value, of, &cases, span);
+        }
+        if self.findings.len() > before {
+            return self.fault(span);
+        }
+        let mut cases = cases.into_iter().rev();
+        let Some(last) = cases.next() else {
+            return self.fault(span);
+        };
+        cases.fold(last.then, |rest, case| {
+            let Some(test) = self.all_hold(&case.tests, span) else {
+                return case.then;
+            };
+            let ty = self.ty_of(case.then).clone();
+            self.add(
+                Kind::Each(Each::If, [test, case.then, rest].into()),
+                ty,
+                span,
+            )
+        })
+    }
+
+    fn all_hold(&mut self, tests: &[ExprId], span: Span) -> Option<ExprId> {
+        let (first, rest) = tests.split_first()?;
+        let and = |whole, test| self.binary_prim(BinaryOp::And, whole, test, span);
+        Some(rest.iter().copied().fold(*first, and))
+    }
+
+    /// A case, with names for the parts in its value.
+    fn case_of_match(&mut self, value: ExprId, is_known: bool, arm: &'a Arm) -> Case {
+        let before = self.bound.len();
+        let mut tests = Vec::new();
+        let shape = match is_known {
+            true => self.looks_like(value, &arm.pattern, &mut tests),
+            // What is wrong with the value has been told; what is in it is unknown.
+            false => {
+                for name in arm.pattern.names() {
+                    let nothing = self.fault(name.span);
+                    self.bind_name(name, Means::Expr(nothing));
+                }
+                Shape::Any
+            }
+        };
+        let then = self.expr(&arm.then);
+        self.bound.truncate(before);
+        Case { shape, tests, then }
+    }
+
+    /// What a value must look like to fit, and the names for its parts.
+    fn looks_like(
+        &mut self,
+        value: ExprId,
+        pattern: &'a Pattern,
+        tests: &mut Vec<ExprId>,
+    ) -> Shape {
+        let name = &pattern.name;
+        let has_alternatives = alternatives_of(self.ty_of(value)).is_some();
+        let known = match has_alternatives || !pattern.parts.is_empty() {
+            true => self.alternatives(value),
+            false => None,
+        };
+        let index = known
+            .as_ref()
+            .and_then(|(all, _)| all.values.iter().position(|value| *value == name.name));
+        match (known, index) {
+            (Some((all, tag)), Some(index)) => {
+                let test = self.is_alternative(&all, tag, index, name.span);
+                tests.push(test);
+                Shape::Of(index, self.parts_look_like(value, pattern, index, tests))
+            }
+            (Some((all, _)), None) if self.is_value(name) || !pattern.parts.is_empty() => {
+                self.no_alternative(&all, name);
+                Shape::Any
+            }
+            _ => {
+                if name.name != "_" {
+                    self.bind_name(name, Means::Expr(value));
+                }
+                Shape::Any
+            }
+        }
+    }
+
+    fn is_value(&self, name: &Ident) -> bool {
+        let found = self
+            .c
+            .program
+            .lookup_in(Space::Value, self.module, &name.name);
+        matches!(found, Lookup::Found(_))
+    }
+
+    fn parts_look_like(
+        &mut self,
+        value: ExprId,
+        pattern: &'a Pattern,
+        index: usize,
+        tests: &mut Vec<ExprId>,
+    ) -> Vec<Shape> {
+        let (from, count) = self.parts_of_alternative(&pattern.name.name, index);
+        if count != pattern.parts.len() {
+            let span = pattern.name.span;
+            self.wrong_parts(&pattern.name, count, pattern.parts.len(), span);
+            return vec![Shape::Any; count];
+        }
+        let fields = self.ty_of(value).members().to_vec();
+        let mut shapes = Vec::with_capacity(count);
+        let mut at = 0;
+        for (k, field) in fields.iter().enumerate() {
+            if let Some(pattern) = k.checked_sub(from).and_then(|k| pattern.parts.get(k)) {
+                let span = pattern.name.span;
+                let part = Kind::Part { base: value, at };
+                let part = self.add(part, field.ty.clone(), span);
+                shapes.push(self.looks_like(part, pattern, tests));
+            }
+            at += super::access::leaves(&field.ty);
+        }
+        shapes
+    }
+
+    /// Where the parts of an alternative begin among the fields of a value, and how many there are.
+    fn parts_of_alternative(&self, name: &Name, index: usize) -> (usize, usize) {
+        let found = self.c.program.lookup_in(Space::Value, self.module, name);
+        let Lookup::Found(id) = found else {
+            return (0, 0);
+        };
+        match self.c.program.decl(id).kind {
+            DeclKind::Constructor { ty, .. } => self.parts_of_constructor(ty, index as u32),
+            _ => (0, 0),
+        }
+    }
+
+    /// Reports values that fit no case, and cases that those before them leave nothing.
+    fn fit_some_case(
+        &mut self,
+        all: &EnumTy,
+        value: ExprId,
+        of: &Match,
+        cases: &[Case],
+        span: Span,
+    ) {
+        let mut search = Search {
+            body: self,
+            steps: 0,
+        };
+        let types = [search.body.ty_of(value).clone()];
+        let rows: Vec<Vec<&Shape>> = cases.iter().map(|case| vec![&case.shape]).collect();
+        let without = |k: &usize| {
+            let is_it = |case: &Case| matches!(&case.shape, Shape::Of(index, _) if index == k);
+            !cases.iter().any(is_it)
+        };
+        let has_any = cases.iter().any(|case| matches!(case.shape, Shape::Any));
+        let mut missing: Vec<String> = match has_any {
+            true => Vec::new(),
+            false => (0..all.values.len())
+                .filter(without)
+                .map(|k| all.values[k].to_string())
+                .collect(),
+        };
+        if missing.is_empty() && !has_any {
+            missing.extend(
+                search
+                    .fits_none(&types, &rows, &[ANY])
+                    .into_iter()
+                    .flatten(),
+            );
+        }
+        let twice =
+            (1..rows.len()).filter(|k| search.fits_none(&types, &rows[..*k], &rows[*k]).is_none());
+        let mut twice: Vec<usize> = twice.collect();
+        if search.steps > MAX_STEPS {
+            twice.clear();
+        }
+        if !missing.is_empty() {
+            let missing = listed(missing.iter().map(String::as_str));
+            let finding = Finding::new(Code::RPI2011, format!("the case {missing} is missing"))
+                .at(span, "a `match` has a case for every alternative");
+            self.report(finding);
+        }
+        for k in twice {
+            let name = &of.arms[k].pattern.name;
+            let mut before = of.arms[..k].iter().map(|arm| &arm.pattern.name);
+            if let Some(first) = before.find(|first| first.name == name.name) {
+                self.report(super::clocked::case_twice(name, first.span));
+            }
+        }
+    }
+}
+
+/// The alternatives of a type, if it has some.
+fn alternatives_of(ty: &Ty) -> Option<&Rc<EnumTy>> {
+    match ty {
+        Ty::Enum(all) => Some(all),
+        Ty::Struct(of) => match of.fields.first() {
+            Some(tag) if tag.name.as_deref() == Some(super::data::TAG) => alternatives_of(&tag.ty),
+            _ => None,
+        },
+        _ => None,
+    }
+}
+
+/// Looks for values that fit.
+struct Search<'s, 'c, 'a> {
+    body: &'s Body<'c, 'a>,
+    steps: usize,
+}
+
+impl Search<'_, '_, '_> {
+    /// Values of these types that look like `wanted` and fit none of the rows, as they are written.
+    fn fits_none(
+        &mut self,
+        types: &[Ty],
+        rows: &[Vec<&Shape>],
+        wanted: &[&Shape],
+    ) -> Option<Vec<String>> {
+        self.steps += rows.len().max(1);
+        if self.steps > MAX_STEPS {
+            return None;
+        }
+        let (Some((ty, types)), Some((first, rest))) = (types.split_first(), wanted.split_first())
+        else {
+            return rows.is_empty().then(Vec::new);
+        };
+        let is_of = |row: &Vec<&Shape>| matches!(row.first(), Some(Shape::Of(..)));
+        match (first, alternatives_of(ty)) {
+            (Shape::Of(index, parts), Some(all)) => {
+                let parts: Vec<&Shape> = parts.iter().collect();
+                self.fits_none_of((ty, all, *index), types, rows, (&parts, rest))
+            }
+            (_, Some(all)) if rows.iter().any(is_of) => (0..all.values.len()).find_map(|index| {
+                let (_, count) = self.body.parts_of_alternative(&all.values[index], index);
+                let parts = vec![ANY; count];
+                self.fits_none_of((ty, all, index), types, rows, (&parts, rest))
+            }),
+            _ => {
+                let rows = rows.iter().filter(|row| !is_of(row));
+                let rows: Vec<Vec<&Shape>> = rows.map(|row| row[1..].to_vec()).collect();
+                let mut found = self.fits_none(types, &rows, rest)?;
+                found.insert(0, "_".to_owned());
+                Some(found)
+            }
+        }
+    }
+
+    /// Likewise, where the first value is one of an alternative.
+    fn fits_none_of(
+        &mut self,
+        (ty, all, index): (&Ty, &Rc<EnumTy>, usize),
+        types: &[Ty],
+        rows: &[Vec<&Shape>],
+        (parts, rest): (&[&Shape], &[&Shape]),
+    ) -> Option<Vec<String>> {
+        let name = &all.values[index];
+        let (from, count) = self.body.parts_of_alternative(name, index);
+        let fields = ty.members().iter().skip(from).take(count);
+        let inner: Vec<Ty> = fields.map(|field| field.ty.clone()).collect();
+        let opened = rows.iter().filter_map(|row| match row.split_first()? {
+            (Shape::Any, rest) => Some([&vec![ANY; count], rest].concat()),
+            (Shape::Of(k, parts), rest) if *k == index => {
+                let parts: Vec<&Shape> = parts.iter().collect();
+                Some([&parts, rest].concat())
+            }
+            _ => None,
+        });
+        let opened: Vec<Vec<&Shape>> = opened.collect();
+        let types = [&inner, types].concat();
+        let mut found = self.fits_none(&types, &opened, &[parts, rest].concat())?;
+        let after = found.split_off(count.min(found.len()));
+        let written = match &found[..] {
+            [] => name.to_string(),
+            parts => format!("{name}({})", parts.join(", ")),
+        };
+        Some([vec![written], after].concat())
+    }
+}

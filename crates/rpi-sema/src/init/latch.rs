@@ -1,0 +1,134 @@
+//! What has held once: `seen = c or (false -> pre seen)` holds only if `c` holds or has held, so that what `current` keeps
+//! of a flow that is sampled by `c` has a value where `seen` holds.
+//!
+//! That a condition holds only if another holds or has held is shown by induction over the cycles: for a delay it is what
+//! held one cycle before, for all else what holds in the same one. All delays must count the same cycles: they stand in one
+//! fragment.
+
+use super::known::{Condition, Unless};
+use super::rules::Rule;
+use super::solve::Solution;
+use rpi_image::{Role, State};
+use rpi_net::{FragmentId, Input, Net, NodeId, PortRef};
+
+/// So many nodes are looked at for one answer.
+const MAX_NODES: usize = 200;
+
+/// So deep equal conditions are compared.
+const MAX_DEPTH: usize = 8;
+
+/// Whether something is known to hold for a reader where all these conditions do.
+pub(super) fn holds(
+    all: &Solution<'_>,
+    reader: NodeId,
+    unless: Unless,
+    given: &[Condition],
+) -> bool {
+    match unless {
+        Unless::Now(condition) => given.contains(&condition),
+        Unless::Since(condition) => {
+            let fragment = all.net().node(reader).fragment;
+            given.iter().any(|given| {
+                let mut search = Search {
+                    all,
+                    condition,
+                    fragment,
+                    seen: Vec::new(),
+                };
+                search.shows(*given)
+            })
+        }
+    }
+}
+
+/// Whether a choice keeps its value where it takes no other: `c`, a value, and the delay of the choice itself.
+pub(super) fn keeps_itself(net: &Net, choice: NodeId) -> bool {
+    let node = net.node(choice);
+    let otherwise = node.inputs.get(2).and_then(Input::port);
+    otherwise.is_some_and(|port| {
+        let delay = net.node(port.node);
+        let of = delay.inputs.first().and_then(Input::port);
+        delay.desc().role == Role::Delay
+            && delay.fragment == node.fragment
+            && of.is_some_and(|of| of.node == choice)
+    })
+}
+
+/// Looks for what shows that a condition holds or has held.
+struct Search<'s, 'n> {
+    all: &'s Solution<'n>,
+    condition: Condition,
+    fragment: FragmentId,
+    /// What is being shown: behind a delay it has been shown of all cycles before.
+    seen: Vec<Condition>,
+}
+
+impl Search<'_, '_> {
+    /// Whether that a flow has this value shows it.
+    fn shows(&mut self, (port, value): Condition) -> bool {
+        let (port, value) = self.all.plain(port, value);
+        if value == self.condition.1 && same(self.all.net(), port, self.condition.0, MAX_DEPTH) {
+            return true;
+        }
+        if self.seen.contains(&(port, value)) {
+            return true;
+        }
+        let net = self.all.net();
+        let node = net.node(port.node);
+        if self.seen.len() >= MAX_NODES || node.fragment != self.fragment {
+            return false;
+        }
+        self.seen.push((port, value));
+        let mark = self.seen.len();
+        let [first, second, third] = [0, 1, 2].map(|k| node.inputs.get(k));
+        let shown = match (self.all.rule_of(port.node), value) {
+            (Rule::And, true) | (Rule::Or, false) => {
+                self.input(first, value) || self.input(second, value)
+            }
+            (Rule::And, false) | (Rule::Or, true) => {
+                self.input(first, value) && self.input(second, value)
+            }
+            (Rule::Choice, _) => {
+                let decides = |search: &mut Self, holds| search.input(first, holds);
+                (self.input(second, value) || decides(self, true))
+                    && (self.input(third, value) || decides(self, false))
+            }
+            (Rule::Delay, _) => self.input(first, value),
+            _ => false,
+        };
+        if !shown {
+            // What was shown meanwhile may rest upon this.
+            self.seen.truncate(mark - 1);
+        }
+        shown
+    }
+
+    fn input(&mut self, input: Option<&Input>, value: bool) -> bool {
+        match input {
+            Some(Input::Port(port)) => self.shows((*port, value)),
+            // What never is shows everything.
+            Some(Input::Const(known)) => known.as_bool() == Some(!value),
+            _ => false,
+        }
+    }
+}
+
+/// Whether two flows always have the same value: the same flow, or the same operation on the same operands.
+fn same(net: &Net, a: PortRef, b: PortRef, depth: usize) -> bool {
+    if a == b {
+        return true;
+    }
+    let (one, other) = (net.node(a.node), net.node(b.node));
+    let alike = a.port == b.port
+        && one.prim == other.prim
+        && one.fragment == other.fragment
+        && one.desc().role == Role::Compute
+        && matches!(one.desc().state, State::None)
+        && one.params == other.params
+        && one.inputs.len() == other.inputs.len();
+    let operand = |(a, b): (&Input, &Input)| match (a, b) {
+        (Input::Port(a), Input::Port(b)) => same(net, *a, *b, depth - 1),
+        (a, b) => a == b,
+    };
+    alike && depth > 0 && one.inputs.iter().zip(&other.inputs).all(operand)
+}
