@@ -50,6 +50,33 @@ pub struct Edit {
     pub text: String,
 }
 
+impl Edit {
+    /// Whether it deletes whole lines of a text, with their ends.
+    pub(crate) fn takes_lines(&self, text: &str) -> bool {
+        let (start, end) = (self.span.start as usize, self.span.end as usize);
+        let is_start = |at: usize| at == 0 || text.as_bytes().get(at - 1) == Some(&b'\n');
+        self.text.is_empty() && start < end && is_start(start) && is_start(end)
+    }
+
+    /// Deletes whole lines instead of leaving them empty.
+    pub fn take_lines(&mut self, text: &str) {
+        let (start, end) = (self.span.start as usize, self.span.end as usize);
+        let (Some(before), Some(after)) = (text.get(..start), text.get(end..)) else {
+            return;
+        };
+        let lead = before.rfind('\n').map_or(0, |at| at + 1);
+        let Some(rest) = after.find('\n') else {
+            return;
+        };
+        let is_blank = |text: &str| text.trim().is_empty();
+        let leaves_nothing = is_blank(&before[lead..]) && is_blank(&after[..rest]);
+        if self.text.is_empty() && start < end && leaves_nothing {
+            self.span.start = lead as u32;
+            self.span.end = (end + rest + 1) as u32;
+        }
+    }
+}
+
 /// How sure a fix is.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum Applicability {

@@ -81,6 +81,8 @@ const LONGEST: u32 = 400;
 struct Region {
     span: Span,
     first_line: u32,
+    /// Whether nothing is left of them.
+    goes: bool,
 }
 
 impl Region {
@@ -88,11 +90,16 @@ impl Region {
         let text = sources.text(edit.span.file);
         let (start, end) = sources.clamp(edit.span);
         let start = text[..start].rfind('\n').map_or(0, |at| at + 1);
-        let end = text[end..].find('\n').map_or(text.len(), |at| end + at);
+        let whole = edit.takes_lines(text);
+        let end = match whole {
+            true => end - 1,
+            false => text[end..].find('\n').map_or(text.len(), |at| end + at),
+        };
         let span = Span::new(edit.span.file, start as u32, end as u32);
         Region {
             span,
             first_line: sources.line_col(span).line,
+            goes: whole,
         }
     }
 
@@ -113,7 +120,9 @@ impl Region {
         if lost {
             out.push_str(&self.lines(old, '-', "31", style));
         }
-        out.push_str(&self.lines(&new, '+', "32", style));
+        if !self.goes {
+            out.push_str(&self.lines(&new, '+', "32", style));
+        }
         out
     }
 

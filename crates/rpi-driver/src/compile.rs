@@ -112,6 +112,7 @@ fn program(input: &Input, text: &str, asked: Asked) -> Result<Compiled, InputErr
     built.findings.extend(links);
     let mut findings = built.findings;
     crate::fixes::of_the_program(&mut findings, &sources);
+    crate::fixes::whole_lines(&mut findings, &sources);
     Ok(Compiled {
         sources,
         findings,

@@ -64,6 +64,14 @@ pub(crate) fn of_the_program(findings: &mut [Finding], sources: &SourceMap) {
     }
 }
 
+/// Lets fixes that leave nothing of a line delete it.
+pub(crate) fn whole_lines(findings: &mut [Finding], sources: &SourceMap) {
+    let fixes = findings.iter_mut().flat_map(|finding| &mut finding.fixes);
+    for edit in fixes.flat_map(|fix| &mut fix.edits) {
+        edit.take_lines(sources.text(edit.span.file));
+    }
+}
+
 /// False where a first value cannot be written.
 fn type_fix(fix: &mut Fix, places: &Places<'_>) -> bool {
     for pair in fix.edits.chunks_mut(2) {

@@ -206,12 +206,20 @@ pub(crate) struct FmtArgs {
     /// Programs (.rpi, .lus), or folders with programs.
     #[arg(required_unless_present = "stdin")]
     pub(crate) files: Vec<PathBuf>,
-    /// Change nothing; exit with 1 if a file is not formatted.
+    /// Change nothing; show what would change, and exit with 1 if something would.
     #[arg(long)]
     pub(crate) check: bool,
     /// Read a program from standard input and write it to standard output.
     #[arg(long, conflicts_with_all = ["files", "check"])]
     pub(crate) stdin: bool,
+    /// What the text on standard input is called: one that ends with .lus is Lustre.
+    #[arg(
+        long,
+        value_name = "FILE",
+        requires = "stdin",
+        default_value = "stdin.rpi"
+    )]
+    pub(crate) stdin_name: String,
 }
 
 /// Options of `rpic machine`.

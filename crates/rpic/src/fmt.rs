@@ -5,6 +5,7 @@ use std::path::Path;
 
 use rpi_diag::{Format, SourceMap};
 use rpi_syntax::{Mode, format, parse};
+use similar::TextDiff;
 
 use crate::args::FmtArgs;
 use crate::check::show;
@@ -13,7 +14,7 @@ use crate::outcome::{Exit, Outcome, put};
 /// Formats each file, or standard input.
 pub(crate) fn fmt(args: &FmtArgs) -> Outcome {
     if args.stdin {
-        return stdin();
+        return stdin(&args.stdin_name);
     }
     let mut exit = Exit::Good;
     for file in &rpi_driver::files_of(&args.files)? {
@@ -21,7 +22,7 @@ pub(crate) fn fmt(args: &FmtArgs) -> Outcome {
         let text = input.text()?;
         exit = match formatted(&file.display().to_string(), text)? {
             Some(new) if new == text => exit,
-            Some(_) if args.check => not_formatted(file),
+            Some(new) if args.check => not_formatted(file, text, &new)?,
             Some(new) => {
                 put(Some(file), new.as_bytes())?;
                 exit
@@ -32,18 +33,23 @@ pub(crate) fn fmt(args: &FmtArgs) -> Outcome {
     Ok(exit)
 }
 
-fn stdin() -> Outcome {
+fn stdin(name: &str) -> Outcome {
     let mut text = String::new();
     std::io::stdin().read_to_string(&mut text)?;
-    match formatted("<stdin>.rpi", &text)? {
+    match formatted(name, &text)? {
         Some(new) => put(None, new.as_bytes()).map(|()| Exit::Good),
         None => Ok(Exit::Found),
     }
 }
 
-fn not_formatted(file: &Path) -> Exit {
+/// Shows what formatting would change.
+fn not_formatted(file: &Path, old: &str, new: &str) -> Outcome {
     eprintln!("{}: not formatted", file.display());
-    Exit::Found
+    let name = file.display().to_string();
+    let changes = TextDiff::from_lines(old, new);
+    let changes = changes.unified_diff().header(&name, &name).to_string();
+    put(None, changes.as_bytes())?;
+    Ok(Exit::Found)
 }
 
 /// The text in our style; what keeps it from being formatted is printed.

@@ -128,18 +128,34 @@ fn analyses_tell_what_they_found() {
 #[test]
 fn formatting_is_checked_done_and_done_once() {
     let (_dir, path) = file("untidy.rpi", UNTIDY);
-    assert_eq!(rpic(&["fmt", "--check", &path]).status.code(), Some(1));
+    let checked = rpic(&["fmt", "--check", &path]);
+    assert_eq!(checked.status.code(), Some(1));
     assert_eq!(std::fs::read_to_string(&path).unwrap(), UNTIDY);
+    let changes = out(&checked);
+    let first = UNTIDY.lines().next().unwrap_or_default();
+    assert!(changes.contains(&format!("\n-{first}\n")), "{changes}");
     assert_eq!(rpic(&["fmt", &path]).status.code(), Some(0));
     assert_eq!(rpic(&["fmt", "--check", &path]).status.code(), Some(0));
     let tidy = std::fs::read_to_string(&path).unwrap();
-    assert_eq!(out(&through_fmt(UNTIDY)), tidy);
+    assert_eq!(out(&through_fmt(UNTIDY, &[])), tidy);
+    for line in tidy.lines().filter(|line| !UNTIDY.contains(line)) {
+        assert!(changes.contains(&format!("\n+{line}\n")), "{changes}");
+    }
+}
+
+#[test]
+fn the_name_of_standard_input_tells_its_language() {
+    const LUSTRE: &str = "node f (x: int) returns (y: int)\nlet\n  y = x % 2;\ntel\n";
+    assert_ne!(through_fmt(LUSTRE, &[]).status.code(), Some(0));
+    let named = through_fmt(LUSTRE, &["--stdin-name", "src/old.lus"]);
+    assert!(out(&named).contains("y = x mod 2;"), "{}", err(&named));
 }
 
 /// What `rpic fmt --stdin` makes of a text.
-fn through_fmt(text: &str) -> Output {
+fn through_fmt(text: &str, options: &[&str]) -> Output {
     let mut child = Command::new(env!("CARGO_BIN_EXE_rpic"))
         .args(["fmt", "--stdin"])
+        .args(options)
         .stdin(Stdio::piped())
         .stdout(Stdio::piped())
         .spawn()

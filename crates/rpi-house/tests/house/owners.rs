@@ -47,6 +47,7 @@ const OWNERS: &[(&str, &[&str])] = &[
             "xtask",
         ],
     ),
+    ("similar", &["rpic"]),
     ("signal-hook", &["rpi"]),
     (
         "smallvec",
