@@ -25,12 +25,32 @@ enum Open {
     Bracket,
 }
 
+/// For each token whether a word that ends blocks follows in its body.
+fn closed(text: &str, lexemes: &[Lexeme]) -> Vec<bool> {
+    let mut is_closed = false;
+    let mut closed = vec![false; lexemes.len()];
+    for (at, lexeme) in lexemes.iter().enumerate().rev() {
+        match lexeme.token {
+            Token::Let | Token::Tel => is_closed = false,
+            Token::End => is_closed = true,
+            Token::Ident => {
+                let written = &text[lexeme.start as usize..lexeme.end as usize];
+                is_closed |= matches!(written, "fi" | "end");
+            }
+            _ => {}
+        }
+        closed[at] = is_closed;
+    }
+    closed
+}
+
 /// Marks the tokens.
 pub(crate) fn mark(text: &str, lexemes: &mut [Lexeme]) {
     let mut marker = Marker {
         text,
         open: Vec::new(),
         begins: false,
+        closed: closed(text, lexemes),
     };
     for at in 0..lexemes.len() {
         let marked = marker.token(lexemes, at);
@@ -43,6 +63,8 @@ struct Marker<'t> {
     open: Vec<Open>,
     /// Whether a statement may begin here.
     begins: bool,
+    /// Where a block could still be ended.
+    closed: Vec<bool>,
 }
 
 impl Marker<'_> {
@@ -77,7 +99,7 @@ impl Marker<'_> {
         match (lexemes[at].token, self.written(lexemes[at])) {
             // What goes before it may be `fi`, which was a name so far.
             (Token::Ident, "check") if !is_name => Some(Token::Check),
-            (Token::If, _) => Some(self.opens(Token::IfBlock)),
+            (Token::If, _) if self.closed[at] => Some(self.opens(Token::IfBlock)),
             (Token::When, _) => Some(self.opens(Token::WhenBlock)),
             (_, "cond") if next == Some(Token::Bar) => {
                 self.open.push(Open::Branches(Token::CondBlock));

@@ -122,7 +122,8 @@ impl Chain {
         ) = (op.grouping(), self.waiting.last())
             && other.level() == op.level()
         {
-            cx.comparisons_in_a_row(*at, span);
+            let is_order = other.is_order() && op.is_order();
+            cx.comparisons_in_a_row([*at, span], is_order.then_some(self.last.span));
         }
         if op.grouping() != Grouping::Right {
             self.apply_while(cx, |waiting| waiting.level() == op.level());

@@ -6,7 +6,7 @@ use crate::comments::Comments;
 use crate::lexer::{Lexed, Lexeme};
 use crate::name::Interner;
 use crate::phrase;
-use rpi_diag::{FileId, Finding, Span};
+use rpi_diag::{Code, FileId, Finding, Span};
 use std::cell::{Cell, RefCell};
 use std::collections::BTreeMap;
 
@@ -25,6 +25,8 @@ pub(crate) struct Context<'t> {
     findings: RefCell<Vec<Finding>>,
     /// How many faults may still be mended.
     patience: Cell<usize>,
+    /// Statements of other languages, of which all is said: their signs are not told besides.
+    foreign: RefCell<Vec<Span>>,
     /// The names that a broken phrase seems to define, by the offset where it starts.
     broken: RefCell<BTreeMap<u32, Vec<Ident>>>,
 }
@@ -41,6 +43,7 @@ impl<'t> Context<'t> {
             has_docs: lexed.comments.has_docs(),
             findings: RefCell::default(),
             patience: Cell::new(PATIENCE),
+            foreign: RefCell::default(),
             broken: RefCell::default(),
         }
     }
@@ -59,7 +62,9 @@ impl<'t> Context<'t> {
     }
 
     pub(crate) fn slice(&self, start: u32, end: u32) -> &'t str {
-        &self.text[start as usize..end as usize]
+        self.text
+            .get(start as usize..end as usize)
+            .unwrap_or_default()
     }
 
     pub(crate) fn name(&self, start: u32, end: u32) -> Name {
@@ -102,6 +107,16 @@ impl<'t> Context<'t> {
         left.is_some()
     }
 
+    pub(crate) fn swallow_signs(&self, statement: Span) {
+        self.foreign.borrow_mut().push(statement);
+    }
+
+    pub(crate) fn foreign_statements(self) -> Vec<Span> {
+        let mut foreign = self.foreign.into_inner();
+        foreign.sort_unstable_by_key(|statement| statement.start);
+        foreign
+    }
+
     pub(crate) fn set_broken(&self, start: u32, names: Vec<Ident>) {
         self.broken.borrow_mut().insert(start, names);
     }
@@ -115,8 +130,16 @@ impl<'t> Context<'t> {
             .unwrap_or_default()
     }
 
-    pub(crate) fn comparisons_in_a_row(&self, first: Span, second: Span) {
-        self.report(phrase::comparisons_in_a_row(first, second));
+    /// Two comparisons, one behind the other; `middle` is what stands between them if both could be meant. Further ones
+    /// of the same row are not told again.
+    pub(crate) fn comparisons_in_a_row(&self, signs: [Span; 2], middle: Option<Span>) {
+        let text = middle.map(|span| (span, self.slice(span.start, span.end)));
+        let mut findings = self.findings.borrow_mut();
+        let same = |last: &mut Finding| last.code == Code::RPI0009 && last.span() == signs[0];
+        match findings.pop_if(same) {
+            Some(last) => findings.push(phrase::further_comparison(last, signs[1], text)),
+            None => findings.push(phrase::comparisons_in_a_row(signs, text)),
+        }
     }
 
     /// `x when c` is an operand of something larger: Kind 2 reads that differently.

@@ -45,12 +45,13 @@ pub(crate) fn by_item(cx: &Context<'_>, lexemes: &[Lexeme]) -> Vec<Ident> {
     }
 }
 
-/// The names before the first `=` or `:`, apart from fields and what stands in brackets.
+/// The names before the first `=` or `:`, apart from fields and what stands in brackets; where neither is there, those that
+/// the phrase begins with.
 fn before_definition(cx: &Context<'_>, phrase: &[Lexeme]) -> Vec<Ident> {
     let defines = |lexeme: &Lexeme| matches!(lexeme.token, Token::Eq | Token::Colon);
     match phrase.iter().position(defines) {
         Some(end) => targets(cx, &phrase[..end]),
-        None => Vec::new(),
+        None => names_in_row(cx, phrase),
     }
 }
 

@@ -44,10 +44,41 @@ pub(crate) fn lex_skipping(file: FileId, text: &str, mode: Mode, skipped: &BTree
     words::settle(&mut lexer.out.lexemes, mode);
     words::mark_types(&mut lexer.out.lexemes);
     if mode == Mode::Lustre {
+        signs_of_c(&mut lexer);
         words::part_closing(&mut lexer.out.lexemes);
         blocks::mark(text, &mut lexer.out.lexemes);
     }
     lexer.out
+}
+
+/// Where comparisons are those of C, `&&`, `||` and `!` are, too: not those of machine integers.
+fn signs_of_c(lexer: &mut Lexer<'_>) {
+    use Token::{BitAnd, BitNot, BitOr, Let, Semi, Tel};
+    let told = |lexeme: &Lexeme, text: &str| {
+        let written = &text[lexeme.start as usize..lexeme.end as usize];
+        matches!(written, "==" | "===" | "!=" | "!==")
+    };
+    let text = lexer.text;
+    if !lexer.out.lexemes.iter().any(|lexeme| told(lexeme, text)) {
+        return;
+    }
+    let is_end = |lexeme: &Lexeme| matches!(lexeme.token, Let | Semi | Tel);
+    let is_bits = |lexeme: &&mut Lexeme| matches!(lexeme.token, BitAnd | BitNot | BitOr);
+    let mut signs = Vec::new();
+    for statement in lexer.out.lexemes.split_mut(is_end) {
+        if statement.iter().any(|lexeme| told(lexeme, text)) {
+            for lexeme in statement.iter_mut().filter(is_bits) {
+                let written = &text[lexeme.start as usize..lexeme.end as usize];
+                let Some(sign) = habits::sign(written) else {
+                    continue;
+                };
+                let span = Span::new(lexer.file, lexeme.start, lexeme.end);
+                signs.push(habits::foreign_sign(span, text, sign));
+                lexeme.token = sign.token;
+            }
+        }
+    }
+    lexer.out.findings.extend(signs);
 }
 
 /// Kind 2's implication whose right side is only computed where the left holds.
@@ -103,6 +134,7 @@ impl<'t> Lexer<'t> {
             let more = match result {
                 _ if comment => tokens.remainder().find('\n').unwrap_or(text.len() - end),
                 Ok(Token::NumberWord) => units::rest(tokens.remainder()),
+                Err(()) if tokens.slice() == "'" => lexical::quoted(tokens.remainder()),
                 _ => 0,
             };
             tokens.bump(more);
@@ -359,7 +391,7 @@ impl<'t> Lexer<'t> {
             return read(self, lexeme);
         }
         let finding = match lexeme.token {
-            Token::OpenComment => Some(lexical::open_comment(span)),
+            Token::OpenComment => Some(lexical::open_comment(span, self.slice(lexeme))),
             Token::SlashComment if self.mode == Mode::Rpi => {
                 Some(lexical::foreign_comment(span, 2))
             }

@@ -22,7 +22,39 @@ const LOOKALIKES: &[(char, &str)] = &[
     ('\u{00a0}', " "),
 ];
 
+/// How much of what follows a `'` belongs to a text in such quotes.
+pub(crate) fn quoted(rest: &str) -> usize {
+    let line = rest.lines().next().unwrap_or_default();
+    line.find('\'').map_or(0, |end| end + 1)
+}
+
+/// `'a'` as elsewhere.
+fn in_single_quotes(span: Span, text: &str) -> Finding {
+    let inner = text.trim_matches('\'');
+    let mut letters = inner.chars();
+    let finding = Finding::new(
+        Code::RPI0002,
+        "texts and characters do not stand in single quotes",
+    )
+    .at(span, "no part of the language");
+    match (letters.next(), letters.next()) {
+        (Some(letter), None) => finding
+            .help(format!(
+                "a character is a number here: {}; what has a name is better a value of an enum",
+                letter as u32
+            ))
+            .fix(Fix::maybe("write its number").replace(span, (letter as u32).to_string())),
+        _ => {
+            let meant = format!("\"{inner}\"");
+            finding.fix(Fix::maybe(format!("write `{meant}`")).replace(span, meant))
+        }
+    }
+}
+
 pub(crate) fn unknown(span: Span, text: &str) -> Finding {
+    if text.len() > 2 && text.starts_with('\'') && text.ends_with('\'') {
+        return in_single_quotes(span, text);
+    }
     let what = match text.chars().count() {
         1 => "unknown character",
         _ => "unknown characters",
@@ -49,14 +81,20 @@ fn meant(text: &str) -> Option<String> {
     text.chars().map(one).collect()
 }
 
-pub(crate) fn open_comment(span: Span) -> Finding {
+pub(crate) fn open_comment(span: Span, text: &str) -> Finding {
+    let close = match text.starts_with("/*") {
+        true => "*/",
+        false => "*)",
+    };
     let start = Span {
         end: span.start + 2,
         ..span
     };
     Finding::new(Code::RPI0003, "this comment has no end")
         .at(start, "begins here and runs to the end of the file")
-        .help("close it with `*)`, or write `--` for a comment that ends with its line")
+        .help(format!(
+            "close it with `{close}`, or write `--` for a comment that ends with its line"
+        ))
 }
 
 pub(crate) fn open_str(span: Span) -> Finding {

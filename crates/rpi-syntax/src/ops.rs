@@ -147,6 +147,14 @@ unary_ops! {
 }
 
 impl BinaryOp {
+    /// Whether it asks which of two is the larger one.
+    pub(crate) fn is_order(self) -> bool {
+        matches!(
+            self,
+            BinaryOp::Lt | BinaryOp::Le | BinaryOp::Gt | BinaryOp::Ge
+        )
+    }
+
     /// How it is written.
     pub fn spelling(self) -> &'static str {
         self.row().spelling

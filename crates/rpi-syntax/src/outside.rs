@@ -1,7 +1,9 @@
 //! Findings about what stands outside of any declaration.
 
+use crate::ast::Item;
 use crate::context::Context;
 use crate::lexer::Lexeme;
+use crate::mend;
 use crate::token::Token;
 use rpi_diag::{Code, Finding, Fix};
 
@@ -62,6 +64,63 @@ pub(crate) fn package(cx: &Context<'_>, word: Lexeme) -> Finding {
         "the rest of the file is skipped",
     )
     .help("write its nodes, types and constants without it")
+}
+
+/// `enum Mode { A, B }`, `struct P { x: int }`
+pub(crate) fn is_bare_type(lexemes: &[Lexeme]) -> bool {
+    use Token::{Enum, Ident, LBrace, Struct};
+    let shape: Vec<Token> = lexemes.iter().take(3).map(|lexeme| lexeme.token).collect();
+    matches!(shape[..], [Enum | Struct, Ident, LBrace])
+}
+
+/// The type that was meant; what follows it is told as well.
+pub(crate) fn bare_type(cx: &Context<'_>, lexemes: &[Lexeme], findings: &mut Vec<Finding>) -> Item {
+    let closes = |lexeme: &Lexeme| lexeme.token == Token::RBrace;
+    let end = lexemes
+        .iter()
+        .position(closes)
+        .map_or(lexemes.len(), |at| at + 1);
+    let (ty, mut rest) = lexemes.split_at(end);
+    let (word, name) = (ty[0], ty[1]);
+    let [written, named] = [word, name].map(|lexeme| cx.slice(lexeme.start, lexeme.end));
+    let head = cx.span(word.start, name.end);
+    let last = ty[ty.len() - 1];
+    let mut fix = Fix::sure(format!("write `type {named} = {written}`"))
+        .replace(head, format!("type {named} = {written}"));
+    match rest.split_first() {
+        Some((semi, others)) if semi.token == Token::Semi => rest = others,
+        _ => fix = fix.insert_after(cx.span(last.start, last.end), ";"),
+    }
+    let message = format!("a type is declared by `type {named} = {written} {{ ... }};`");
+    findings.push(
+        Finding::new(Code::RPI0010, message)
+            .at(head, "expected `type` before this")
+            .fix(fix),
+    );
+    let behind = |token, lexeme: Lexeme| Lexeme {
+        token,
+        start: lexeme.end,
+        end: lexeme.end,
+    };
+    let begin = Lexeme {
+        token: Token::Type,
+        end: word.start,
+        ..word
+    };
+    let mut meant = vec![
+        begin,
+        name,
+        behind(Token::Eq, name),
+        behind(word.token, name),
+    ];
+    meant.extend_from_slice(&ty[2..]);
+    meant.push(behind(Token::Semi, last));
+    let item = mend::item(cx, &meant, findings);
+    if let Some(first) = rest.first() {
+        let other = rest[0].token != Token::Semi;
+        findings.extend(other.then(|| stray(cx, Some(*first), rest)));
+    }
+    item
 }
 
 /// Anything else outside of declarations; `before` is what stands before it.

@@ -41,8 +41,12 @@ const MAX_ATTEMPTS: usize = 4;
 fn understood(file: FileId, text: &str, mode: Mode) -> (Lexed, Vec<Item>, Vec<Finding>) {
     let (mut skipped, mut attempt) = (BTreeSet::new(), 0);
     loop {
-        let lexed = lex_skipping(file, text, mode, &skipped);
-        let (items, found) = items(file, text, mode, &lexed);
+        let mut lexed = lex_skipping(file, text, mode, &skipped);
+        let (items, found, foreign) = items(file, text, mode, &lexed);
+        if !foreign.is_empty() {
+            let is_told = |sign: &Finding| sign.code == Code::RPI0016 && lies_in(&foreign, sign);
+            lexed.findings.retain(|sign| !is_told(sign));
+        }
         let faults = lexed.findings.iter().chain(&found);
         let faults = faults.filter(|f| f.severity() == Severity::Error);
         let faults: Vec<Span> = faults.map(Finding::span).collect();
@@ -60,6 +64,14 @@ fn understood(file: FileId, text: &str, mode: Mode) -> (Lexed, Vec<Item>, Vec<Fi
         }
         skipped.extend(strange);
     }
+}
+
+/// Whether a finding lies in one of the places, which are in text order.
+fn lies_in(places: &[Span], finding: &Finding) -> bool {
+    let at = finding.span();
+    let after = places.partition_point(|place| place.start <= at.start);
+    let place = after.checked_sub(1).map(|i| places[i]);
+    place.is_some_and(|place| at.end <= place.end)
 }
 
 /// What no whole token was made of: unknown characters, comments and texts without end.
@@ -100,7 +112,12 @@ impl Gaps<'_> {
 /// More faults of one file are not told: nobody reads them.
 const MAX_FAULTS: usize = 10_000;
 
-fn items(file: FileId, text: &str, mode: Mode, lexed: &Lexed) -> (Vec<Item>, Vec<Finding>) {
+fn items(
+    file: FileId,
+    text: &str,
+    mode: Mode,
+    lexed: &Lexed,
+) -> (Vec<Item>, Vec<Finding>, Vec<Span>) {
     let cx = Context::new(file, text, mode, lexed);
     let mut findings = Vec::new();
     let mut items = Vec::new();
@@ -112,7 +129,7 @@ fn items(file: FileId, text: &str, mode: Mode, lexed: &Lexed) -> (Vec<Item>, Vec
         }
         items.extend(item(&cx, &chunk, lexed, &mut findings));
     }
-    (items, findings)
+    (items, findings, cx.foreign_statements())
 }
 
 fn item(
@@ -138,12 +155,17 @@ fn item(
             if is_foreign && findings.len() > told {
                 // What follows the word is of that language, too: another word does not mend it.
                 findings.truncate(told);
+                let last = lexemes[lexemes.len() - 1];
+                cx.swallow_signs(cx.span(lexemes[0].start, last.end));
                 findings
                     .last_mut()
                     .into_iter()
                     .for_each(|f| f.fixes.clear());
             }
             Some(item)
+        }
+        Head::Stray if outside::is_bare_type(lexemes) => {
+            Some(outside::bare_type(cx, lexemes, findings))
         }
         Head::Misspelt(None) | Head::Stray => {
             let before = chunk.range.start.checked_sub(1).map(|i| lexed.lexemes[i]);

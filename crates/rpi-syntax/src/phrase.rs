@@ -3,11 +3,31 @@
 use crate::ast::Ident;
 use rpi_diag::{Code, Finding, Fix, Span};
 
-pub(crate) fn comparisons_in_a_row(first: Span, second: Span) -> Finding {
-    Finding::new(Code::RPI0009, "comparisons do not follow one another")
-        .at(second, "compares the result of a comparison")
-        .also(first, "the comparison before it")
-        .help("write `a < b and b < c`, or set parentheses")
+/// `a < b < c`; `middle` is the place and text of `b`.
+pub(crate) fn comparisons_in_a_row(signs: [Span; 2], middle: Option<(Span, &str)>) -> Finding {
+    let finding = Finding::new(Code::RPI0009, "comparisons do not follow one another")
+        .at(signs[1], "compares the result of a comparison")
+        .also(signs[0], "the comparison before it");
+    let finding = finding.help("write `a < b and b < c`, or set parentheses");
+    match middle {
+        Some((span, text)) => {
+            let fix = Fix::maybe("join them by `and`");
+            finding.fix(fix.insert_after(span, format!(" and {text}")))
+        }
+        None => finding,
+    }
+}
+
+/// One more comparison in the row, whose sign is the one that is told.
+pub(crate) fn further_comparison(
+    mut last: Finding,
+    sign: Span,
+    middle: Option<(Span, &str)>,
+) -> Finding {
+    let fix = last.fixes.pop().zip(middle);
+    let told = fix.map(|(fix, (span, text))| fix.insert_after(span, format!(" and {text}")));
+    last.fixes.extend(told);
+    last.also(sign, "and one more")
 }
 
 pub(crate) fn when_binds_tightly(part: Span) -> Finding {

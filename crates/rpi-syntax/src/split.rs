@@ -5,7 +5,7 @@
 
 use crate::Mode;
 use crate::lexer::Lexeme;
-use crate::outside::foreign;
+use crate::outside::{foreign, is_bare_type};
 use crate::token::{KEYWORDS, Keyword, Place, Token};
 use rpi_diag::suggest;
 use std::ops::Range;
@@ -87,6 +87,11 @@ impl Splitter<'_> {
         if self.begins_unknown(at) || self.is_unsettled(at) {
             return Some(Head::Misspelt(self.meant(at)));
         }
+        if self.may_have_ended(at.checked_sub(1).and_then(|i| self.token_at(i)))
+            && is_bare_type(&self.lexemes[at..])
+        {
+            return Some(Head::Stray);
+        }
         let closes = matches!(self.token_at(at), Some(Token::Semi | Token::Dot));
         (self.complete && (self.chunks.is_empty() || !closes)).then_some(Head::Stray)
     }
@@ -94,7 +99,8 @@ impl Splitter<'_> {
     fn begin(&mut self, at: usize, head: Head) {
         // What stands outside of declarations is one chunk, however long.
         let outside = |head: &Head| matches!(head, Head::Stray | Head::Misspelt(None));
-        if head == Head::Stray && self.chunks.last().is_some_and(|chunk| outside(&chunk.head)) {
+        let joins = head == Head::Stray && !is_bare_type(&self.lexemes[at..]);
+        if joins && self.chunks.last().is_some_and(|chunk| outside(&chunk.head)) {
             return self.extend(at);
         }
         self.complete = outside(&head);
@@ -150,11 +156,18 @@ impl Splitter<'_> {
         begins_declaration(token)
             && outside
             && !self.continues_prefix(at)
+            && !self.is_meant_as_name(at)
             && match token {
                 Token::Fragment => self.lets == 0,
                 Token::Const => self.lets == 0 && !self.is_local(at),
                 _ => true,
             }
+    }
+
+    /// `var node: int`, `y = type + 1`: where only a name can stand, the word was taken for one.
+    fn is_meant_as_name(&self, at: usize) -> bool {
+        let next = self.token_at(at + 1);
+        !self.complete && next.is_some_and(follows_name)
     }
 
     /// `node` after `unsafe`, `extern`, `opaque` or `transparent`
@@ -259,6 +272,37 @@ pub(crate) fn begins_declaration(token: Token) -> bool {
         }
         None => false,
     }
+}
+
+/// Whether a token stands behind names, and behind no word by which a declaration begins.
+pub(crate) fn follows_name(token: Token) -> bool {
+    use Token::{
+        And, Arrow, Colon, Comma, Dot, Else, Eq, Ge, Gt, Le, Lt, Minus, Ne, Or, Plus, RBracket,
+        RParen, Semi, Slash, Star, Then,
+    };
+    matches!(
+        token,
+        And | Arrow
+            | Colon
+            | Comma
+            | Dot
+            | Else
+            | Eq
+            | Ge
+            | Gt
+            | Le
+            | Lt
+            | Minus
+            | Ne
+            | Or
+            | Plus
+            | RBracket
+            | RParen
+            | Semi
+            | Slash
+            | Star
+            | Then
+    )
 }
 
 /// Whether what begins with the word may have local declarations before its `let`.

@@ -110,6 +110,29 @@ impl<'a> Body<'_, 'a> {
         Some(self.fault_with(finding, whole))
     }
 
+    /// `Mode::Moving`
+    pub(super) fn value_by_path(&mut self, name: &Name, span: Span) -> Option<ExprId> {
+        let (of, value) = name.rsplit_once("::")?;
+        let Lookup::Found(id) = self.c.program.lookup(self.module, &of.into()) else {
+            return None;
+        };
+        if !matches!(self.c.program.decl(id).kind, DeclKind::Type(_)) {
+            return None;
+        }
+        let Ty::Enum(ty) = self.c.type_decl(id) else {
+            return None;
+        };
+        if !ty.values.iter().any(|known| known == value) {
+            let near = rpi_diag::suggest(value, ty.values.iter().map(Name::as_str));
+            let finding = no_member(&format!("the enum `{of}`"), value, span, near);
+            return Some(self.fault_with(finding, span));
+        }
+        let finding = Finding::new(Code::RPI1003, format!("`{value}` is a name by itself"))
+            .at(span, format!("`{of}` is a type, which has no parts"))
+            .fix(Fix::sure(format!("write `{value}`")).replace(span, value));
+        Some(self.fault_with(finding, span))
+    }
+
     /// The fragment in place that `inner` or `outer.inner` names.
     fn block_of(&self, expr: &ast::Expr) -> Option<BlockId> {
         let local = match (plain_name(expr), &expr.kind) {

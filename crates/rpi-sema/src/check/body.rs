@@ -13,6 +13,7 @@ use crate::ty::Ty;
 use crate::typed::{Block, BlockId, Expr, ExprId, FlowId, Kind, Unit, UnitKind};
 use rpi_diag::{Finding, Span};
 use rpi_syntax::Name;
+use std::collections::BTreeSet;
 use std::rc::Rc;
 
 /// One body while it is checked.
@@ -35,6 +36,8 @@ pub(super) struct Body<'c, 'a> {
     pub(super) broken: Vec<FlowId>,
     /// Names of flows that nothing declares, as far as that has been reported.
     pub(super) unknown: UnknownNames,
+    /// Flows that are no clocks, as far as that has been reported.
+    pub(super) no_clocks: BTreeSet<FlowId>,
     /// Whether types are being looked for: faults are reported later, when all are known.
     pub(super) inferring: bool,
     /// Which numbers tell types, where nothing else does.
@@ -97,6 +100,7 @@ impl<'c, 'a> Body<'c, 'a> {
             missing: Vec::new(),
             broken: Vec::new(),
             unknown: UnknownNames::default(),
+            no_clocks: BTreeSet::new(),
             inferring: false,
             guesses: Guess::Nothing,
             in_signature: false,

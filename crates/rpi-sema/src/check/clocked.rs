@@ -32,6 +32,9 @@ impl<'a> Body<'_, 'a> {
         };
         let ty = self.unit.flow(flow).ty.clone();
         if !matches!(ty, Ty::Bool | Ty::Unknown) {
+            if !self.inferring && !self.no_clocks.insert(flow) {
+                return None;
+            }
             let finding = Finding::new(Code::RPI2001, format!("expected `bool`, found `{ty}`"))
                 .at(
                     clock.flow.span,
@@ -61,9 +64,10 @@ impl<'a> Body<'_, 'a> {
                 None
             }
             None => {
-                let near = self.c.suggest(&name.name, self.local_names());
-                let finding = unknown("flow", &name.name, name.span, near);
-                self.report(finding);
+                if self.is_new_unknown(&name.name) {
+                    let near = self.c.suggest(&name.name, self.local_names());
+                    self.report(unknown("flow", &name.name, name.span, near));
+                }
                 None
             }
         }
@@ -111,14 +115,16 @@ impl<'a> Body<'_, 'a> {
     pub(super) fn merge(&mut self, merge: &'a Merge, span: Span) -> ExprId {
         self.unit.has_clocks = true;
         let on = self.expr(&merge.on);
-        let of = self.ty_of(on).clone();
+        let of = self.chosen_by(on);
         let mut cases: Vec<(u32, ExprId)> = Vec::new();
         let mut first: Map<u32, Span> = Map::default();
-        let mut ty = Ty::Unknown;
+        let (mut ty, mut known) = (Ty::Unknown, true);
         for case in &merge.cases {
             let mut then = self.expr(&case.then);
             ty = self.case_type(ty, &cases, then);
-            if let Some(value) = self.case_value(&of, &case.value) {
+            let value = self.case_value(&of, &case.value);
+            known &= value.is_some();
+            if let Some(value) = value {
                 then = self.activated_by(on, value, then);
                 match first.get(&value) {
                     Some(first) => self.report(case_twice(&case.value, *first)),
@@ -129,9 +135,28 @@ impl<'a> Body<'_, 'a> {
                 }
             }
         }
-        self.all_cases(&of, &cases, span);
+        // A case that is not known may be the one that is missing.
+        if known {
+            self.all_cases(&of, &cases, span);
+        }
         let cases = cases.into();
         self.add(Kind::Merge { on, cases }, ty, span)
+    }
+
+    /// The type of what a `merge` chooses by; unknown if that is nothing to choose by, which is told once.
+    fn chosen_by(&mut self, on: ExprId) -> Ty {
+        let ty = self.ty_of(on).clone();
+        if matches!(ty, Ty::Bool | Ty::Enum(_) | Ty::Unknown) {
+            return ty;
+        }
+        if let Kind::Flow(flow) = self.unit.expr(on).kind {
+            self.no_clocks.insert(flow);
+        }
+        let message = format!("a `merge` chooses by a Boolean or an enum, not by `{ty}`");
+        let finding =
+            Finding::new(Code::RPI2006, message).at(self.span_of(on), format!("this is `{ty}`"));
+        self.report(finding.help("a value by a number is `if n = 0 then a else b`"));
+        Ty::Unknown
     }
 
     fn case_type(&mut self, so_far: Ty, cases: &[(u32, ExprId)], then: ExprId) -> Ty {

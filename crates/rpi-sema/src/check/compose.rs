@@ -78,7 +78,20 @@ impl<'a> Body<'_, 'a> {
 
     /// A size: a constant integer from 0 on.
     pub(super) fn size(&mut self, size: &'a ast::Expr) -> Option<u32> {
-        let value = self.integer(size)?;
+        let told = self.findings.len();
+        let Some(value) = self.integer(size) else {
+            // Another type has no way to be converted here.
+            for finding in self.findings.iter_mut().skip(told) {
+                if finding.code == Code::RPI2001 && finding.span() == size.span {
+                    finding.fixes.clear();
+                    finding.help = vec![
+                        "the size of an array is a constant integer; a power is written `x ** 2.0`"
+                            .to_owned(),
+                    ];
+                }
+            }
+            return None;
+        };
         if (0..=MAX_LENGTH).contains(&value) {
             return u32::try_from(value).ok();
         }
@@ -199,6 +212,9 @@ impl<'a> Body<'_, 'a> {
                 (Some(id), ..) => Some(id),
                 (None, Some(base), _) => {
                     Some(self.add(Kind::Part { base, at }, field.ty.clone(), span))
+                }
+                (None, None, Some(Some(default))) if default.is_empty() => {
+                    Some(self.add(Kind::Fault, field.ty.clone(), span))
                 }
                 (None, None, Some(Some(default))) => {
                     Some(self.add(Kind::Const(default.clone()), field.ty.clone(), span))

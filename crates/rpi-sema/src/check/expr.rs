@@ -6,7 +6,7 @@ use super::report::Wanted;
 use crate::ty::{Ty, join};
 use crate::typed::{Each, ExprId, Kind, Leaf};
 use crate::units::Base;
-use rpi_diag::{Code, Finding, Span};
+use rpi_diag::{Applicability, Code, Finding, Span};
 use rpi_net::prim;
 use rpi_syntax::ast::{self, Among, ExprKind, Number, Quantity};
 
@@ -158,12 +158,28 @@ impl<'a> Body<'_, 'a> {
                 let wanted =
                     Wanted::By(self.span_of(model), format!("this is `{expected}`; {why}"));
                 self.misfit(odd, &expected, &misfit, &wanted);
+                let both = self.is_number(a) && self.is_number(b);
+                if both && let (Ty::Real(_), Ty::Int) = (&expected, self.ty_of(odd)) {
+                    self.either_number();
+                    return Ty::Unknown;
+                }
                 // How long it was to be, both say otherwise.
                 match (&expected, self.ty_of(odd)) {
                     (Ty::Array(..), Ty::Array(..)) => Ty::Unknown,
                     _ => expected,
                 }
             }
+        }
+    }
+
+    /// Of `1` and `1.0` either may be what was not meant: the last finding says so.
+    fn either_number(&mut self) {
+        if let Some(finding) = self.findings.last_mut() {
+            for fix in &mut finding.fixes {
+                fix.applicability = Applicability::Maybe;
+            }
+            let other = "if integers are meant, write the other one without a point";
+            finding.help.push(other.to_owned());
         }
     }
 

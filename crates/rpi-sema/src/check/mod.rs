@@ -15,7 +15,7 @@
 //! | `sample.rs` | what needs arguments that nobody gives, checked all the same |
 //! | `bound.rs`, `quantifier.rs`, `data.rs` | names that expressions bring in: quantifiers, conditions of types, alternatives |
 //! | `expr.rs`, `names.rs`, `ops.rs`, `access.rs`, `compose.rs`, `update.rs`, `clocked.rs`, `case.rs` | expressions |
-//! | `call.rs`, `callable.rs`, `args.rs`, `applied.rs`, `prim.rs`, `predef.rs`, `special.rs`, `spatial.rs`, `parts.rs`, `iterate.rs`, `condact.rs`, `meant.rs` | calls |
+//! | `call.rs`, `callable.rs`, `args.rs`, `applied.rs`, `prim.rs`, `predef.rs`, `special.rs`, `spatial.rs`, `parts.rs`, `iterate.rs`, `condact.rs`, `meant.rs`, `misread.rs` | calls |
 //! | `task.rs` | tasks: steps, branches, results |
 //! | `nesting.rs`, `recursion.rs` | how deep declarations may need one another, and calls without end |
 //! | `dialect.rs` | where other compilers for Lustre read something else |
@@ -55,6 +55,7 @@ mod iterate;
 mod locals;
 mod matching;
 mod meant;
+mod misread;
 mod names;
 mod nesting;
 mod ops;
@@ -88,7 +89,7 @@ use crate::program::{DeclId, DeclKind, Program};
 use crate::ty::{Subst, Ty, fit};
 use crate::typed::{Flow, Leaf, Unit, UnitId};
 use header::Header;
-use rpi_diag::{Code, Finding, Severity};
+use rpi_diag::{Code, Finding, Severity, Span};
 use std::cell::Cell;
 use std::collections::{BTreeMap, BTreeSet, VecDeque};
 use std::rc::Rc;
@@ -213,6 +214,8 @@ struct Checker<'a> {
     units: Vec<Unit>,
     entries: Vec<unit::Entry>,
     too_many_units: bool,
+    /// What has been told of instances, by what they are instances of.
+    told_of_instances: BTreeSet<(DeclId, Code, Span)>,
     /// Expressions and flows of the units that have been checked.
     written_out: usize,
     /// How many there may be.
@@ -259,6 +262,7 @@ impl<'a> Checker<'a> {
             units: Vec::new(),
             entries: Vec::new(),
             too_many_units: false,
+            told_of_instances: BTreeSet::new(),
             written_out: 0,
             most: nesting::most(program),
             depth: 0,

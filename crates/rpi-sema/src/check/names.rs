@@ -185,6 +185,9 @@ impl<'a> Body<'_, 'a> {
     }
 
     fn unknown_flow(&mut self, name: &Name, span: Span) -> ExprId {
+        if let Some(value) = self.value_by_path(name, span) {
+            return value;
+        }
         if !self.is_new_unknown(name) {
             return self.fault(span);
         }

@@ -152,6 +152,9 @@ impl<'a> Body<'_, 'a> {
         if ty.is_unknown() {
             return self.add(Kind::Fault, unary_guess(op), span);
         }
+        if (op, &ty) == (UnaryOp::BitNot, &Ty::Bool) {
+            return self.bits_of_boolean(operand, span);
+        }
         if matches!(
             (op, &ty),
             (UnaryOp::ToInt, Ty::Int) | (UnaryOp::ToReal, Ty::Real(_))
@@ -221,6 +224,9 @@ impl<'a> Body<'_, 'a> {
                 }
                 if is_chained(binary) {
                     return self.add(Kind::Fault, Ty::Bool, span);
+                }
+                if let Some(meant) = self.misread(binary, [left, right], span) {
+                    return meant;
                 }
                 self.binary_prim(op, left, right, span)
             }

@@ -237,6 +237,23 @@ impl<'a> Body<'_, 'a> {
         }
     }
 
+    /// Adds to what has been told of `f<<bool>>` which parameter wants a value.
+    fn wants_value(&mut self, id: DeclId, name: &Ident, arg: &StaticArg) {
+        let of = &self.c.program.decl(id).name;
+        let what = match &arg.value {
+            StaticValue::Type(_) => "this is a type",
+            StaticValue::Op(_) => "this is an operator",
+            _ => "this is something to call",
+        };
+        let text = format!("`{}` of `{of}` is declared here", name.name);
+        if let Some(finding) = self.findings.last_mut() {
+            if let Some(label) = finding.labels.first_mut() {
+                label.text = what.to_owned();
+            }
+            *finding = finding.clone().also(name.span, text);
+        }
+    }
+
     fn too_many(&mut self, id: DeclId, count: usize, span: Span) {
         let decl = self.c.program.decl(id);
         let finding = Finding::new(
@@ -269,6 +286,7 @@ impl<'a> Body<'_, 'a> {
             }
             Param::Value(_, def) => {
                 let Some(value) = self.static_expr(arg) else {
+                    self.wants_value(id, name, arg);
                     bound.faulty = true;
                     return;
                 };

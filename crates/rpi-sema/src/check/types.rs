@@ -541,7 +541,8 @@ impl<'a> Body<'_, 'a> {
         for decl in decls {
             let default = decl.default.as_ref().and_then(|value| {
                 let ty = self.ty(&decl.ty);
-                self.constant_of(value, &ty)
+                // One that is faulty, of which that has been told, is empty.
+                Some(self.constant_of(value, &ty).unwrap_or_default())
             });
             defaults.extend(decl.names.iter().map(|_| default.clone()));
         }

@@ -235,7 +235,13 @@ impl<'a> Body<'_, 'a> {
             true => finding.also(called, text.clone()),
             false => finding,
         };
-        self.findings = findings.into_iter().map(named).collect();
+        // What is wrong at a place for one call is told once, also if it is wrong otherwise for another.
+        let told = &mut self.c.told_of_instances;
+        let is_new = |finding: &Finding| {
+            !is_error(finding) || told.insert((header.decl, finding.code, finding.span()))
+        };
+        let findings = findings.into_iter().filter(is_new).map(named);
+        self.findings = findings.collect();
     }
 
     fn check_decl(&mut self, id: DeclId) {

@@ -3,7 +3,7 @@
 use super::Clocks;
 use super::terms::{FlowTerms, Term, Terms, of};
 use crate::typed::{Activation, Each, Equation, ExprId, FlowId, FlowRole, Kind, Place, Unit};
-use rpi_diag::{Code, Finding, Span};
+use rpi_diag::{Code, Finding, Fix, Span};
 use std::collections::BTreeSet;
 
 /// The clocks of a value: one, or those of the results of a call, each with its number of leaves.
@@ -157,7 +157,8 @@ impl<'u> Inference<'u> {
             kind => {
                 let mut operands = Vec::new();
                 kind.operands(&mut |operand| operands.push(operand));
-                self.together(&operands)
+                let place = self.together(&operands);
+                self.sampled_in_part(id, &operands).unwrap_or(place)
             }
         };
         self.places[id.0 as usize] = place;
@@ -202,6 +203,32 @@ impl<'u> Inference<'u> {
                 fit
             }
         }
+    }
+
+    /// `s - 1 when c`, of which only the end is sampled, and that does not fit: the whole was meant, it seems.
+    fn sampled_in_part(&mut self, id: ExprId, operands: &[ExprId]) -> Option<Term> {
+        let (whole, last) = (self.unit.expr(id).span, *operands.last()?);
+        let part = self.unit.expr(last);
+        let Kind::When { value, .. } = part.kind else {
+            return None;
+        };
+        let is_sampled = |id: &ExprId| matches!(self.unit.expr(*id).kind, Kind::When { .. });
+        if operands[..operands.len() - 1].iter().any(is_sampled) {
+            return None;
+        }
+        let told = self.findings.last_mut()?;
+        let value = self.unit.expr(value).span;
+        if told.span() != part.span || part.span.end != whole.end || value.end > part.span.end {
+            return None;
+        }
+        let fix = Fix::maybe("sample the whole")
+            .insert_before(whole, "(")
+            .insert_after(value, ")");
+        *told = told
+            .clone()
+            .help("`when` binds before other operators: `(a - b) when c`")
+            .fix(fix);
+        Some(self.places[last.0 as usize])
     }
 
     /// What is sampled has the clock of the flow that decides, or a faster one from which that is sampled.
@@ -343,6 +370,8 @@ impl<'u> Inference<'u> {
                     self.meet(result, parent, span);
                 }
                 None if self.terms.is_open(inner) => {}
+                // What is around it has been told not to fit.
+                None if self.reported.iter().any(|told| within(span, *told)) => {}
                 None => self.report_at(span, "`current` of a flow that is not sampled".to_owned()),
             }
         }
@@ -386,6 +415,11 @@ impl<'u> Inference<'u> {
             }
         }
     }
+}
+
+/// Whether a place is part of another.
+fn within(inner: Span, outer: Span) -> bool {
+    inner.file == outer.file && outer.start <= inner.start && inner.end <= outer.end
 }
 
 /// The flow that an expression is.

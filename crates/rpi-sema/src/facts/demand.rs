@@ -2,7 +2,7 @@
 
 use super::presence::Inference;
 use super::reads::{Definition, Reads};
-use crate::typed::{Activation, Call, ExprId, Kind, Optional, Place, Shared, UnitKind};
+use crate::typed::{Activation, Call, Each, ExprId, Kind, Optional, Place, Shared, Unit, UnitKind};
 use rpi_diag::{Code, Finding, Span};
 
 /// Reports what must be present and may not be.
@@ -12,7 +12,7 @@ pub(super) fn demand(inference: &Inference<'_>, reads: &Reads<'_>, findings: &mu
     for id in (0..).map(ExprId).take(inference.unit.exprs.len()) {
         match &inference.unit.expr(id).kind {
             Kind::Call(call) => arguments(inference, call, findings),
-            Kind::Each(crate::typed::Each::Coalesce, operands) => {
+            Kind::Each(Each::Coalesce, operands) => {
                 needless(inference, id, [operands[0], operands[1]], findings);
             }
             _ => {}
@@ -73,7 +73,7 @@ fn left_open(inference: &Inference<'_>, shared: &Shared) -> Option<Finding> {
 
 fn conditions(inference: &Inference<'_>, findings: &mut Vec<Finding>) {
     let unit = inference.unit;
-    for block in &unit.blocks {
+    for (k, block) in unit.blocks.iter().enumerate() {
         let when = block
             .when
             .iter()
@@ -96,10 +96,28 @@ fn conditions(inference: &Inference<'_>, findings: &mut Vec<Finding>) {
         for (id, why) in when.chain(ends).chain(claims).chain(transitions) {
             if inference.exprs[id.0 as usize].any() {
                 let finding = inference.absent_here(id, why);
-                findings.push(finding.fix(inference.coalesced(id, "false")));
+                findings.push(match block.when == Some(id) && reads_flow_of(unit, id, k) {
+                    true => finding.help(
+                        "it can not be decided by what it computes itself; by what that was before it can: `pre F.x ?? 0`",
+                    ),
+                    false => finding.fix(inference.coalesced(id, "false")),
+                });
             }
         }
     }
+}
+
+/// Whether an expression reads what a block defines, in this very cycle.
+fn reads_flow_of(unit: &Unit, id: ExprId, block: usize) -> bool {
+    let mut open = vec![id];
+    while let Some(id) = open.pop() {
+        match &unit.expr(id).kind {
+            Kind::Flow(flow) if unit.flow(*flow).block.0 as usize == block => return true,
+            Kind::Each(Each::Pre | Each::Last, _) => {}
+            kind => kind.operands(&mut |operand| open.push(operand)),
+        }
+    }
+    false
 }
 
 fn arguments(inference: &Inference<'_>, call: &Call, findings: &mut Vec<Finding>) {

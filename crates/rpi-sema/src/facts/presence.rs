@@ -13,6 +13,7 @@ use crate::typed::{
 };
 use rpi_diag::{Code, Finding, Fix, Span};
 use rpi_image::{Need, Presence, Role};
+use std::collections::BTreeSet;
 
 /// What is known of a unit.
 #[derive(Clone, Debug, Default)]
@@ -51,13 +52,18 @@ pub fn find(units: &[Unit], sound: &[bool]) -> (Vec<Facts>, Vec<Finding>) {
             facts.push(Facts::default());
             continue;
         }
-        let (clocks, mut apart) = clocks::find(units, unit);
-        findings.append(&mut apart);
+        let (clocks, apart) = clocks::find(units, unit);
+        findings.extend(apart.iter().cloned());
         let mut inference = Inference::new(units, unit, &clocks);
         if inference.has_source() {
             let reads = Reads::new(unit);
             inference.solve(&reads);
-            super::demand::demand(&inference, &reads, &mut findings);
+            // Of what has been told to have another clock it follows that it is absent in some cycles.
+            let told: BTreeSet<Span> = apart.iter().map(Finding::span).collect();
+            let mut absent = Vec::new();
+            super::demand::demand(&inference, &reads, &mut absent);
+            absent.retain(|finding| !told.contains(&finding.span()));
+            findings.append(&mut absent);
             let (exprs, flows) = (inference.exprs, inference.flows);
             facts.push(Facts {
                 exprs,

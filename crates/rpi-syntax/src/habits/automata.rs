@@ -74,6 +74,48 @@ pub(super) fn late_unless(found: &Found<'_, '_>) -> Option<Habit> {
     Some(Habit { finding, mend })
 }
 
+/// `state S: y = x; until c then T;`
+pub(super) fn no_let(found: &Found<'_, '_>) -> Option<Habit> {
+    use Token::{Automaton, Colon, End, Eq, Ident, Initial, Let, State, Tel, Until};
+    let at = found.fault.at;
+    let before = [at.checked_sub(2), at.checked_sub(1)].map(|at| found.token(at?));
+    let begins = match before {
+        [Some(State), Some(Ident)] => found.token(at) == Some(Colon),
+        _ => false,
+    };
+    let equation = [found.token(at + 1), found.token(at + 2)] == [Some(Ident), Some(Eq)];
+    if !begins || !equation {
+        return None;
+    }
+    let ends = |token| {
+        matches!(
+            token,
+            Some(Automaton | End | Initial | State | Tel | Until) | None
+        )
+    };
+    let end = (at + 1..=found.lexemes.len()).find(|at| ends(found.token(*at)))?;
+    let finding = habit("the equations of a state stand between `let` and `tel`")
+        .at(found.span_at(at), "expected `let`");
+    if end == found.lexemes.len() || found.token(end) == Some(Automaton) {
+        let finding = finding.help("`state S let y = x; tel until c then T;`");
+        return Some(Habit {
+            finding,
+            mend: Mend::Usual,
+        });
+    }
+    let fix = Fix::maybe("write `let` and `tel`")
+        .replace(found.span_at(at), " let")
+        .insert_before(found.span_at(end), "tel ");
+    let mend = Mend::Tokens(vec![
+        found.instead(at, &[Let]),
+        found.before_token(end, Tel),
+    ]);
+    Some(Habit {
+        finding: finding.fix(fix),
+        mend,
+    })
+}
+
 /// `automaton ... state S let ... tel tel`
 pub(super) fn no_end(found: &Found<'_, '_>) -> Option<Habit> {
     use Token::{Automaton, End, Eq, Ident, State, Tel};

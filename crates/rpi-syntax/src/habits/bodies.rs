@@ -104,14 +104,19 @@ pub(super) fn returned(found: &Found<'_, '_>) -> Option<Habit> {
     let span = found.span_at(at);
     let finding = habit("an out-port gets its value by an equation")
         .at(span, "nothing returns: all equations hold at once");
+    let phrase = found.structure.phrase(at);
+    let value = found.token(at + 2) == Some(Token::Semi);
     let finding = match &outputs[..] {
+        [one] if value && found.written(at + 1) == &*one.name => {
+            let place = found.span_of(at..at + 3);
+            finding.fix(Fix::sure("delete it").replace(place, ""))
+        }
         [one] => {
             let meant = format!("{} =", one.name);
             finding.fix(Fix::sure(format!("write `{meant}`")).replace(span, meant))
         }
         _ => finding.help("write an equation for each: `y = ...;`"),
     };
-    let phrase = found.structure.phrase(at);
     Some(Habit {
         finding,
         mend: Mend::Phrase(at..phrase.end.max(at + 1), outputs),
@@ -139,68 +144,20 @@ fn outputs(found: &Found<'_, '_>) -> Vec<Ident> {
         .collect()
 }
 
-/// `if c then y = a; else y = b; end`
-pub(super) fn choice(found: &Found<'_, '_>) -> Option<Habit> {
-    let at = found.fault.at;
-    if found.token(at) != Some(Token::If) || !found.expects_equation() {
-        return None;
-    }
-    let end = block_end(found, at);
-    let finding = habit("an `if` is a value, not a statement")
-        .at(found.span_at(at), "an equation is expected here")
-        .help("each flow has one equation: `y = if c then a else b;`");
-    let finding = match one_choice(found, at..end) {
-        Some(meant) => {
-            let place = found.span_of(at..end);
-            finding.fix(Fix::maybe(format!("write `{meant}`")).replace(place, meant))
-        }
-        None => finding,
-    };
-    Some(Habit {
-        finding,
-        mend: Mend::Phrase(at..end, defined(found, at..end)),
-    })
-}
-
-/// The equation for `if c then y = a; else y = b; end`.
-fn one_choice(found: &Found<'_, '_>, range: Range<usize>) -> Option<String> {
-    use Token::{Else, Eq, Ident, Semi, Then};
-    let find = |token, from: usize| (from..range.end).find(|at| found.token(*at) == Some(token));
-    let then = find(Then, range.start)?;
-    let first_end = find(Semi, then)?;
-    let second_end = find(Semi, first_end + 1)?;
-    let name = found.written(then + 1);
-    let shape = [
-        found.token(then + 1),
-        found.token(then + 2),
-        found.token(first_end + 1),
-    ];
-    let again = [found.token(first_end + 2), found.token(first_end + 3)];
-    let fits = shape == [Some(Ident), Some(Eq), Some(Else)] && again == [Some(Ident), Some(Eq)];
-    let ends = second_end + 3 >= range.end && name == found.written(first_end + 2);
-    let values = [
-        range.start + 1..then,
-        then + 3..first_end,
-        first_end + 4..second_end,
-    ];
-    if !fits || !ends || values.iter().any(Range::is_empty) {
-        return None;
-    }
-    let [c, a, b] = values.map(|value| found.text(value));
-    Some(format!("{name} = if {c} then {a} else {b};"))
-}
-
 /// `switch (x) { case 0: y = 1; ... }`, `case x of ... end_case`
 pub(super) fn switched(found: &Found<'_, '_>) -> Option<Habit> {
     let at = found.structure.phrase(found.fault.at).start;
     let word = found.written(at).to_owned();
-    let is_word = matches!(&*word, "switch" | "case" | "select");
+    let is_word = ["switch", "case", "select"]
+        .iter()
+        .any(|other| word.eq_ignore_ascii_case(other));
     let begins = at.checked_sub(1).and_then(|at| found.token(at));
     let is_first = matches!(begins, Some(Token::Let | Token::Semi | Token::Tel));
     if !is_word || !is_first || found.token(at) != Some(Token::Ident) || at == found.fault.at {
         return None;
     }
     let end = block_end(found, at);
+    found.cx.swallow_signs(found.span_of(at..end));
     let finding = habit("a choice among values is a value, not a statement")
         .at(
             found.span_at(at),
@@ -217,12 +174,13 @@ pub(super) fn switched(found: &Found<'_, '_>) -> Option<Habit> {
 pub(super) fn repetition(found: &Found<'_, '_>) -> Option<Habit> {
     let at = found.fault.at.checked_sub(1)?;
     let word = found.written(at).to_owned();
-    if !matches!(&*word, "for" | "while" | "loop" | "foreach")
-        || found.token(at) != Some(Token::Ident)
+    let mut words = ["for", "while", "loop", "foreach"].iter();
+    if !words.any(|other| word.eq_ignore_ascii_case(other)) || found.token(at) != Some(Token::Ident)
     {
         return None;
     }
     let end = block_end(found, at);
+    found.cx.swallow_signs(found.span_of(at..end));
     let finding = habit("there are no loops")
         .at(found.span_at(at), "every equation is computed once in each cycle")
         .help("over the elements of an array work `map`, `fold` and `red`; what goes on from cycle to cycle reads its own past: `n = 0 -> pre n + 1`");
@@ -277,16 +235,17 @@ fn nameless_finding(found: &Found<'_, '_>, message: &str) -> rpi_diag::Finding {
 }
 
 /// One past the end of a block of another language: its `end`, its last brace, or before the `tel` around it.
-fn block_end(found: &Found<'_, '_>, at: usize) -> usize {
+pub(super) fn block_end(found: &Found<'_, '_>, at: usize) -> usize {
     let mut i = at;
     while let Some(token) = found.token(i) {
         let closes = matches!(
-            found.written(i),
+            &*found.written(i).to_ascii_lowercase(),
             "end"
                 | "endif"
                 | "endfor"
                 | "end_if"
                 | "end_for"
+                | "end_while"
                 | "end_case"
                 | "endcase"
                 | "endswitch"
@@ -307,11 +266,16 @@ fn block_end(found: &Found<'_, '_>, at: usize) -> usize {
 }
 
 /// The names that equations in a stretch of statements seem to define.
-fn defined(found: &Found<'_, '_>, range: Range<usize>) -> Vec<Ident> {
-    use Token::{Colon, Else, Eq, Ident as Word, LBrace, Semi, Then};
+pub(super) fn defined(found: &Found<'_, '_>, range: Range<usize>) -> Vec<Ident> {
+    use Token::{Colon, Else, Eq, Ident as Word, LBrace, RParen, Semi, Then};
     let begins = |at: usize| {
-        matches!(found.token(at), Some(Then | Else | Semi | LBrace | Colon))
-            || found.written(at) == "do"
+        let words = ["do", "then", "else"];
+        matches!(
+            found.token(at),
+            Some(Then | Else | Semi | LBrace | Colon | RParen)
+        ) || words
+            .iter()
+            .any(|word| found.written(at).eq_ignore_ascii_case(word))
     };
     let is_target = |at: &usize| {
         found.token(*at) == Some(Word) && found.token(at + 1) == Some(Eq) && begins(at - 1)

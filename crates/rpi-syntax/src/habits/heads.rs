@@ -4,6 +4,7 @@ use super::bodies::behind;
 use super::{Habit, Mend, habit};
 use crate::explain::Found;
 use crate::lexer::Lexeme;
+use crate::lexical::seems_declared;
 use crate::token::Token;
 use rpi_diag::{Code, Finding, Fix};
 
@@ -226,10 +227,19 @@ fn swapped(found: &Found<'_, '_>, ty: usize) -> Vec<Lexeme> {
 
 /// `int[3]`
 pub(super) fn size_in_brackets(found: &Found<'_, '_>) -> Option<Habit> {
-    use Token::{Hat, Int, LBracket, RBracket};
+    use Token::{BoolType, Hat, Ident, Int, IntType, LBracket, RBracket};
     let at = found.fault.at;
     let shape = [found.token(at), found.token(at + 1), found.token(at + 2)];
-    if shape != [Some(LBracket), Some(Int), Some(RBracket)] || !found.expects(Hat) {
+    let is_size = match shape {
+        [Some(LBracket), Some(Int), Some(RBracket)] => true,
+        // Behind `real` it would be a unit.
+        [Some(LBracket), Some(Ident), Some(RBracket)] => {
+            let is_type = matches!(found.token_before(), Some(BoolType | IntType));
+            is_type && seems_declared(found.cx.text, found.written(at + 1))
+        }
+        _ => false,
+    };
+    if !is_size || !found.expects(Hat) {
         return None;
     }
     let meant = format!("^{}", found.written(at + 1));

@@ -6,12 +6,14 @@
 
 mod automata;
 mod bodies;
+mod choice;
 mod endings;
 mod heads;
 mod kind2;
 mod misspelt;
 mod operators;
 mod signs;
+mod typed;
 mod updates;
 
 pub(crate) use signs::{foreign_sign, sign};
@@ -49,6 +51,7 @@ const HABITS: &[fn(&Found<'_, '_>) -> Option<Habit>] = &[
     automata::conditional,
     automata::entry,
     automata::late_unless,
+    automata::no_let,
     automata::no_end,
     endings::choice_behind,
     endings::end_for_tel,
@@ -67,6 +70,7 @@ const HABITS: &[fn(&Found<'_, '_>) -> Option<Habit>] = &[
     heads::size_in_brackets,
     heads::unit_of_int,
     operators::end_if,
+    typed::shift,
     operators::stray_bracket,
     heads::returns,
     heads::braces,
@@ -76,15 +80,23 @@ const HABITS: &[fn(&Found<'_, '_>) -> Option<Habit>] = &[
     heads::comma,
     heads::no_colon,
     heads::type_first,
+    typed::semi_in_head,
+    typed::arguments_by_semi,
+    typed::cast,
+    typed::cast_behind,
     bodies::needless_word,
+    typed::typed_word,
     bodies::late_declaration,
     bodies::compound,
     bodies::returned,
-    bodies::choice,
+    choice::choice,
     bodies::switched,
     bodies::repetition,
     bodies::nameless,
     misspelt::statement,
+    typed::typed,
+    typed::no_sign,
+    typed::assigned,
 ];
 
 /// The habit behind a token that was not accepted, if it is one.

@@ -1,0 +1,88 @@
+//! Operators that do not mean here what they mean elsewhere, or bind otherwise.
+
+use super::body::Body;
+use crate::ty::Ty;
+use crate::typed::ExprId;
+use rpi_diag::{Code, Finding, Fix, Span};
+use rpi_net::prim;
+use rpi_syntax::ast::{Binary, ExprKind};
+use rpi_syntax::ops::{BinaryOp, UnaryOp};
+
+impl Body<'_, '_> {
+    /// What an operator was meant to be, if it is none for these operands.
+    pub(super) fn misread(
+        &mut self,
+        binary: &Binary,
+        operands: [ExprId; 2],
+        span: Span,
+    ) -> Option<ExprId> {
+        self.negated_operand(binary);
+        self.bits_of_booleans(binary, operands, span)
+    }
+
+    /// `a && b` in Lustre, where the sign works on the bits of machine integers: read as the logic that is meant.
+    fn bits_of_booleans(
+        &mut self,
+        binary: &Binary,
+        operands: [ExprId; 2],
+        span: Span,
+    ) -> Option<ExprId> {
+        let (word, prim) = match binary.op {
+            BinaryOp::BitAnd => ("and", prim!("Core::BooleanAnd")),
+            BinaryOp::BitOr => ("or", prim!("Core::BooleanOr")),
+            _ => return None,
+        };
+        if operands.iter().any(|id| *self.ty_of(*id) != Ty::Bool) {
+            return None;
+        }
+        let (sign, place) = (binary.op.spelling(), binary.op_span);
+        let space = |joined| if joined { " " } else { "" };
+        let before = space(binary.lhs.span.end == place.start);
+        let after = space(binary.rhs.span.start == place.end);
+        let fix = Fix::maybe(format!("write `{word}`"));
+        let finding =
+            of_bits(sign, word, place).fix(fix.replace(place, format!("{before}{word}{after}")));
+        self.report(finding);
+        Some(self.logic(prim, &operands, span))
+    }
+
+    /// `!a` in Lustre.
+    pub(super) fn bits_of_boolean(&mut self, operand: ExprId, span: Span) -> ExprId {
+        let sign = Span {
+            end: span.start + 1,
+            ..span
+        };
+        let fix = Fix::maybe("write `not`").replace(sign, "not ");
+        self.report(of_bits("!", "not", sign).fix(fix));
+        self.logic(prim!("Core::BooleanNot"), &[operand], span)
+    }
+
+    /// `not i = j`: where the operand of `not` alone can not be negated, the comparison was meant.
+    fn negated_operand(&mut self, binary: &Binary) {
+        use BinaryOp::{Eq, Ge, Gt, Le, Lt, Ne};
+        let ExprKind::Unary(UnaryOp::Not, operand) = &binary.lhs.kind else {
+            return;
+        };
+        if !matches!(binary.op, Eq | Ge | Gt | Le | Lt | Ne) {
+            return;
+        }
+        let place = operand.span;
+        let mut told = self.findings.iter_mut().rev();
+        let told = told.find(|told| told.code == Code::RPI2006 && told.span() == place);
+        if let Some(told) = told {
+            let fix = Fix::maybe("negate the comparison")
+                .insert_before(place, "(")
+                .insert_after(binary.rhs.span, ")");
+            *told = told
+                .clone()
+                .help("`not` binds before comparisons: `not (a = b)`")
+                .fix(fix);
+        }
+    }
+}
+
+/// A sign for machine integers that stands between Booleans.
+fn of_bits(sign: &str, word: &str, span: Span) -> Finding {
+    let message = format!("for Booleans `{sign}` is written `{word}`");
+    Finding::new(Code::RPI2006, message).at(span, "works on the bits of machine integers")
+}

@@ -1,0 +1,359 @@
+//! Equations that name a type, as declarations with a first value do elsewhere, and equations without their sign.
+
+use super::{Habit, Mend, habit};
+use crate::Mode;
+use crate::explain::Found;
+use crate::lexer::Lexeme;
+use crate::token::Token;
+use rpi_diag::{Code, Finding, Fix};
+use std::ops::Range;
+
+/// `int z = 3;`, `let z: int = 3;`
+pub(super) fn typed_word(found: &Found<'_, '_>) -> Option<Habit> {
+    use Token::{BoolType, Const, IntType, Let, RealType, Var};
+    let word = found.token(found.fault.at)?;
+    let begins = matches!(word, BoolType | Const | IntType | Let | RealType | Var);
+    (begins && found.expects_equation()).then(|| typed(found))?
+}
+
+/// The same, and `z: int = 3;`, `Angle z = 3;`
+pub(super) fn typed(found: &Found<'_, '_>) -> Option<Habit> {
+    use Token::{Const, Let, Var};
+    let at = found.fault.at;
+    let phrase = match found.token(at)? {
+        Const | Let | Var if found.token(at + 1).is_some() => {
+            at..found.structure.phrase(at + 1).end
+        }
+        _ => found.structure.phrase(at),
+    };
+    if !is_statement(found, phrase.start) {
+        return None;
+    }
+    let (ty, name) = type_and_name(found, phrase.clone())?;
+    let written = found.written(name);
+    let seen = match found.cx.mode {
+        Mode::Lustre => "a type is said where a flow is declared".to_owned(),
+        Mode::Rpi => format!("`{written}` has the type of its value"),
+    };
+    let finding =
+        habit("an equation does not name the type of its flow").at(found.span_of(ty.clone()), seen);
+    let sign = (name..phrase.end).find(|at| found.token(*at) == Some(Token::Eq))?;
+    if found.cx.mode == Mode::Lustre {
+        let finding = finding.help(format!(
+            "it is declared before `let`: `var {written}: ...;`"
+        ));
+        let mend = Mend::Phrase(phrase, vec![found.ident(name)]);
+        return Some(Habit { finding, mend });
+    }
+    let place = found
+        .cx
+        .span(found.lexemes[phrase.start].start, found.lexemes[sign].end);
+    let meant = format!("{written} =");
+    let finding = finding
+        .help("or declare it before `let`, where a type may be said")
+        .fix(Fix::maybe(format!("write `{meant} ...`")).replace(place, meant));
+    let kept = vec![found.lexemes[name], found.lexemes[sign]];
+    let mend = Mend::Tokens(vec![(phrase.start..sign + 1, kept)]);
+    Some(Habit { finding, mend })
+}
+
+/// Whether a statement of a body begins at a token.
+fn is_statement(found: &Found<'_, '_>, at: usize) -> bool {
+    let before = at.checked_sub(1).and_then(|at| found.token(at));
+    let begins = matches!(before, Some(Token::Let | Token::Semi | Token::Tel));
+    begins && found.structure.is_in_block(at)
+}
+
+/// The type that a statement says, and the name of the flow.
+fn type_and_name(found: &Found<'_, '_>, phrase: Range<usize>) -> Option<(Range<usize>, usize)> {
+    use Token::{BoolType, Colon, Const, Eq, Ident, IntType, LBracket, Let, RealType, Var};
+    let start = phrase.start;
+    let first = match found.token(start)? {
+        Let | Var | Const => start + 1,
+        _ => start,
+    };
+    let shape = [found.token(first), found.token(first + 1)];
+    if shape == [Some(Ident), Some(Colon)] {
+        let sign = (first + 2..phrase.end).find(|at| found.token(*at) == Some(Eq))?;
+        return (sign > first + 2).then_some((first + 1..sign, first));
+    }
+    let end = match shape {
+        [Some(RealType), Some(LBracket)] => found.structure.partner(first + 1)? + 1,
+        [Some(BoolType | IntType | RealType | Ident), _] => first + 1,
+        _ => return None,
+    };
+    let is_foreign = end <= found.fault.at || found.token(first) != Some(Ident);
+    let named = [found.token(end), found.token(end + 1)] == [Some(Ident), Some(Eq)];
+    (named && is_foreign).then_some((first..end, end))
+}
+
+/// `y x;`, `let y 3;`, `const c: int 3;`
+pub(super) fn no_sign(found: &Found<'_, '_>) -> Option<Habit> {
+    use Token::{BoolType, Colon, Const, Eq, Ident, IntType, Let, RBracket, RealType, Semi, Tel};
+    let (word, at) = match found.token(found.fault.at)? {
+        Let if found.expects_equation() => (Some(found.fault.at), found.fault.at + 2),
+        _ => (None, found.fault.at),
+    };
+    let before = at.checked_sub(1).and_then(|at| found.token(at))?;
+    let second = at.checked_sub(2).and_then(|at| found.token(at));
+    let begins = matches!(second, Some(Colon | Const | Let | Semi | Tel));
+    let fits = match (word, before) {
+        (Some(_), _) => before == Ident,
+        (None, Ident) => found.expects(Eq) && begins,
+        (None, BoolType | IntType | RealType | RBracket) => found.expects(Eq),
+        (None, _) => false,
+    };
+    if !fits || !is_value(found, at) {
+        return None;
+    }
+    let gap = found
+        .cx
+        .span(found.lexemes[at - 1].end, found.lexemes[at].start);
+    let written = found.written(at - 1);
+    let finding = Finding::new(Code::RPI0001, format!("expected `=` after `{written}`"))
+        .at(found.span_at(at), "the value begins here");
+    let fix = Fix::maybe("insert `=`").replace(gap, " = ");
+    let mut edits = vec![found.before_token(at, Eq)];
+    let fix = match word {
+        Some(word) => {
+            edits.insert(0, (word..word + 1, Vec::new()));
+            let place = found
+                .cx
+                .span(found.lexemes[word].start, found.lexemes[word + 1].start);
+            fix.replace(place, "")
+        }
+        None => fix,
+    };
+    let mend = Mend::Tokens(edits);
+    let finding = finding.fix(fix);
+    Some(Habit { finding, mend })
+}
+
+/// `y <= x;`
+pub(super) fn assigned(found: &Found<'_, '_>) -> Option<Habit> {
+    let at = found.fault.at;
+    let name = at.checked_sub(1)?;
+    let is_sign = found.token(at) == Some(Token::Le) && found.expects(Token::Eq);
+    if !is_sign || found.token(name) != Some(Token::Ident) || !is_statement(found, name) {
+        return None;
+    }
+    let span = found.span_at(at);
+    let finding = habit("a definition is written `=`")
+        .at(span, "`<=` compares")
+        .fix(Fix::sure("write `=`").replace(span, "="));
+    let mend = Mend::Tokens(vec![found.instead(at, &[Token::Eq])]);
+    Some(Habit { finding, mend })
+}
+
+/// Whether the rest of the line is a value, as far as can be seen: no sign of definition in it, and never two names in a row.
+fn is_value(found: &Found<'_, '_>, at: usize) -> bool {
+    use Token::{Colon, Eq, False, Ident, Int, Not, Pre, Real, True};
+    let begins = |token| matches!(token, False | Ident | Int | Not | Pre | Real | True);
+    if !found.token(at).is_some_and(begins) {
+        return false;
+    }
+    let phrase = found.structure.phrase(at);
+    let value = &found.lexemes[at..phrase.end.max(at + 1).min(found.lexemes.len())];
+    let in_row = |pair: &[Lexeme]| {
+        matches!(pair[0].token, Ident | Int | Real) && matches!(pair[1].token, Ident | Int | Real)
+    };
+    let strange = value.windows(2).any(in_row)
+        || value
+            .iter()
+            .any(|lexeme| matches!(lexeme.token, Eq | Colon));
+    let last = value.last().map_or(0, |last| last.end);
+    let line = found.cx.slice(found.lexemes[at - 1].start, last);
+    !strange && !line.contains('\n')
+}
+
+/// `(int)x`
+pub(super) fn cast(found: &Found<'_, '_>) -> Option<Habit> {
+    use Token::{Ident, Int, IntType, LParen, RParen, Real, RealType};
+    let at = found.fault.at;
+    let open = at.checked_sub(2)?;
+    let ty = found.token(at - 1)?;
+    let shape = [found.token(open), found.token(at)] == [Some(LParen), Some(RParen)];
+    let value = matches!(found.token(at + 1), Some(Ident | Int | LParen | Real));
+    if !shape || !value || !matches!(ty, IntType | RealType) {
+        return None;
+    }
+    let word = found.written(at - 1);
+    let span = found.span_of(open..at + 1);
+    let finding = habit(format!("a conversion is written `{word} x`"))
+        .at(span, "no type stands in parentheses")
+        .fix(Fix::maybe(format!("write `{word}`")).replace(span, format!("{word} ")));
+    let mend = Mend::Tokens(vec![(open..at + 1, vec![found.lexemes[at - 1]])]);
+    Some(Habit { finding, mend })
+}
+
+/// `x as int`
+pub(super) fn cast_behind(found: &Found<'_, '_>) -> Option<Habit> {
+    use Token::{Ident, Int, IntType, RParen, Real, RealType};
+    let at = found.fault.at;
+    let ty = found.token(at + 1)?;
+    let last = at.checked_sub(1)?;
+    let start = match found.token(last)? {
+        Ident | Int | Real => last,
+        RParen => found.structure.partner(last)?,
+        _ => return None,
+    };
+    if found.written(at) != "as" || !matches!(ty, IntType | RealType) || !found.expects(Token::Plus)
+    {
+        return None;
+    }
+    let meant = format!("{} {}", found.written(at + 1), found.text(start..at));
+    let place = found.span_of(start..at + 2);
+    let finding = habit(format!("a conversion is written `{meant}`"))
+        .at(
+            found.span_of(at..at + 2),
+            "the type stands before its value",
+        )
+        .fix(Fix::maybe(format!("write `{meant}`")).replace(place, meant));
+    let mut tokens = vec![found.lexemes[at + 1]];
+    tokens.extend_from_slice(&found.lexemes[start..at]);
+    let mend = Mend::Tokens(vec![(start..at + 2, tokens)]);
+    Some(Habit { finding, mend })
+}
+
+/// How far behind a `<<` the fault may be found.
+const NEAR: usize = 50;
+
+/// `x << 2`, `x >> 1`
+pub(super) fn shift(found: &Found<'_, '_>) -> Option<Habit> {
+    use Token::{Ident, Int, LStatic, RParen, Star};
+    let at = found.fault.at;
+    let sign = (at.saturating_sub(NEAR)..=at)
+        .rev()
+        .find(|at| is_shift(found, *at))?;
+    let before = sign.checked_sub(1).and_then(|at| found.token(at));
+    let sides = [before, found.token(sign + 1)];
+    if !matches!(sides, [Some(Ident | Int | RParen), Some(Ident | Int)]) {
+        return None;
+    }
+    // A name would be a static argument.
+    let gap = found
+        .cx
+        .slice(found.lexemes[sign].end, found.lexemes[sign + 1].start);
+    let is_name = sides[1] == Some(Ident);
+    if found.token(at).is_none() || is_name && gap.is_empty() {
+        return None;
+    }
+    let by = if found.token(sign) == Some(LStatic) {
+        "*"
+    } else {
+        "div"
+    };
+    let finding = habit("there is no sign for shifts").at(
+        found.span_at(sign),
+        "in double angle brackets stand static parameters",
+    );
+    let amount: Option<u32> = found.written(sign + 1).parse().ok().filter(|n| *n < 63);
+    let finding = match amount {
+        Some(amount) => {
+            let meant = format!("{by} {}", 1u64 << amount);
+            let place = found.span_of(sign..sign + 2);
+            finding.fix(Fix::maybe(format!("write `{meant}`")).replace(place, meant))
+        }
+        None => finding.help("a shift by two is `x * 4` or `x div 4`"),
+    };
+    let mend = Mend::Tokens(vec![found.instead(sign, &[Star])]);
+    Some(Habit { finding, mend })
+}
+
+/// Whether a double angle bracket belongs to no other: none is there, or it is of another equation.
+fn is_shift(found: &Found<'_, '_>, at: usize) -> bool {
+    use Token::{Eq, LStatic, RStatic, Semi};
+    if !matches!(found.token(at), Some(LStatic | RStatic)) {
+        return false;
+    }
+    let Some(other) = found.structure.partner(at) else {
+        return true;
+    };
+    let between = &found.lexemes[at.min(other)..at.max(other)];
+    let has = |token| between.iter().any(|lexeme| lexeme.token == token);
+    has(Semi) && has(Eq)
+}
+
+/// `f(x; y)`
+pub(super) fn arguments_by_semi(found: &Found<'_, '_>) -> Option<Habit> {
+    use Token::{Comma, Ident, LParen, Path, RStatic, Semi};
+    let at = found.fault.at;
+    let open = found.structure.parent(at)?;
+    let before = open.checked_sub(1).and_then(|at| found.token(at));
+    let is_call =
+        found.token(open) == Some(LParen) && matches!(before, Some(Ident | Path | RStatic));
+    if found.token(at) != Some(Semi) || !is_call || !found.expects(Token::Plus) {
+        return None;
+    }
+    let close = found.structure.partner(open)?;
+    let is_semi =
+        |i: &usize| found.token(*i) == Some(Semi) && found.structure.parent(*i) == Some(open);
+    let finding = habit("the arguments of a call are kept apart by `,`")
+        .at(found.span_at(at), "`;` stands between declarations");
+    let is_type = |at: usize| {
+        found.token(at).is_some_and(is_type_word)
+            && matches!(found.token(at + 1), Some(Semi | Token::RParen))
+    };
+    if (at..close).any(is_type) {
+        let finding = finding.help("an argument is a value: `f(x, 1)`");
+        return Some(Habit {
+            finding,
+            mend: Mend::Usual,
+        });
+    }
+    let semis: Vec<usize> = (at..close).filter(is_semi).collect();
+    let fix = semis.iter().fold(Fix::sure("write `,`"), |fix, at| {
+        fix.replace(found.span_at(*at), ",")
+    });
+    let edits = semis.iter().map(|at| found.instead(*at, &[Comma]));
+    Some(Habit {
+        finding: finding.fix(fix),
+        mend: Mend::Tokens(edits.collect()),
+    })
+}
+
+/// `(x; int)`, `(x; y: int)`
+pub(super) fn semi_in_head(found: &Found<'_, '_>) -> Option<Habit> {
+    use Token::{Colon, Comma, Ident, LParen, RParen, Semi};
+    let at = found.fault.at;
+    let named =
+        found.token_before() == Some(Ident) && found.expects(Colon) && !found.expects(Token::Plus);
+    let second = at.checked_sub(2).and_then(|at| found.token(at));
+    let begins = matches!(second, Some(LParen | Semi | Comma));
+    if found.token(at) != Some(Semi) || !named || !begins {
+        return None;
+    }
+    let span = found.span_at(at);
+    let next = found.token(at + 1)?;
+    let ends = matches!(found.token(at + 2), Some(Semi | RParen));
+    let (meant, message, seen) = match next {
+        ty if is_type_word(ty) && ends => {
+            let message = format!("expected `:` after `{}`", found.written(at - 1));
+            let finding = Finding::new(Code::RPI0001, message);
+            (Colon, finding, "its type follows")
+        }
+        Ident if matches!(found.token(at + 2), Some(Colon | Comma)) => {
+            let finding = habit("names of one type are kept apart by `,`");
+            (
+                Comma,
+                finding,
+                "`;` ends a declaration, and no type has been said",
+            )
+        }
+        _ => return None,
+    };
+    let sign = meant.spelling().unwrap_or_default();
+    let finding = message
+        .at(span, seen)
+        .fix(Fix::maybe(format!("write `{sign}`")).replace(span, sign));
+    // Whether the names before it are of the type behind it is not said.
+    let mend = match meant {
+        Colon => Mend::Tokens(vec![found.instead(at, &[meant])]),
+        _ => Mend::Usual,
+    };
+    Some(Habit { finding, mend })
+}
+
+fn is_type_word(token: Token) -> bool {
+    matches!(token, Token::BoolType | Token::IntType | Token::RealType)
+}
