@@ -113,28 +113,32 @@ pub(crate) fn broken_links(
         return Vec::new();
     }
     let index = index();
-    let mut findings = Vec::new();
+    let (mut findings, mut patience) = (Vec::new(), PATIENCE);
     for line in doc_blocks(text, mode).into_iter().flatten() {
         for (range, name) in doc_links(&text[line.clone()]) {
             let offset = |at: usize| u32::try_from(line.start + at).unwrap_or(u32::MAX);
             let span = Span::new(file, offset(range.start), offset(range.end));
             if index.resolve_path(file, span.start, name).is_none() {
-                findings.push(leads_nowhere(&index, span, name));
+                findings.push(leads_nowhere(&index, span, name, &mut patience));
             }
         }
     }
     findings
 }
 
-fn leads_nowhere(index: &Index, span: Span, name: &str) -> Finding {
+/// Names that are looked at for "did you mean", all links together.
+const PATIENCE: usize = 200_000;
+
+fn leads_nowhere(index: &Index, span: Span, name: &str, patience: &mut usize) -> Finding {
     let finding = Finding::new(Code::RPI1201, format!("no declaration `{name}` to link to"))
         .at(span, "nothing of this name can be seen here");
-    let visible = index.visible(span.file, span.start);
-    let names: Vec<&str> = visible
-        .iter()
-        .map(|id| index.def(*id).name.as_str())
-        .collect();
-    match rpi_diag::suggest(name, names.into_iter()) {
+    let visible = match *patience {
+        0 => Vec::new(),
+        _ => index.visible(span.file, span.start),
+    };
+    *patience = patience.saturating_sub(visible.len());
+    let names = visible.iter().map(|id| index.def(*id).name.as_str());
+    match rpi_diag::suggest(name, names) {
         Some(near) => {
             finding.fix(rpi_diag::Fix::maybe(format!("did you mean `{near}`?")).replace(span, near))
         }

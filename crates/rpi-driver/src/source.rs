@@ -7,7 +7,7 @@ use std::path::Path;
 use rpi_diag::{Finding, Severity, SourceMap, Span};
 use rpi_net::passes::{Analysis, Machine, over_budget};
 use rpi_net::{FragmentId, Net};
-use rpi_sema::elab::{Argument, Claims, Elaborated, Room, elaborate, elaborate_steps};
+use rpi_sema::elab::{Argument, Claims, Elaborated, Room, elaborate, elaborate_steps, hides_ring};
 use rpi_sema::facts::{self, Facts};
 use rpi_sema::program::Program;
 use rpi_sema::typed::{BlockId, Kind, Unit, UnitId, UnitKind};
@@ -141,7 +141,10 @@ fn checked<T>(
         findings.append(&mut found);
     }
     if !has_errors(&findings) {
-        findings.extend(rpi_sema::needless(&program));
+        let known: BTreeSet<_> = findings.iter().map(|f| (f.code, f.span())).collect();
+        let mut more = rpi_sema::needless(&program, &checked.units);
+        more.retain(|f| !known.contains(&(f.code, f.span())));
+        findings.append(&mut more);
     }
     crate::fixes::typed(&mut findings, &checked);
     // What is only worth knowing about a library is not the business of who uses it.
@@ -288,6 +291,9 @@ pub(crate) fn analysed(
         let net = std::mem::replace(&mut made.net, Net::new(""));
         match rpi_net::passes::analyse_unless_ring(net, |_| false) {
             Ok(None) => found.extend(rings(front, unit, args)),
+            Ok(Some(_)) if made.leaves_out && front.hides_ring(unit, args) => {
+                found.extend(rings(front, unit, args));
+            }
             Ok(Some(analysis)) => {
                 front.tell(unit, &analysis, &made);
                 found.extend(analysis.findings);
@@ -312,6 +318,10 @@ impl Front<'_> {
     /// Whether a unit, with all that it needs, has been found in order so far.
     pub(crate) fn is_sound(&self, unit: UnitId) -> bool {
         self.sound[unit.0 as usize]
+    }
+
+    fn hides_ring(&self, unit: UnitId, args: &[Argument]) -> bool {
+        hides_ring(&self.checked.units, self.facts, unit, args)
     }
 
     /// Keeps what was found out about a task.

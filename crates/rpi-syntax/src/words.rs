@@ -11,6 +11,7 @@ use crate::token::{Keyword, Place, Token};
 /// names a claim into a label.
 pub(crate) fn settle(lexemes: &mut [Lexeme], mode: Mode) {
     let has_own_check = mode == Mode::Rpi && declares_node(lexemes, Token::Check);
+    let has_own_last = declares_node(lexemes, Token::Last);
     let mut in_contract = false;
     for at in 0..lexemes.len() {
         let token = lexemes[at].token;
@@ -20,6 +21,7 @@ pub(crate) fn settle(lexemes: &mut [Lexeme], mode: Mode) {
             && !word.is_reserved_in(mode)
             && !Around::new(lexemes, at).makes_keyword(word)
             && !begins_claim(lexemes, at, in_contract, has_own_check)
+            && (has_own_last || !is_last_of(lexemes, at))
         {
             lexemes[at].token = Token::Ident;
         }
@@ -31,11 +33,18 @@ pub(crate) fn settle(lexemes: &mut [Lexeme], mode: Mode) {
     }
 }
 
-/// Whether a node of the file has the word as its name.
+/// `last (x)`: no call stands there, unless the file declares what is called so.
+fn is_last_of(lexemes: &[Lexeme], at: usize) -> bool {
+    let around = Around::new(lexemes, at);
+    lexemes[at].token == Token::Last && around.after == Some(Token::LParen) && !around.is_field()
+}
+
+/// Whether something of the file that can be called has the word as its name.
 fn declares_node(lexemes: &[Lexeme], word: Token) -> bool {
-    use Token::{Function, Imported, Node};
+    use Token::{Fragment, Function, Imported, Node};
     let pairs = lexemes.windows(2);
-    let mut names = pairs.filter(|pair| matches!(pair[0].token, Node | Function | Imported));
+    let declares = |token| matches!(token, Node | Function | Fragment | Imported);
+    let mut names = pairs.filter(|pair| declares(pair[0].token));
     names.any(|pair| pair[1].token == word)
 }
 

@@ -236,3 +236,34 @@ fn a_machine_that_is_none_is_told() {
         assert!(told.contains(part), "{part} in {told}");
     }
 }
+
+/// Types know frames by their names: one name stands for one place, whichever module says where.
+#[test]
+fn frames_of_one_name_are_at_one_place() {
+    let frame = |by: &str| format!("frame table in {by};\n");
+    let pose = |x: &str| format!("base = pose({x}[m], 0[m], 0[m], 0[deg], 0[deg], 0[deg])");
+    let part = |by: &str| {
+        let uses =
+            "node put (p: Pose(x in table)) returns (q: Pose(x in table))\nlet\n  q = p;\ntel\n";
+        format!("frame base, room;\n{}{uses}", frame(by))
+    };
+    let main = |by: &str| {
+        let uses =
+            "node f (p: Pose(x in table)) returns (q: Pose(x in table))\nlet\n  q = put(p);\ntel\n";
+        format!("use part;\nframe base, room;\n{}{uses}", frame(by))
+    };
+    let said = |own: &str, other: &str| {
+        let files = folder(&[("main.rpi", &main(own)), ("part.rpi", &part(other))]);
+        let output = rpic(files.path(), &["check", "main.rpi"]);
+        text(&output.stderr)
+    };
+    assert_eq!(said(&pose("1"), &pose("1.0")), "");
+    assert_eq!(said(&pose("1"), "base"), "");
+    let poses = said(&pose("1"), &pose("2"));
+    assert!(
+        poses.contains("RPI1002") && poses.contains("is in two places"),
+        "{poses}"
+    );
+    let parents = said("base", "room");
+    assert!(parents.contains("here it is placed in `base`"), "{parents}");
+}

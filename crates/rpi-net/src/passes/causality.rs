@@ -92,7 +92,11 @@ fn finding(
     );
     let fixes = steps.iter().filter_map(|s| fix(net, s, activated));
     finding.fixes = fixes.collect();
+    let is_fragment = |e: &EdgeIndex| matches!(item(graph, *e), Some(Item::Fragment(_)));
     finding.help(match is_program(net) {
+        true if ring.iter().any(is_fragment) => {
+            "delay one step by `pre`; a fragment is one step, whatever is delayed inside of it"
+        }
         true => BREAK,
         false => "delay one step by a `Pre`; one inside a fragment breaks only rings inside it",
     })

@@ -1,23 +1,43 @@
 //! Whether a command can end (M10): some `finish` must be reachable, and every result should be. A test is told when it
 //! runs that it does not finish.
 
-use super::proof::{Background, never_true};
-use crate::net::{Driver, FragmentId, Input, Net, ResultKind, ResultPort};
+use super::proof::{Background, never_true, never_true_without};
+use crate::net::{Driver, FragmentId, Input, Net, PortRef, ResultKind, ResultPort};
 use rpi_diag::{Code, Finding};
+use rpi_image::{CommandFlow, Role};
 
 /// What is wrong with the ends of a program. Imported nets may run until they are stopped from outside.
 pub(crate) fn check(background: Background<'_>) -> Vec<Finding> {
     let Driver::Results(results) = &background.net.driver else {
         return Vec::new();
     };
-    let is_dead = |r: &&ResultPort| never(background, &r.condition);
-    let dead: Vec<&ResultPort> = results.iter().filter(is_dead).collect();
+    let dead: Vec<bool> = results
+        .iter()
+        .map(|r| never(background, &r.condition))
+        .collect();
+    let those = |wanted: bool| {
+        let all = results.iter().zip(&dead);
+        all.filter(move |(_, dead)| **dead == wanted)
+            .map(|(r, _)| r)
+    };
     let finishes = |r: &&ResultPort| r.kind == ResultKind::Finish;
     let all = results.iter().filter(finishes).count();
-    let is_endless = !background.net.is_test && dead.iter().filter(|r| finishes(r)).count() == all;
+    let is_endless = !background.net.is_test && those(true).filter(finishes).count() == all;
+    let takeover = takeover(background.net);
+    let waits = |r: &ResultPort| waits(background, r, &takeover);
+    if !is_endless && !takeover.is_empty() && those(false).filter(finishes).all(waits) {
+        let first = those(false).find(finishes);
+        return first
+            .map(|r| waiting(background.net, r))
+            .into_iter()
+            .collect();
+    }
     // That no `finish` can happen is one fault and has one message.
-    let others = dead.iter().filter(|r| !(is_endless && finishes(r)));
-    let mut findings: Vec<Finding> = others.map(|r| unreachable(r)).collect();
+    let others = those(true).filter(|r| !(is_endless && finishes(r)));
+    let mut findings: Vec<Finding> = others.map(unreachable).collect();
+    let alive = (0..results.len()).filter(|k| !dead[*k]);
+    let order = Order::new(results);
+    findings.extend(alive.filter_map(|k| Some(covered(&results[k], order.before(background, k)?))));
     if is_endless {
         findings.push(endless(background, results, all));
     }
@@ -40,12 +60,88 @@ pub(crate) fn told(net: &Net, faults: usize) -> String {
     }
 }
 
+/// Results of one kind that are looked at for whether they go before others.
+const LOOKED_AT: usize = 8;
+
+/// The results that may go before others whenever these could happen (M10.1): a `yield` does so only into a successor.
+struct Order<'r> {
+    results: &'r [ResultPort],
+    fails: Vec<usize>,
+    finishes: Vec<usize>,
+}
+
+impl<'r> Order<'r> {
+    fn new(results: &'r [ResultPort]) -> Order<'r> {
+        let of = |kind| {
+            let those = (0..results.len()).filter(|k| results[*k].kind == kind);
+            those.take(LOOKED_AT).collect()
+        };
+        Order {
+            results,
+            fails: of(ResultKind::Fail),
+            finishes: of(ResultKind::Finish),
+        }
+    }
+
+    /// The first result that goes before another one whenever this one's condition is true.
+    fn before(&self, background: Background<'_>, at: usize) -> Option<&'r ResultPort> {
+        let own = &self.results[at];
+        let is_fail = own.kind == ResultKind::Fail;
+        let fails = self
+            .fails
+            .iter()
+            .filter(|k| **k < at || (**k > at && !is_fail));
+        let finishes = self.finishes.iter().filter(|k| **k < at && !is_fail);
+        let mut others = fails.chain(finishes).map(|k| &self.results[*k]);
+        others.find(|other| match (&other.condition, &own.condition) {
+            (Input::Const(value), _) => value.as_bool() == Some(true),
+            (Input::Port(other), Input::Port(own)) => {
+                never_true_without(background, FragmentId::ROOT, *own, &[*other])
+            }
+            _ => false,
+        })
+    }
+}
+
+fn covered(result: &ResultPort, first: &ResultPort) -> Finding {
+    let message = format!("result `{}` can never happen", result.name);
+    Finding::new(Code::RPI6103, message)
+        .at(
+            result.origin.span,
+            format!("whenever this is true, `{}` goes before it", first.name),
+        )
+        .also(first.origin.span, "this is true then, too")
+        .help("`fail` goes before other results, and these in the order of the text")
+}
+
 fn never(background: Background<'_>, condition: &Input) -> bool {
     match condition {
         Input::Open => true,
         Input::Const(value) => value.as_bool() == Some(false),
         Input::Port(port) => never_true(background, FragmentId::ROOT, *port),
     }
+}
+
+/// Where it is asked whether a successor takes over.
+fn takeover(net: &Net) -> Vec<PortRef> {
+    let is_takeover = |id: &_| net.node(*id).desc().role == Role::Flow(CommandFlow::Takeover);
+    let asked = net.node_ids().filter(is_takeover);
+    asked.map(|node| PortRef { node, port: 0 }).collect()
+}
+
+/// Whether a result happens only where a successor takes over (M10.4).
+fn waits(background: Background<'_>, result: &ResultPort, takeover: &[PortRef]) -> bool {
+    result.condition.port().is_some_and(|condition| {
+        never_true_without(background, FragmentId::ROOT, condition, takeover)
+    })
+}
+
+fn waiting(net: &Net, finish: &ResultPort) -> Finding {
+    let name = &net.name;
+    let message = format!("command `{name}` can never finish without a successor");
+    Finding::new(Code::RPI6102, message)
+        .at(finish.origin.span, "this is true only with `takeover`")
+        .help("a command must be able to end without a successor: add `finish r when c`")
 }
 
 /// Whether it is told that a result can never happen: true of a command only if it is of each of its nets.

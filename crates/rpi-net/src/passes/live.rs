@@ -119,7 +119,7 @@ pub(crate) fn check(net: &Net, live: &[bool]) -> Vec<Finding> {
     dead.retain(|(span, _)| elsewhere.binary_search(span).is_err());
     let mut reported: BTreeSet<Span> = BTreeSet::new();
     dead.retain(|(span, _)| reported.insert(*span));
-    let dead = dead.into_iter().map(finding);
+    let dead = dead.into_iter().map(|(span, name)| unused(span, name));
     dead.chain(idle::check(net, live, &used)).collect()
 }
 
@@ -141,7 +141,9 @@ pub(super) fn given(net: &Net) -> impl Iterator<Item = NodeId> + '_ {
     ports.filter_map(|port| Some(port.source.port()?.node))
 }
 
-fn finding((span, name): (Span, &str)) -> Finding {
+/// The finding about a flow that nothing uses.
+#[must_use]
+pub fn unused(span: Span, name: &str) -> Finding {
     let name = without_calls(name);
     Finding::new(Code::RPI3101, format!("nothing uses `{name}`"))
         .at(span, "computed here")

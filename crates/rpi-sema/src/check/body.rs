@@ -56,6 +56,8 @@ pub(super) struct Body<'c, 'a> {
     pub(super) parts_defined: Map<Name, u32>,
     /// How many `pre` stand around what is being checked.
     pub(super) past: u32,
+    /// How often static parameters have been read.
+    pub(super) statics_read: usize,
     /// The names bound before the type of a bound variable: it does not depend on them.
     pub(super) fixed_before: Option<usize>,
     /// Whether a condition about a bound variable decides if what is being checked is computed.
@@ -110,6 +112,7 @@ impl<'c, 'a> Body<'c, 'a> {
             elements: Vec::new(),
             parts_defined: Map::default(),
             past: 0,
+            statics_read: 0,
             fixed_before: None,
             guarded: false,
             imports: Vec::new(),
@@ -209,6 +212,7 @@ impl Unit {
             inputs: Vec::new(),
             outputs: Vec::new(),
             exprs: Vec::new(),
+            chosen: Vec::new(),
             blocks: vec![Block::new(Name::from(""), None, span)],
             has_clocks: false,
             has_state: false,

@@ -203,6 +203,12 @@ impl<'a> Body<'_, 'a> {
     /// `last x`: of a flow that states share, its value in the previous cycle, whatever the state.
     pub(super) fn last(&mut self, operand: &'a ast::Expr, span: Span) -> ExprId {
         self.has_state(span);
+        if !is_name_or_field(operand) {
+            let finding = Finding::new(Code::RPI2006, "`last` takes a flow or a field of one")
+                .at(operand.span, "this is computed from others")
+                .help("write `last` before each flow that is read in it");
+            return self.fault_with(finding, span);
+        }
         self.past += 1;
         let operand = self.last_operand(operand);
         self.past -= 1;
@@ -226,6 +232,16 @@ impl<'a> Body<'_, 'a> {
             self.expect(id, &Ty::Unknown, &Wanted::Here);
         }
         id
+    }
+}
+
+/// Whether it reads a flow, or part of one.
+fn is_name_or_field(operand: &ast::Expr) -> bool {
+    match &operand.unparen().kind {
+        ast::ExprKind::Field(field) => is_name_or_field(&field.base),
+        ast::ExprKind::Index(index) => is_name_or_field(&index.base),
+        ast::ExprKind::Name(_) => true,
+        _ => false,
     }
 }
 

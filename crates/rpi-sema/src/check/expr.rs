@@ -117,17 +117,46 @@ impl<'a> Body<'_, 'a> {
         if choice.is_static {
             return self.static_choice(choice, span);
         }
+        let before = self.statics_read;
         let condition = self.condition(&choice.condition, "what stands after `if`");
+        if self.statics_read > before {
+            self.unit.chosen.push(condition);
+        }
         if let Some(taken) = self.decided(&choice.condition, condition) {
             return self.expr(if taken { &choice.yes } else { &choice.no });
         }
         let guarded = self.guarded;
         self.guarded |= self.reads_bound(&choice.condition);
+        let before = self.findings.len();
         let yes = self.expr(&choice.yes);
+        let between = self.findings.len();
         let no = self.expr(&choice.no);
         self.guarded = guarded;
+        self.forgive_untaken(condition, [before, between]);
         let ty = self.common_type(yes, no, "both branches of an `if` have one type");
         self.add(Kind::Each(Each::If, [condition, yes, no].into()), ty, span)
+    }
+
+    /// `if n = 0 then 0 else x div n`, where n is a constant: in a branch that is never taken nothing is divided.
+    fn forgive_untaken(&mut self, condition: ExprId, [before, between]: [usize; 2]) {
+        let is_of_zero = |finding: &Finding| finding.code == Code::RPI2012;
+        if !self.findings[before..].iter().any(is_of_zero) {
+            return;
+        }
+        let taken = self.fold_quietly(condition);
+        let Some(taken) = taken.and_then(|leaves| leaves.first().and_then(Leaf::as_bool)) else {
+            return;
+        };
+        let untaken = if taken {
+            between..self.findings.len()
+        } else {
+            before..between
+        };
+        let mut at = 0..self.findings.len();
+        self.findings.retain(|finding| {
+            at.next().is_none_or(|k| !untaken.contains(&k)) || !is_of_zero(finding)
+        });
+        self.made_real = self.made_real.filter(|at| *at < before);
     }
 
     /// `with c then x else y`: only the branch that is taken exists.

@@ -84,12 +84,14 @@ impl<'a> Body<'_, 'a> {
     ) -> Option<Iteration> {
         match (name, statics) {
             ("boolred", [least, most, size]) => {
-                let (least, most) = (self.static_int(least)?, self.static_int(most)?);
+                let bounds = (self.static_int(least)?, self.static_int(most)?);
+                let n = self.static_size(size)?;
+                self.can_count(bounds, n, [least, most])?;
                 Some(Iteration {
                     name,
-                    way: Way::Count(least, most),
+                    way: Way::Count(bounds.0, bounds.1),
                     callee: None,
-                    size: self.static_size(size)?,
+                    size: n,
                 })
             }
             ("map" | "red" | "fold" | "fill" | "fillred" | "mapfold", [callee, size]) => {
@@ -116,6 +118,24 @@ impl<'a> Body<'_, 'a> {
                 None
             }
         }
+    }
+
+    /// Whether `boolred` has bounds as Lustre V6 wants them.
+    fn can_count(
+        &mut self,
+        (least, most): (i64, i64),
+        n: u32,
+        args: [&StaticArg; 2],
+    ) -> Option<()> {
+        let (arg, text) = match (least, most) {
+            _ if least < 0 => (args[0], format!("{least} is less than 0")),
+            _ if most > n.into() => (args[1], format!("{most} is more than there are: {n}")),
+            _ if least > most => (args[0], format!("{least} is more than {most}")),
+            _ => return Some(()),
+        };
+        let message = "`boolred<<least; most; size>>` wants 0 <= least <= most <= size";
+        self.report(Finding::new(Code::RPI2009, message).at(arg.span, text));
+        None
     }
 
     fn static_int(&mut self, arg: &'a StaticArg) -> Option<i64> {

@@ -61,6 +61,7 @@ mod nesting;
 mod ops;
 mod order;
 mod parts;
+mod placed;
 mod predef;
 mod prim;
 mod quantifier;
@@ -151,6 +152,7 @@ pub fn check(program: &Program<'_>) -> Checked {
     for id in &program.root().decls {
         runnable.extend(checker.declaration(*id).map(|unit| (*id, unit)));
     }
+    checker.frames_are_placed();
     checker.check_queued();
     checker.check_samples();
     checker.findings.extend(recursion::check(&checker.units));

@@ -73,6 +73,7 @@ impl<'a> Body<'_, 'a> {
         }
         match self.statics.get(name) {
             Some(Static::Value(constant)) => {
+                self.statics_read += 1;
                 let constant = constant.clone();
                 return self.constant_expr(&constant, span);
             }

@@ -227,6 +227,9 @@ impl<'a> Body<'_, 'a> {
 
     pub(super) fn put_back(&mut self, mark: Mark) {
         self.unit.exprs.truncate(mark.exprs);
+        let is_kept = |id: &ExprId| (id.0 as usize) < mark.exprs;
+        let kept = self.unit.chosen.partition_point(is_kept);
+        self.unit.chosen.truncate(kept);
         self.findings.truncate(mark.findings);
         self.unknown.forget_from(mark.findings);
         self.made_real = self.made_real.filter(|at| *at < mark.findings);

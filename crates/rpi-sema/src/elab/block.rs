@@ -68,6 +68,7 @@ impl<'u> Elab<'u> {
         let fragment = self.fragment(&path, outer.fragment, activation, restart, content.span);
         self.net.fragments[fragment.0 as usize].budget_ns = content.budget_ns;
         scope.fragments[block.0 as usize] = Some(fragment);
+        self.in_place.insert(fragment);
         fragment
     }
 

@@ -237,6 +237,9 @@ impl<'u> Elab<'u> {
             true => At::fragment(self.fragment_of_unit(&mut scope, &path, at, span)),
             false => at,
         };
+        if in_fragment {
+            self.ports_enter(&mut scope, inner.fragment);
+        }
         if self.mode != Mode::Constant {
             self.body(&mut scope, inner);
         }
@@ -268,7 +271,10 @@ impl<'u> Elab<'u> {
             Restart::Never
         };
         let fragment = self.fragment(path, at.fragment, activation, restart, span);
-        self.net.fragments[fragment.0 as usize].budget_ns = root.budget_ns;
+        let made = &mut self.net.fragments[fragment.0 as usize];
+        made.budget_ns = root.budget_ns;
+        // The flow that it gives has that name itself.
+        made.origin.flow = Some(scope.unit.name.to_string());
         fragment
     }
 

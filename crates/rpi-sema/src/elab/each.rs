@@ -5,7 +5,7 @@ use super::families::{Family, member};
 use super::scope::Scope;
 use super::signal::{Signal, Wire};
 use super::{At, Elab, Mode, NotConstant};
-use crate::typed::{Each, ExprId, Kind};
+use crate::typed::{Each, ExprId, Kind, Unit};
 use rpi_diag::Span;
 use rpi_image::{Scalar, Type, Value};
 use rpi_net::prim;
@@ -67,7 +67,8 @@ impl<'u> Elab<'u> {
         span: Span,
     ) -> Signal {
         match (&first, &second) {
-            (Signal::Const(_), _) | (_, Signal::Absent) => first,
+            (Signal::Const(_), Signal::Port(_)) if self.drops(true) => first,
+            (Signal::Const(_), Signal::Const(_)) | (_, Signal::Absent) => first,
             (Signal::Absent, _) => second,
             _ => self.family(Family::Coalesce, scalar, &[first, second], at, span),
         }
@@ -87,7 +88,9 @@ impl<'u> Elab<'u> {
         let count = scalars.len();
         let condition = self.one(scope, condition, at);
         let sides = self.choice_here(&condition, at, span);
-        if let Signal::Const(value) = &condition {
+        if let Signal::Const(value) = &condition
+            && self.chooses(scope.unit, id, value)
+        {
             let [in_yes, in_no] = sides.map(|side| At { side, ..at });
             return match value.as_bool() == Some(true) {
                 true => self.wide(scope, yes, count, in_yes),
@@ -111,6 +114,18 @@ impl<'u> Elab<'u> {
             leaves.push(self.family(Family::Conditional, scalar, &inputs, at, span));
         }
         leaves.into()
+    }
+
+    /// Whether a constant condition leaves out a branch. What depends on what is a matter of the text, of which there is one
+    /// for each choice of static parameters: of a condition without these both branches count (M5).
+    fn chooses(&mut self, unit: &Unit, id: ExprId, value: &Value) -> bool {
+        let Kind::Each(_, operands) = &unit.expr(id).kind else {
+            return true;
+        };
+        let is_of_instance = unit.chosen.binary_search(&operands[0]).is_ok();
+        let left_out = operands[if value.as_bool() == Some(true) { 2 } else { 1 }];
+        let reads = !is_of_instance && reads_flows(unit, left_out);
+        is_of_instance || self.drops(reads)
     }
 
     /// For each branch the condition under which it counts, if something in it can fault.
@@ -300,4 +315,18 @@ impl<'u> Elab<'u> {
             _ => wire,
         }
     }
+}
+
+/// Whether an expression reads flows in this very cycle.
+fn reads_flows(unit: &Unit, id: ExprId) -> bool {
+    let mut open = vec![id];
+    while let Some(id) = open.pop() {
+        let kind = &unit.expr(id).kind;
+        match kind {
+            Kind::Flow(_) => return true,
+            Kind::Each(Each::Pre | Each::Last, _) => {}
+            _ => kind.operands(&mut |operand| open.push(operand)),
+        }
+    }
+    false
 }

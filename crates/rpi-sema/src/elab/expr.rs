@@ -7,7 +7,7 @@ use super::signal::{Given, Signal, Wire, nothing, single};
 use super::{At, Elab, Mode, NotConstant};
 use crate::typed::{Activation, ExprId, Kind, PrimCall};
 use rpi_diag::Span;
-use rpi_image::{ParamType, PortType, Scalar, Type, Value};
+use rpi_image::{ParamType, PortType, Role, Scalar, Type, Value};
 use rpi_net::prim;
 use rpi_prims::PrimId;
 use smallvec::SmallVec;
@@ -309,9 +309,17 @@ impl<'u> Elab<'u> {
         match (known(a), known(b)) {
             (Some(true), _) => b.clone(),
             (_, Some(true)) => a.clone(),
-            (Some(false), _) | (_, Some(false)) => Signal::Const(Value::bool(false)),
+            (Some(false), other) | (other, Some(false)) if self.drops(other.is_none()) => {
+                Signal::Const(Value::bool(false))
+            }
             _ => self.simple(prim!("Core::BooleanAnd"), &[a.clone(), b.clone()], at, span),
         }
+    }
+
+    /// Whether what a constant rules out is left out; `reads`: something that reads flows.
+    pub(super) fn drops(&mut self, reads: bool) -> bool {
+        self.leaves_out |= reads;
+        !reads || matches!(self.mode, Mode::Net | Mode::Constant)
     }
 
     /// `not present(x)` of one leaf is one primitive.
@@ -341,6 +349,14 @@ impl<'u> Elab<'u> {
         if let Some(test) = self.absent_test(scope, call, at, span) {
             return test;
         }
+        let desc = call.prim.desc();
+        let is_of_cycle = matches!(desc.role, Role::Flow(_) | Role::First)
+            && desc.inputs.is_empty()
+            && desc.params.is_empty();
+        let key = (at.fragment, call.prim);
+        if let Some(known) = self.of_cycle.get(&key).filter(|_| is_of_cycle) {
+            return known.clone();
+        }
         let mut inputs = Given::new();
         for (port, input) in call.prim.desc().inputs.iter().zip(&call.inputs) {
             inputs.push(input.map(|id| self.given(scope, id, port.ty, at)));
@@ -348,7 +364,7 @@ impl<'u> Elab<'u> {
         let Some(params) = self.params(scope, call, at, span) else {
             return nothing();
         };
-        match at
+        let wire = match at
             .guard
             .and_then(|guard| super::guarded::twin(call.prim).map(|twin| (guard, twin)))
         {
@@ -358,7 +374,11 @@ impl<'u> Elab<'u> {
                 self.prim_shaped(twin, inputs, params, at, span)
             }
             None => self.prim_shaped(call.prim, inputs, params, at, span),
+        };
+        if is_of_cycle && self.mode != Mode::Constant {
+            self.of_cycle.insert(key, wire.clone());
         }
+        wire
     }
 
     /// What an in-port is given, and as what it takes it.

@@ -18,7 +18,7 @@ impl<'u> Elab<'u> {
             State::Open => {}
         }
         match self.mode {
-            Mode::Net | Mode::Steps => {
+            Mode::Net | Mode::Whole | Mode::Steps => {
                 let wire = self.alias_wire(&scope.unit.flow(flow).ty, span);
                 *scope.state(flow) = State::Known(wire.clone());
                 wire

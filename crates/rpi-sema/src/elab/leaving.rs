@@ -49,6 +49,7 @@ impl<'u> Elab<'u> {
     fn wire_read(&mut self, scope: &mut Scope<'u>, flow: FlowId, at: At, span: Span) -> Wire {
         let wire = self.flow(scope, flow, span);
         let block = scope.unit.flow(flow).block;
+        let wire = self.read_inside(scope, block, wire, at.fragment);
         if self.mode == Mode::Constant || block == BlockId::ROOT {
             return wire;
         }
@@ -138,7 +139,7 @@ impl<'u> Elab<'u> {
         }
     }
 
-    fn is_made_in(&self, port: PortRef, fragment: FragmentId) -> bool {
+    pub(super) fn is_made_in(&self, port: PortRef, fragment: FragmentId) -> bool {
         let maker = self.net.node(port.node).fragment;
         self.net.enclosing(maker).any(|f| f == fragment)
     }

@@ -13,7 +13,7 @@
 //! | `nodes.rs`, `pack.rs`, `promise.rs` | adding nodes, folding them; arrays at ports |
 //! | `scope.rs`, `flows.rs` | one inlined unit and its flows |
 //! | `expr.rs`, `each.rs`, `guarded.rs`, `call.rs` | expressions |
-//! | `block.rs`, `claims.rs`, `automaton.rs`, `clocks.rs`, `leaving.rs` | bodies, fragments, states, sampled flows |
+//! | `block.rs`, `claims.rs`, `automaton.rs`, `clocks.rs`, `leaving.rs`, `entering.rs` | bodies, fragments, states, sampled flows |
 //! | `device.rs`, `root.rs`, `settle.rs` | devices, commands and nodes that are run, the end |
 
 mod allowance;
@@ -24,6 +24,7 @@ mod claims;
 mod clocks;
 mod device;
 mod each;
+mod entering;
 mod expr;
 mod families;
 mod flows;
@@ -42,15 +43,17 @@ mod signal;
 pub use claims::Claims;
 pub use room::{MAX_STEPS, MAX_TASKS_IN_A_ROW, Room, task_too_large};
 pub use root::{
-    Argument, Elaborated, Local, PortShape, elaborate, elaborate_alone, elaborate_steps, parameters,
+    Argument, Elaborated, Local, PortShape, elaborate, elaborate_alone, elaborate_steps,
+    hides_ring, parameters,
 };
 
 use crate::facts::Facts;
-use crate::hash::Map;
+use crate::hash::{Map, Set};
 use crate::typed::{ExprId, Leaf, Unit, UnitId};
 use rpi_diag::{Finding, Span};
 use rpi_image::Scalar;
 use rpi_net::{FragmentId, Net, PortRef, Side};
+use rpi_prims::PrimId;
 use scope::{Scope, State};
 use signal::{Signal, Wire};
 use std::rc::Rc;
@@ -112,7 +115,9 @@ fn constant_with(
 enum Mode {
     /// A net.
     Net,
-    /// A net in which every equation leaves a node of its own, even one that only passes on: what messages about rings
+    /// A net of all that the text says, branches included that a constant never chooses: what depends on what (M5).
+    Whole,
+    /// Such a net in which every equation leaves a node of its own, even one that only passes on: what messages about rings
     /// are drawn from.
     Steps,
     /// A constant.
@@ -170,10 +175,16 @@ struct Elab<'u> {
     settling: Vec<bool>,
     /// The fragments that aliases lead out of: outside their constants are there only while these are active.
     gates: Map<usize, FragmentId>,
+    /// The fragments that aliases lead into, each of which is one vertex for what is around it.
+    entries: Map<usize, FragmentId>,
+    /// The fragments that are written in place.
+    in_place: Set<FragmentId>,
     /// Arrays that stand for aliases, in the order of these.
     promises: Vec<promise::Promise>,
     /// `first` of each fragment.
     firsts: Map<FragmentId, PortRef>,
+    /// What the core gives in each cycle (`time`, `cancel`), as far as it has been read in a fragment.
+    of_cycle: Map<(FragmentId, PrimId), signal::Wire>,
     /// The fragments of clocks.
     clocks: Map<clocks::ClockKey, Vec<FragmentId>>,
     /// How what ticks by one clock lies in fragments.
@@ -197,6 +208,8 @@ struct Elab<'u> {
     findings: Vec<Finding>,
     /// Whether a claim was met.
     has_claims: bool,
+    /// Whether something was left out that only a constant rules out.
+    leaves_out: bool,
     /// What becomes of claims.
     claims: Claims,
     /// Whether it is told what is made from which place of the text.
@@ -219,9 +232,12 @@ impl<'u> Elab<'u> {
             alias_types: Vec::new(),
             settling: Vec::new(),
             gates: Map::default(),
+            entries: Map::default(),
+            in_place: Set::default(),
             promises: Vec::new(),
             top: None,
             firsts: Map::default(),
+            of_cycle: Map::default(),
             clocks: Map::default(),
             sampled: Sampled::Together,
             elements: Map::default(),
@@ -233,6 +249,7 @@ impl<'u> Elab<'u> {
             allowance: allowance::Allowance::new(),
             findings: Vec::new(),
             has_claims: false,
+            leaves_out: false,
             claims: Claims::default(),
             tells_landmarks: false,
             watched: Vec::new(),

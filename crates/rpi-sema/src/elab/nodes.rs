@@ -246,7 +246,7 @@ impl Elab<'_> {
             Mode::Constant => {
                 self.fail(NotConstant::Fault(span, what));
             }
-            Mode::Net | Mode::Steps => self
+            Mode::Net | Mode::Whole | Mode::Steps => self
                 .findings
                 .push(Finding::new(Code::RPI2010, what).at(span, "in every cycle")),
         }

@@ -61,6 +61,8 @@ pub struct Elaborated {
     pub locals: Vec<Local>,
     /// What was found on the way.
     pub findings: Vec<Finding>,
+    /// Whether a branch was left out that only a constant rules out: there may be a ring through it.
+    pub leaves_out: bool,
 }
 
 /// Makes the net of a unit. `args` are for its parameters, in order; what is missing is not known.
@@ -82,6 +84,15 @@ pub fn elaborate_steps(units: &[Unit], facts: &[Facts], id: UnitId, args: &[Argu
         .run(Mode::Steps, Sampled::Together)
         .0
         .net
+}
+
+/// Whether something depends on itself within a cycle through what only a constant rules out.
+#[must_use]
+pub fn hides_ring(units: &[Unit], facts: &[Facts], id: UnitId, args: &[Argument]) -> bool {
+    let job = Job::new(units, facts, id, args, Claims::Report);
+    let hows = [Sampled::Together, Sampled::Apart, Sampled::DelaysBeside];
+    let mut nets = hows.iter().map(|how| job.run(Mode::Whole, *how).0.net);
+    nets.all(|net| rpi_net::passes::has_ring(&net))
 }
 
 /// Makes the net of a node that runs by itself, outside of any command; its local flows can be looked at if they are
@@ -180,6 +191,7 @@ impl<'u, 'a> Job<'u, 'a> {
             has_claims: elab.has_claims,
             locals: locals.map(|(shape, port)| Local { shape, port }).collect(),
             findings: elab.findings,
+            leaves_out: elab.leaves_out,
         };
         (elaborated, !elab.clocks.is_empty())
     }

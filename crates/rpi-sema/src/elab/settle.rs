@@ -61,6 +61,7 @@ impl Elab<'_> {
         for alias in chain.into_iter().rev() {
             self.settling[alias] = false;
             seen = self.behind_gate(alias, seen);
+            seen = self.before_entry(alias, seen);
             self.aliases[alias] = Some(seen.clone());
         }
     }

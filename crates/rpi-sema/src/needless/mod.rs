@@ -4,25 +4,29 @@
 //!
 //! | file | idea |
 //! |---|---|
+//! | `flows.rs` | local flows that nothing reads |
 //! | `params.rs` | parameters and in-ports that nothing reads |
 //! | `states.rs` | states of automata to which nothing leads |
 //! | `steps.rs` | steps of tasks to which nothing leads |
 
+mod flows;
 mod params;
 mod states;
 mod steps;
 
 use crate::program::{DeclKind, Program};
+use crate::typed::Unit;
 use rpi_diag::Finding;
 use rpi_syntax::Mode;
 use rpi_syntax::ast::{Visit, Walk};
 
 /// Warnings about what the first module says and nothing in it needs.
 #[must_use]
-pub fn needless(program: &Program<'_>) -> Vec<Finding> {
+pub fn needless(program: &Program<'_>, units: &[Unit]) -> Vec<Finding> {
     let mut findings: Vec<Finding> = program.needless_uses().collect();
     // In Lustre ports are mostly those of something else: a tool wrote them, or another model has them.
     if program.root().mode == Mode::Rpi {
+        findings.extend(flows::unread(program, units));
         for id in &program.root().decls {
             let decl = program.decl(*id);
             findings.extend(params::unread(decl));

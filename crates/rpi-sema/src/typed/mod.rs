@@ -4,10 +4,12 @@
 //! the elaboration wherever they are called. Expressions lie in one table per unit and are referred to by index, so
 //! that passes keep what they find out in tables of their own beside it. This form must not know syntax or memory.
 
+mod flow;
 mod print;
 mod task;
 mod verify;
 
+pub use flow::{ClockOn, Flow, FlowRole, Optional};
 pub use print::print;
 pub use task::TaskStep;
 pub use verify::verify;
@@ -85,6 +87,8 @@ pub struct Unit {
     pub outputs: Vec<FlowId>,
     /// Its expressions.
     pub exprs: Vec<Expr>,
+    /// Conditions of its `if`s that static parameters tell: for another choice of these they may be others. In order.
+    pub chosen: Vec<ExprId>,
     /// Its body and the fragments and states in it, parents first.
     pub blocks: Vec<Block>,
     /// Whether it samples flows (`when`, `merge`, `current`).
@@ -99,60 +103,6 @@ pub struct Unit {
     pub steps: Vec<TaskStep>,
     /// How often a task repeats something, with the place of the number.
     pub counts: Vec<(Span, ExprId)>,
-}
-
-/// What a flow is for.
-#[derive(Clone, Copy, PartialEq, Eq, Debug)]
-pub enum FlowRole {
-    /// A value or device fixed when the command is loaded.
-    Param,
-    /// An in-port.
-    Input,
-    /// Taken over from the predecessor.
-    Given,
-    /// An out-port.
-    Output,
-    /// None of these.
-    Local,
-}
-
-/// When a flow or port can be absent.
-#[derive(Clone, Copy, PartialEq, Eq, Debug)]
-pub enum Optional {
-    /// As declared.
-    Declared(bool),
-    /// Found out from its equation.
-    Inferred,
-}
-
-/// A flow.
-#[derive(Clone, Debug)]
-pub struct Flow {
-    /// Its name.
-    pub name: Name,
-    /// Its type.
-    pub ty: Ty,
-    /// Whether it may be absent.
-    pub optional: Optional,
-    /// What it is for.
-    pub role: FlowRole,
-    /// The block it belongs to.
-    pub block: BlockId,
-    /// The clock that its declaration states.
-    pub clock: Option<ClockOn>,
-    /// What a port is where the caller gives nothing.
-    pub default: Option<ExprId>,
-    /// Where it is declared.
-    pub span: Span,
-}
-
-/// A clock: the cycles in which a flow has one of the values.
-#[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Debug)]
-pub struct ClockOn {
-    /// The flow that decides.
-    pub flow: FlowId,
-    /// The value: 0 or 1 for a Boolean, the place of an enum's value.
-    pub value: u32,
 }
 
 /// The body, a fragment in place, or a state of an automaton.

@@ -167,10 +167,23 @@ impl<'a> Prover<'a> {
 
 /// Whether a flow is proved never to be true, seen from a fragment that is active.
 pub(crate) fn never_true(background: Background<'_>, reader: FragmentId, port: PortRef) -> bool {
+    never_true_without(background, reader, port, &[])
+}
+
+/// The same for cycles in which some other flows of the command are false.
+pub(crate) fn never_true_without(
+    background: Background<'_>,
+    reader: FragmentId,
+    port: PortRef,
+    others: &[PortRef],
+) -> bool {
     let effort = Effort::new(EFFORT_FOR_CASES);
     let mut facts = Facts::new(background, &effort);
-    let held = facts
-        .activate(reader)
-        .and_then(|()| facts.require(reader, port, Set::TRUE));
-    held.and_then(|()| facts.propagate()).is_err()
+    let held = facts.activate(reader).and_then(|()| {
+        let mut others = others.iter();
+        others.try_for_each(|other| facts.suppose(*other, Set::FALSE))
+    });
+    held.and_then(|()| facts.require(reader, port, Set::TRUE))
+        .and_then(|()| facts.propagate())
+        .is_err()
 }

@@ -5,7 +5,7 @@ use super::facts::Contradiction;
 use super::truth::Set;
 use super::values;
 use crate::net::{Input, Net, Node, PortRef};
-use rpi_image::Value;
+use rpi_image::{Role, Scalar, Type, Value};
 use std::collections::{BTreeMap, BTreeSet};
 
 /// What comparisons say of one number.
@@ -59,6 +59,12 @@ impl Range {
         }
     }
 
+    /// Whether an integer in it can be this one only.
+    fn is_just(self, value: i64) -> bool {
+        let value = as_number(&Value::int(value));
+        value == Some(self.above) && value == Some(self.below)
+    }
+
     fn is_empty(self) -> bool {
         self.above > self.below || (self.above == self.below && (self.open.0 || self.open.1))
     }
@@ -77,7 +83,7 @@ pub(super) fn check(net: &Net, known: &BTreeMap<PortRef, Set>) -> Result<(), Con
             continue;
         };
         let range = Range {
-            is_number: holds,
+            is_number: holds || is_always_number(net, number),
             ..range
         };
         let all = ranges.entry(number).or_insert(Range::ALL);
@@ -86,15 +92,30 @@ pub(super) fn check(net: &Net, known: &BTreeMap<PortRef, Set>) -> Result<(), Con
             return Err(Contradiction);
         }
     }
-    check_excluded(net, known)
+    check_excluded(net, known, &ranges)
+}
+
+/// Whether a flow is never NaN, which is neither above anything nor below.
+fn is_always_number(net: &Net, number: PortRef) -> bool {
+    let node = net.node(number.node);
+    let is_integer = node.outputs.get(usize::from(number.port)) == Some(&Type::One(Scalar::Int));
+    is_integer || matches!(node.desc().role, Role::Flow(_))
 }
 
 /// Looks for an integer that is none of all that it can be.
-fn check_excluded(net: &Net, known: &BTreeMap<PortRef, Set>) -> Result<(), Contradiction> {
+fn check_excluded(
+    net: &Net,
+    known: &BTreeMap<PortRef, Set>,
+    ranges: &BTreeMap<PortRef, Range>,
+) -> Result<(), Contradiction> {
     let mut excluded: BTreeMap<PortRef, BTreeSet<i64>> = BTreeMap::new();
     for port in known.iter().filter(|(_, set)| **set == Set::FALSE) {
         if let Some((number, value)) = equals(net.node(port.0.node)) {
             excluded.entry(number).or_default().insert(value);
+            let is_it = |range: &Range| range.is_number && range.is_just(value);
+            if ranges.get(&number).is_some_and(is_it) {
+                return Err(Contradiction);
+            }
         }
     }
     let is_nothing = |(number, excluded): (&PortRef, &BTreeSet<i64>)| {
@@ -144,16 +165,20 @@ fn range(node: &Node, holds: bool) -> Option<(PortRef, Range)> {
         let equal = Range::from(constant - slack, false).and(Range::up_to(constant + slack, false));
         return holds.then_some((number, equal));
     }
-    compared("Greater").then(|| {
+    let or_equal = OR_EQUAL.contains(&name);
+    (or_equal || compared("Greater")).then(|| {
         let range = match (is_first, holds) {
-            (true, true) => Range::from(constant, true),
-            (true, false) => Range::up_to(constant, false),
-            (false, true) => Range::up_to(constant, true),
-            (false, false) => Range::from(constant, false),
+            (true, true) => Range::from(constant, !or_equal),
+            (true, false) => Range::up_to(constant, or_equal),
+            (false, true) => Range::up_to(constant, !or_equal),
+            (false, false) => Range::from(constant, or_equal),
         };
         (number, range)
     })
 }
+
+/// `a >= b`
+const OR_EQUAL: [&str; 2] = ["Rpi::IntGreaterOrEqual", "Rpi::DoubleGreaterOrEqual"];
 
 /// A real or an integer that a real can hold.
 fn as_number(value: &Value) -> Option<f64> {
