@@ -98,8 +98,7 @@ impl<'a> Builder<'a> {
             ExprKind::Match(of) => {
                 self.expr(scope, &of.value);
                 for arm in &of.arms {
-                    let name = &arm.pattern.name;
-                    self.name(scope, &name.name, name.span);
+                    self.name(scope, &arm.pattern.name.name, arm.pattern.name.span);
                     let parts = arm.pattern.parts.iter().flat_map(Pattern::names);
                     let names = parts.map(|name| &name.name);
                     self.with_own_names(scope, names, &arm.then);
