@@ -70,7 +70,27 @@ const CALLS: &[Row] = &[
     ("isnull", "present"),
     ("r_trig", "rising"),
     ("f_trig", "falling"),
+    ("ton", "on_delay"),
+    ("tof", "off_delay"),
+    ("tp", "pulse"),
+    ("ctu", "count_up"),
+    ("ctd", "count_down"),
 ];
+
+/// Those that take their arguments otherwise than what they are called elsewhere, or are asked for where others are just there.
+const OTHERWISE: &[&str] = &[
+    "none",
+    "on_delay",
+    "off_delay",
+    "pulse",
+    "count_up",
+    "count_down",
+];
+
+/// Whether all that differs is the name.
+pub(super) fn differs_by_name(here: &str) -> bool {
+    !OTHERWISE.contains(&here)
+}
 
 /// What a type is called here.
 pub(super) fn type_here(name: &str) -> Option<&'static str> {

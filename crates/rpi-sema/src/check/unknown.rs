@@ -65,10 +65,9 @@ impl Body<'_, '_> {
     /// Reports a name by which other languages know `here`.
     pub(super) fn other_name(&mut self, what: &str, name: &str, span: Span, here: &str) {
         let title = format!("write `{here}`");
-        // What is absent there is an ordinary value, here it is to be asked for.
-        let fix = match here {
-            "none" => Fix::maybe(title),
-            _ => Fix::sure(title),
+        let fix = match foreign::differs_by_name(here) {
+            true => Fix::sure(title),
+            false => Fix::maybe(title),
         };
         let finding = Finding::new(Code::RPI1001, format!("there is no {what} `{name}`"))
             .at(span, format!("here it is called `{here}`"))

@@ -100,8 +100,7 @@ impl<'a> Builder<'a> {
                 for arm in &of.arms {
                     self.name(scope, &arm.pattern.name.name, arm.pattern.name.span);
                     let parts = arm.pattern.parts.iter().flat_map(Pattern::names);
-                    let names = parts.map(|name| &name.name);
-                    self.with_own_names(scope, names, &arm.then);
+                    self.with_own_names(scope, parts.map(|name| &name.name), &arm.then);
                 }
             }
             ExprKind::EmptySet(types) => self.statics(scope, None, types),
