@@ -40,8 +40,12 @@ fn with(program: &Path, extension: &str) -> String {
 
 /// Runs a program's text on a table; what it printed, what it said, and how it ended.
 fn run(program: &str, table: &str, more: &[&str]) -> (String, String, Option<i32>) {
+    run_as("a.lus", program, table, more)
+}
+
+fn run_as(name: &str, program: &str, table: &str, more: &[&str]) -> (String, String, Option<i32>) {
     let folder = tempfile::tempdir().expect("a folder");
-    let (path, inputs) = (folder.path().join("a.lus"), folder.path().join("a.csv"));
+    let (path, inputs) = (folder.path().join(name), folder.path().join("a.csv"));
     std::fs::write(&path, program).expect("it is written");
     std::fs::write(&inputs, table).expect("it is written");
     let (path, inputs) = (path.display().to_string(), inputs.display().to_string());
@@ -77,6 +81,17 @@ fn local_flows_and_numbers_of_enums_are_shown_if_asked_for() {
 let n = not x; y = if n then A else B; tel\n";
     let (out, err, status) = run(program, "x\ntrue\n", &["--locals", "--numbers"]);
     assert_eq!((out.as_str(), status), ("y,n\n1,false\n", Some(0)), "{err}");
+}
+
+#[test]
+fn flows_of_a_state_are_absent_while_it_is_not_active() {
+    let program = "node a (x: bool) returns (y: int)\nlet automaton\n\
+        initial state Off let y = 0; k = 7; tel until x then On;\n\
+        state On let y = 1; tel until not x then Off;\nend tel\n";
+    let table = "x\ntrue\ntrue\nfalse\nfalse\n";
+    let (out, err, status) = run_as("a.rpi", program, table, &["--locals"]);
+    let rows = "y,k,Off.y,Off.k,On.y\n0,7,0,7,\n1,,,,1\n1,,,,1\n0,7,0,7,\n";
+    assert_eq!((out.as_str(), status), (rows, Some(0)), "{err}");
 }
 
 #[test]

@@ -34,6 +34,9 @@ pub(crate) fn compile(args: &CompileArgs) -> Outcome {
     if compiled.has_errors() {
         return Ok(Exit::Found);
     }
+    if args.emit == Some(Form::Lustre) && args.command.is_none() && compiled.nets().is_empty() {
+        return node_as_lustre(&input, args);
+    }
     let net = one(&compiled, args.command.as_deref())?;
     match args.emit {
         Some(form) => show_form(form, net, &compiled, args),
@@ -114,9 +117,10 @@ fn one<'a>(compiled: &'a Compiled, name: Option<&str>) -> Result<&'a Net, String
             format!("no command `{name}` that can be compiled by itself{near}")
         }),
         (None, [net]) => Ok(net),
-        (None, []) => {
-            Err("no command that can be compiled by itself: its parameters have no values".into())
-        }
+        (None, []) => Err(
+            "no command that can be compiled by itself, without parameters; `rpi run FILE --node NAME` runs a node, `--emit lustre --node NAME` writes it as Lustre"
+                .to_owned(),
+        ),
         (None, _) => Err(format!(
             "several commands: choose one with --command ({})",
             names().join(", ")

@@ -422,7 +422,7 @@ impl<'u> Elab<'u> {
             if declared.role != FlowRole::Local || is_device {
                 continue;
             }
-            let wire = self.flow(scope, id, declared.span);
+            let wire = self.read_flow(scope, id, At::ROOT, declared.span);
             let wire = self.off_clock_absent(scope, id, &wire, declared.span);
             let block = &unit.block(declared.block).name;
             let name = match block.as_str() {

@@ -47,6 +47,41 @@ pub(super) fn entry(found: &Found<'_, '_>) -> Option<Habit> {
     Some(Habit { finding, mend })
 }
 
+/// `until c then continue S`, `until c then resume S`
+pub(super) fn entry_twice(found: &Found<'_, '_>) -> Option<Habit> {
+    // Where it is no word of its own it was taken for the name of the state.
+    let at = found.fault.at;
+    let mut places = [at, at.saturating_sub(1)].into_iter();
+    let word = places.find(|word| second_word(found.written(*word)).is_some())?;
+    let (title, kept, token) = second_word(found.written(word))?;
+    let then = word.checked_sub(1)?;
+    let is_doubled =
+        found.token(then) == Some(Token::Then) && found.token(word + 1) == Some(Token::Ident);
+    if !is_doubled || !is_transition(found) {
+        return None;
+    }
+    let both = found.span_at(then).merge(found.span_at(word));
+    let finding = habit(
+        "the next state follows `then` alone, or `continue` alone if it goes on where it was left",
+    )
+    .at(both, "one of the two words is enough")
+    .fix(Fix::sure(title).replace(both, kept));
+    let mend = Mend::Tokens(vec![
+        found.instead(then, &[token]),
+        (word..word + 1, Vec::new()),
+    ]);
+    Some(Habit { finding, mend })
+}
+
+/// What to write for a word behind `then`, and with which title.
+fn second_word(written: &str) -> Option<(&'static str, &'static str, Token)> {
+    match written {
+        "continue" | "resume" => Some(("write `continue`", "continue", Token::Continue)),
+        "restart" | "goto" => Some(("write `then`", "then", Token::Then)),
+        _ => None,
+    }
+}
+
 /// `state S let ... tel unless c then T;`
 pub(super) fn late_unless(found: &Found<'_, '_>) -> Option<Habit> {
     let at = found.fault.at;
@@ -54,8 +89,18 @@ pub(super) fn late_unless(found: &Found<'_, '_>) -> Option<Habit> {
         return None;
     }
     let name = 1 + state_before(found, at)?;
-    let end = found.structure.phrase(at).end.max(at + 1);
-    let last = end.min(found.lexemes.len() - 1);
+    let phrase = at..found.structure.phrase(at).end.max(at + 1);
+    // A sign that is missing between the two does not make them one.
+    let mut words = at + 1..phrase.end;
+    let next = words.find(|at| matches!(found.token(*at), Some(Token::Until | Token::Unless)));
+    let (end, last, mend) = match next {
+        Some(next) => (next, next - 1, Mend::Tokens(vec![(at..next, Vec::new())])),
+        None => (
+            phrase.end,
+            phrase.end.min(found.lexemes.len() - 1),
+            Mend::Phrase(phrase, Vec::new()),
+        ),
+    };
     let old = found
         .cx
         .span(found.lexemes[at - 1].end, found.lexemes[last].end);
@@ -70,7 +115,6 @@ pub(super) fn late_unless(found: &Found<'_, '_>) -> Option<Habit> {
         )
         .also(found.span_at(name), "it belongs behind this name")
         .fix(fix);
-    let mend = Mend::Phrase(at..end, Vec::new());
     Some(Habit { finding, mend })
 }
 

@@ -50,6 +50,7 @@ const HABITS: &[fn(&Found<'_, '_>) -> Option<Habit>] = &[
     operators::else_if,
     automata::conditional,
     automata::entry,
+    automata::entry_twice,
     automata::late_unless,
     automata::no_let,
     automata::no_end,
