@@ -139,6 +139,7 @@ codes! {
     RPI4003 Error "assumption about what it allows";
     RPI5001 Error "`pre` without a first value";
     RPI5002 Error "`current` before the first tick";
+    RPI5003 Warning "claim about a value that is not there";
     RPI6001 Error "device port used the wrong way";
     RPI6002 Error "actuator defined twice";
     RPI6101 Error "two writers of one actuator";

@@ -130,8 +130,13 @@ impl<'t> Lexer<'t> {
         let mut tokens = Token::lexer(text);
         while let Some(result) = tokens.next() {
             let end = tokens.span().end;
+            let pragma = match result {
+                Ok(Token::Percent) if self.mode == Mode::Lustre => pragma(tokens.remainder()),
+                _ => None,
+            };
             let comment = result.is_ok_and(|token| self.begins_comment(token, text, end as u32));
             let more = match result {
+                _ if pragma.is_some() => pragma.unwrap_or_default(),
                 _ if comment => tokens.remainder().find('\n').unwrap_or(text.len() - end),
                 Ok(Token::NumberWord) => units::rest(tokens.remainder()),
                 Err(()) if tokens.slice() == "'" => lexical::quoted(tokens.remainder()),
@@ -141,6 +146,11 @@ impl<'t> Lexer<'t> {
             let [start, end] =
                 [tokens.span().start, tokens.span().end].map(|at| (from + at) as u32);
             match result {
+                Ok(_) if pragma.is_some() => self.comment(Lexeme {
+                    token: Token::BlockComment,
+                    start,
+                    end,
+                }),
                 Ok(token) if comment => self.comment(Lexeme { token, start, end }),
                 Ok(token) => self.token(Lexeme { token, start, end }),
                 Err(()) => self.unknown(start, end),
@@ -427,6 +437,15 @@ impl<'t> Lexer<'t> {
     fn slice(&self, lexeme: Lexeme) -> &'t str {
         &self.text[lexeme.start as usize..lexeme.end as usize]
     }
+}
+
+/// Behind a `%` the rest of a pragma of Lustre V6, `%ASSUME:name%`; others than its tools do not mind them.
+fn pragma(rest: &str) -> Option<usize> {
+    let is_word = |c: char| c.is_ascii_alphanumeric() || c == '_';
+    let word = rest.find(|c| !is_word(c)).filter(|word| *word > 0)?;
+    let text = rest[word..].strip_prefix(':')?;
+    let end = text.find(['%', ';', '\n'])?;
+    text[end..].starts_with('%').then_some(word + 1 + end + 1)
 }
 
 fn comment_kind(text: &str) -> CommentKind {

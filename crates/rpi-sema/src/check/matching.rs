@@ -239,9 +239,22 @@ impl<'a> Body<'_, 'a> {
             let name = &of.arms[k].pattern.name;
             let mut before = of.arms[..k].iter().map(|arm| &arm.pattern.name);
             if let Some(first) = before.find(|first| first.name == name.name) {
-                self.report(super::clocked::case_twice(name, first.span));
+                let again = Ident {
+                    name: written(&of.arms[k].pattern).as_str().into(),
+                    span: name.span,
+                };
+                self.report(super::clocked::case_twice(&again, first.span));
             }
         }
+    }
+}
+
+/// A pattern as text.
+fn written(pattern: &Pattern) -> String {
+    let parts: Vec<String> = pattern.parts.iter().map(written).collect();
+    match &parts[..] {
+        [] => pattern.name.name.to_string(),
+        parts => format!("{}({})", pattern.name.name, parts.join(", ")),
     }
 }
 

@@ -9,6 +9,7 @@
 //!
 //! | file | idea |
 //! |---|---|
+//! | `claims.rs` | claims of Lustre, which may read what is not there yet |
 //! | `glance.rs` | a first look, which most nets pass |
 //! | `known.rs` | what is known of a flow in one phase |
 //! | `latch.rs` | what has held once: `seen = c or (false -> pre seen)` |
@@ -16,6 +17,7 @@
 //! | `rules.rs` | what each kind of primitive makes of it |
 //! | `order.rs`, `solve.rs` | the least solution |
 
+mod claims;
 mod glance;
 mod known;
 mod latch;
@@ -43,11 +45,13 @@ use solve::Solution;
 #[must_use]
 pub fn check(net: &Net) -> Vec<Finding> {
     let rules = rules::rules(net);
-    if !rules.contains(&Rule::Delay) || !glance::doubts(net, &rules, sinks(net)) {
+    let read = || sinks(net).chain(claims::looked_at(net));
+    if !rules.contains(&Rule::Delay) || !glance::doubts(net, &rules, read()) {
         return Vec::new();
     }
     let given: Vec<PortRef> = asserted(net).chain(given(net)).collect();
     let roots = all_roots(net, &rules, &given);
+    let in_claims = claims::findings(net, &rules, &roots, &given);
     let mut findings: Vec<Finding> = Vec::new();
     let mut by_flow: Vec<(Option<&str>, Vec<NodeId>)> = Vec::new();
     let mut places: Map<&str, usize> = Map::default();
@@ -64,6 +68,7 @@ pub fn check(net: &Net) -> Vec<Finding> {
     for (flow, roots) in whole(net, by_flow) {
         findings.push(finding(net, flow.as_deref(), &roots));
     }
+    findings.extend(in_claims);
     findings
 }
 

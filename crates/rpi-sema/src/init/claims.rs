@@ -1,0 +1,53 @@
+//! Claims in Lustre that read a `pre` before it has a value. Other tools take any value there, or none, so that it is told;
+//! a program that runs elsewhere is not refused for that.
+
+use super::phases::PHASES;
+use super::rules::Rule;
+use super::solve::Solution;
+use rpi_diag::{Code, Finding, Span};
+use rpi_net::{FragmentId, Net, NodeId, PortRef};
+use std::collections::BTreeSet;
+
+/// What such claims look at, each with the fragment of the claim.
+pub(super) fn looked_at(net: &Net) -> impl Iterator<Item = (PortRef, FragmentId)> + '_ {
+    let lenient = net.claims.iter().filter(|claim| !claim.is_strict);
+    let keys: BTreeSet<&str> = lenient.map(|claim| claim.key.as_str()).collect();
+    let exports = net.exports.iter();
+    let exports = exports.filter(move |export| keys.contains(export.key.as_str()));
+    exports.map(|export| (export.source, net.node(export.source.node).fragment))
+}
+
+/// One finding for each `pre` that claims read too early; what has been told of other readers is not told again.
+pub(super) fn findings(
+    net: &Net,
+    rules: &[Rule],
+    told: &[NodeId],
+    given: &[PortRef],
+) -> Vec<Finding> {
+    if net.claims.iter().all(|claim| claim.is_strict) {
+        return Vec::new();
+    }
+    let mut rules = rules.to_vec();
+    for delay in told {
+        rules[delay.index()] = Rule::OptionalDelay;
+    }
+    let solution = Solution::new(net, rules, given);
+    let mut places: BTreeSet<Span> = BTreeSet::new();
+    for (port, from) in looked_at(net) {
+        let roots =
+            (0..PHASES).filter_map(|phase| super::root(&solution.seen(port, from, phase).known));
+        places.extend(roots.map(|root| net.node(root).origin.span));
+    }
+    let finding = |place: Span| {
+        Finding::new(
+            Code::RPI5003,
+            "a claim reads a `pre` that has no value in the first cycle",
+        )
+        .at(
+            place,
+            "0 or false is taken there; other tools take any value",
+        )
+        .help("say what holds in the first cycle: `true -> pre x >= 0`")
+    };
+    places.into_iter().map(finding).collect()
+}
