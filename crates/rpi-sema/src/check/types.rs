@@ -539,10 +539,10 @@ impl<'a> Body<'_, 'a> {
     fn field_defaults(&mut self, decls: &'a [VarDecl]) -> Vec<Option<Rc<[Leaf]>>> {
         let mut defaults = Vec::new();
         for decl in decls {
-            let default = decl.default.as_ref().and_then(|value| {
+            let default = decl.default.as_ref().map(|value| {
                 let ty = self.ty(&decl.ty);
                 // One that is faulty, of which that has been told, is empty.
-                Some(self.constant_of(value, &ty).unwrap_or_default())
+                self.constant_of(value, &ty).unwrap_or_default()
             });
             defaults.extend(decl.names.iter().map(|_| default.clone()));
         }
