@@ -22,7 +22,7 @@ const MAX_LEVELS: u32 = 420;
 const MAX_PARTS: usize = super::types::MAX_LEAVES;
 
 /// The most expressions and flows of all units together, beyond what the text is paid for.
-const MAX_WRITTEN_OUT: usize = 400_000;
+const MAX_WRITTEN_OUT: usize = 320_000;
 
 /// Expressions that a byte of text may stand for.
 const PER_BYTE: usize = 4;

@@ -7,35 +7,47 @@ use crate::hash::Set;
 use crate::program::Program;
 use crate::typed::{Equation, Flow, FlowRole, Kind, Place, Unit, UnitKind};
 use rpi_diag::{Finding, Span};
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
 /// A warning for each local flow that nothing reads, in any instance of what it stands in. A name that begins with `_` is
 /// meant so.
 pub(super) fn unread(program: &Program<'_>, units: &[Unit]) -> Vec<Finding> {
-    let own: Set<Span> = program
-        .root()
-        .decls
-        .iter()
-        .map(|id| program.decl(*id).span)
-        .collect();
+    let decls = program.root().decls.iter();
+    let own: Set<Span> = decls.map(|id| program.decl(*id).span).collect();
     let of_tasks = |unit: &Unit| matches!(unit.kind, UnitKind::Task | UnitKind::Constant);
-    let mut found: BTreeMap<Span, Option<Finding>> = BTreeMap::new();
-    for unit in units
-        .iter()
-        .filter(|unit| own.contains(&unit.span) && !of_tasks(unit))
-    {
-        let read = read(unit);
+    let units = units.iter();
+    let units = units.filter(|unit| own.contains(&unit.span) && !of_tasks(unit));
+    let units: Vec<(&Unit, Vec<bool>)> = units.map(|unit| (unit, read(unit))).collect();
+    let mut unread = places(&units, false).collect::<BTreeSet<Span>>();
+    if unread.is_empty() {
+        return Vec::new();
+    }
+    for read in places(&units, true) {
+        unread.remove(&read);
+    }
+    let mut found = BTreeMap::new();
+    for (unit, _) in &units {
         let equations = unit.blocks.iter().flat_map(|block| &block.equations);
-        for (flow, is_read, equation) in equations.flat_map(|e| locals(unit, &read, e)) {
-            let told = found
-                .entry(flow.span)
-                .or_insert_with(|| Some(finding(unit, flow, equation)));
-            if is_read {
-                *told = None;
+        for (flow, equation) in equations.flat_map(|equation| defined(unit, equation)) {
+            if unread.remove(&flow.span) {
+                found.insert(flow.span, finding(unit, flow, equation));
             }
         }
     }
-    found.into_values().flatten().collect()
+    found.into_values().collect()
+}
+
+/// Where the local flows are declared that are read, or that are not, in some instance.
+fn places<'u>(units: &'u [(&Unit, Vec<bool>)], wanted: bool) -> impl Iterator<Item = Span> + 'u {
+    units.iter().flat_map(move |(unit, read)| {
+        let flows = unit.flows.iter().zip(read);
+        let flows = flows.filter(move |(flow, is_read)| **is_read == wanted && is_local(flow));
+        flows.map(|(flow, _)| flow.span)
+    })
+}
+
+fn is_local(flow: &Flow) -> bool {
+    flow.role == FlowRole::Local && !flow.name.starts_with('_')
 }
 
 /// For each flow whether something reads it: an expression, a clock, or what is around a state.
@@ -61,22 +73,16 @@ fn read(unit: &Unit) -> Vec<bool> {
     read
 }
 
-/// The local flows that an equation defines, and whether they are read.
-fn locals<'u>(
+/// The flows that an equation defines.
+fn defined<'u>(
     unit: &'u Unit,
-    read: &[bool],
     equation: &'u Equation,
-) -> impl Iterator<Item = (&'u Flow, bool, &'u Equation)> {
-    let flows = equation
-        .targets
-        .iter()
-        .filter_map(|target| match target.place {
-            Place::Flow { flow, .. } => Some((unit.flow(flow), read[flow.0 as usize])),
-            _ => None,
-        });
-    let flows =
-        flows.filter(|(flow, _)| flow.role == FlowRole::Local && !flow.name.starts_with('_'));
-    flows.map(move |(flow, is_read)| (flow, is_read, equation))
+) -> impl Iterator<Item = (&'u Flow, &'u Equation)> {
+    let places = equation.targets.iter().map(|target| &target.place);
+    places.filter_map(move |place| match place {
+        Place::Flow { flow, .. } => Some((unit.flow(*flow), equation)),
+        _ => None,
+    })
 }
 
 /// One of several results is told where it gets its name, for the others may be needed.
