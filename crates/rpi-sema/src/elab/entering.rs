@@ -37,6 +37,10 @@ impl<'u> Elab<'u> {
         let Some(around) = scope.fragment(block).filter(|around| *around != reader) else {
             return wire;
         };
+        // A flow that states share stands beside its reader, not around it.
+        if !self.net.enclosing(reader).any(|f| f == around) {
+            return wire;
+        }
         let between = self.net.enclosing(reader).take_while(|f| *f != around);
         match between.filter(|f| self.in_place.contains(f)).last() {
             Some(fragment) => self.entering(&wire, fragment),

@@ -7,6 +7,7 @@ use crate::hash::Set;
 use crate::program::Program;
 use crate::typed::{Equation, Flow, FlowRole, Kind, Place, Unit, UnitKind};
 use rpi_diag::{Finding, Span};
+use rpi_image::Role;
 use std::collections::{BTreeMap, BTreeSet};
 
 /// A warning for each local flow that nothing reads, in any instance of what it stands in. A name that begins with `_` is
@@ -29,7 +30,7 @@ pub(super) fn unread(program: &Program<'_>, units: &[Unit]) -> Vec<Finding> {
     for (unit, _) in &units {
         let equations = unit.blocks.iter().flat_map(|block| &block.equations);
         for (flow, equation) in equations.flat_map(|equation| defined(unit, equation)) {
-            if unread.remove(&flow.span) {
+            if unread.remove(&flow.span) && !may_act(unit, equation) {
                 found.insert(flow.span, finding(unit, flow, equation));
             }
         }
@@ -83,6 +84,30 @@ fn defined<'u>(
         Place::Flow { flow, .. } => Some((unit.flow(*flow), equation)),
         _ => None,
     })
+}
+
+/// Whether the one value of an equation may be there for what it does: what is not is told of the net.
+fn may_act(unit: &Unit, equation: &Equation) -> bool {
+    let acts = |kind: &Kind| match kind {
+        Kind::Call(_) => true,
+        Kind::Prim(call) => {
+            let desc = call.prim.desc();
+            matches!(desc.role, Role::Actuator(_) | Role::Export) || desc.outputs.is_empty()
+        }
+        _ => false,
+    };
+    let mut open = match &equation.targets[..] {
+        [_] => vec![equation.value],
+        _ => Vec::new(),
+    };
+    while let Some(id) = open.pop() {
+        let kind = &unit.expr(id).kind;
+        if acts(kind) {
+            return true;
+        }
+        kind.operands(&mut |operand| open.push(operand));
+    }
+    false
 }
 
 /// One of several results is told where it gets its name, for the others may be needed.
