@@ -231,6 +231,11 @@ impl<'t> Lexer<'t> {
             - text
                 .trim_start_matches(|c: char| c.is_ascii_digit() || c == '.')
                 .len();
+        if let Some(finding) = lexical::grouped_digits(self.span(lexeme), text) {
+            self.out.findings.push(finding);
+            let end = lexeme.start + digits as u32;
+            return self.push(Token::Int, Lexeme { end, ..lexeme });
+        }
         let word = self.word_behind_number(&text[digits..]);
         let behind = match word {
             Some(_) => Behind::Keyword,

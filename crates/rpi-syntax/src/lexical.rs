@@ -145,6 +145,22 @@ pub(crate) fn number_runs_into_word(
     }
 }
 
+/// `1_000`
+pub(crate) fn grouped_digits(span: Span, text: &str) -> Option<Finding> {
+    let is_digits = text.bytes().all(|b| b.is_ascii_digit() || b == b'_');
+    if !is_digits || !text.contains('_') {
+        return None;
+    }
+    let meant = text.replace('_', "");
+    let finding = Finding::new(
+        Code::RPI0007,
+        "the digits of a number are written without `_`",
+    )
+    .at(span, "no word and no unit")
+    .fix(Fix::sure(format!("write `{meant}`")).replace(span, meant));
+    Some(finding)
+}
+
 /// Whether a text seems to declare or define a name somewhere: `x: real`, `x, y: real`, `x = ...`.
 pub(crate) fn seems_declared(text: &str, name: &str) -> bool {
     let is_part = |c: char| c.is_ascii_alphanumeric() || c == '_';

@@ -74,7 +74,7 @@ pub(crate) fn no_bits(span: Span) -> Finding {
             span,
             "only machine integers of Kind 2 are taken apart like this",
         )
-        .help("elements that follow one another: `a[1..3]`")
+        .help("elements that follow one another: `a[1..3]`, the last one with them")
 }
 
 /// `x: int | x > 0` outside of Lustre.

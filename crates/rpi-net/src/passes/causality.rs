@@ -3,9 +3,10 @@
 //! Each strongly connected component of a fragment's graph gives one finding. It draws the shortest ring through the
 //! component step by step and says where a `pre` would break it.
 
-use crate::net::{Activation, Fragment, Net, NodeId, PortRef, Restart, without_calls};
+use crate::net::{Activation, Fragment, Input, Net, NodeId, PortRef, Restart, without_calls};
 use crate::passes::dependencies::{Dependence, Dependencies, Graph, Reader};
 use crate::passes::rings::Rings;
+use crate::prim;
 use crate::tree::Item;
 use petgraph::graph::{EdgeIndex, NodeIndex};
 use petgraph::visit::EdgeRef;
@@ -41,6 +42,8 @@ struct Step {
     /// The places of all reads that make `to` wait for `from`; none if they lie inside a fragment, where a `pre` would
     /// not break the ring.
     reads: Vec<Span>,
+    /// Whether all of them lie behind a `->`, which gives the first value.
+    has_first: bool,
 }
 
 /// A flow that needs another within the cycle, as its author knows both, and where it reads it.
@@ -161,6 +164,7 @@ fn steps(net: &Net, graph: &Graph, ring: &[EdgeIndex]) -> Vec<Step> {
             reader,
             span: span(net, reader),
             reads: end.map_or_else(Vec::new, |end| reads(net, graph, *edge, end)),
+            has_first: end.is_some_and(|end| has_first(net, graph, *edge, end)),
         });
     }
     let names: Vec<String> = steps.iter().map(|s| s.from.clone()).collect();
@@ -192,8 +196,43 @@ fn reads(net: &Net, graph: &Graph, edge: EdgeIndex, end: NodeIndex) -> Vec<Span>
     places
 }
 
+/// Whether every way from what an edge begins at to the named item `end` leads through the right side of a `->`.
+fn has_first(net: &Net, graph: &Graph, edge: EdgeIndex, end: NodeIndex) -> bool {
+    let Some((from, _)) = graph.edge_endpoints(edge) else {
+        return false;
+    };
+    let always = |edge: &Dependence| !is_later(net, edge.reader);
+    let mut ways = graph.edges(from).filter(|edge| always(edge.weight()));
+    !ways.any(|edge| leads_along(net, graph, (edge.target(), end), always))
+}
+
+/// Whether a node reads this in all cycles but the first.
+fn is_later(net: &Net, reader: Reader) -> bool {
+    let Reader::Input(id, port) = reader else {
+        return false;
+    };
+    let node = net.node(id);
+    let is_choice = node.prim.desc().name.ends_with("Conditional");
+    match node.inputs.first() {
+        Some(Input::Port(condition)) if is_choice && port == 2 => {
+            net.node(condition.node).prim == prim!("Rpi::First")
+        }
+        _ => false,
+    }
+}
+
 /// Whether the first named item that a way leads to can be `end`.
 fn leads_to(net: &Net, graph: &Graph, start: NodeIndex, end: NodeIndex) -> bool {
+    leads_along(net, graph, (start, end), |_| true)
+}
+
+/// The same along some edges only.
+fn leads_along(
+    net: &Net,
+    graph: &Graph,
+    (start, end): (NodeIndex, NodeIndex),
+    along: impl Fn(&Dependence) -> bool,
+) -> bool {
     let mut seen = vec![start];
     let mut next = 0;
     while let Some(at) = seen.get(next).copied() {
@@ -204,7 +243,8 @@ fn leads_to(net: &Net, graph: &Graph, start: NodeIndex, end: NodeIndex) -> bool 
         if item_name(net, graph.node_weight(at)).is_some() {
             continue;
         }
-        for to in graph.neighbors(at) {
+        let edges = graph.edges(at).filter(|edge| along(edge.weight()));
+        for to in edges.map(|edge| edge.target()) {
             if !seen.contains(&to) {
                 seen.push(to);
             }
@@ -286,7 +326,7 @@ fn fix(net: &Net, step: &Step, activated: &BTreeMap<Span, bool>) -> Option<Fix> 
         &step.from,
         &step.to,
         &step.reads,
-        first_value(net, id),
+        first_value(net, id).filter(|_| !step.has_first),
     ))
 }
 

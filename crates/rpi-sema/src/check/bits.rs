@@ -16,7 +16,8 @@ impl<'a> Body<'_, 'a> {
         let [Some(high), Some(low)] = bounds else {
             return self.fault(span);
         };
-        if known {
+        // Elsewhere the grammar has told that there are none.
+        if known || self.is_rpi() {
             return self.fault(span);
         }
         let Some(width) = width(&ty) else {

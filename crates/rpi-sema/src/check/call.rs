@@ -60,8 +60,8 @@ impl<'a> Body<'_, 'a> {
         let name = &call.callee.name;
         match self.callee(&name.name, name.span) {
             Callee::Nothing(_) => {
-                self.given(&call.args);
-                self.meant_as_power(call, span);
+                let given = self.given(&call.args);
+                self.meant_elsewhere(call, &given, span);
                 self.meant_as_struct(call, span)
             }
             Callee::Special(special) => self.special(special, call, span),

@@ -197,6 +197,12 @@ impl<'a> Body<'_, 'a> {
         self.unit.has_clocks = true;
         let operand = self.expr(operand);
         let ty = self.ty_of(operand).clone();
+        if let (Ty::Tuple(_), true) = (&ty, self.is_rpi()) {
+            let finding = Finding::new(Code::RPI2006, format!("`current` can not take `{ty}`"))
+                .at(self.span_of(operand), "it takes one flow")
+                .help("with a first value it is `hold(x, 0)`: the latest value of `x`, 0 before there was one");
+            return self.fault_with(finding, span);
+        }
         self.add(Kind::Current(operand), ty, span)
     }
 

@@ -119,7 +119,7 @@ impl<'a> Body<'_, 'a> {
     }
 
     /// The finding of this code that has been reported last about a place.
-    fn finding_at(&mut self, span: Span, code: Code) -> Option<&mut Finding> {
+    pub(super) fn finding_at(&mut self, span: Span, code: Code) -> Option<&mut Finding> {
         let mut findings = self.findings.iter_mut().rev();
         findings.find(|finding| finding.code == code && finding.span() == span)
     }

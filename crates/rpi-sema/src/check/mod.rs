@@ -45,6 +45,7 @@ mod definitions;
 mod device;
 mod dialect;
 mod elements;
+mod elsewhere;
 mod expr;
 mod foreign;
 mod frames;

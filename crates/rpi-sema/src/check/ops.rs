@@ -184,13 +184,7 @@ impl<'a> Body<'_, 'a> {
                     format!("`{}` can not take `{ty}`", op.spelling()),
                 )
                 .at(self.span_of(operand), format!("this is `{ty}`"));
-                let finding = match &ty {
-                    Ty::Array(_, n) => finding.help(format!(
-                        "element by element it is `map<<{}, {n}>>(a)`",
-                        op.spelling()
-                    )),
-                    _ => finding,
-                };
+                let finding = quantity::operand_apart(finding, op, &ty);
                 self.fault_with(finding, span)
             }
         }
@@ -497,6 +491,11 @@ impl Body<'_, '_> {
             false => finding.fix(self.as_real(int)),
         };
         match (a, b) {
+            (Ty::Bool | Ty::Int | Ty::Real(_), Ty::Bool | Ty::Int | Ty::Real(_))
+                if matches!(op, And | Or | Xor | Implies) =>
+            {
+                finding.help("a condition is a comparison: `x <> 0`, `x > 0.0`")
+            }
             (Ty::Int, Ty::Real(dim)) => mixed(finding, left, *dim),
             (Ty::Real(dim), Ty::Int) => mixed(finding, right, *dim),
             (Ty::Tuple(members), _) | (_, Ty::Tuple(members)) => {
@@ -505,11 +504,6 @@ impl Body<'_, '_> {
                     "a call with several outputs gives one by its name: {}",
                     listed(names)
                 ))
-            }
-            (Ty::Bool, Ty::Int | Ty::Real(_)) | (Ty::Int | Ty::Real(_), Ty::Bool)
-                if matches!(op, And | Or | Xor | Implies) =>
-            {
-                finding.help("a condition is a comparison: `x <> 0`, `x > 0.0`")
             }
             (Ty::Bool, _) | (_, Ty::Bool) => {
                 finding.help("a number by a condition is `if c then 1 else 0`")

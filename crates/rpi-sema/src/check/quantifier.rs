@@ -167,7 +167,10 @@ impl<'a> Body<'_, 'a> {
                 Code::RPI2006,
                 format!("`in` can not take `{found}` and `{of}`"),
             )
-            .at(rhs.span, format!("this is `{of}`"));
+            .at(rhs.span, format!("this is `{of}`"))
+            .help(
+                "compare with each: `x = 1 or x = 2`; a range has two bounds: `x >= 1 and x <= 5`",
+            );
             self.report(finding);
         }
         self.add(Kind::Outside, Ty::Bool, span)

@@ -1,7 +1,9 @@
 //! Quantities in words: what is wrong with a unit or a dimension, and what would mend it.
 
+use crate::ty::Ty;
 use crate::units::{Base, Dim, Ratio, UnitFault};
 use rpi_diag::{Code, Finding, Fix, Span};
+use rpi_syntax::ops::UnaryOp;
 
 /// A value in a message: what it measures, where it stands, and whether it is a number as it is written.
 #[derive(Clone, Copy)]
@@ -158,5 +160,17 @@ pub(super) fn unit_fault(fault: &UnitFault) -> Finding {
             Finding::new(Code::RPI2003, "a unit with an exponent out of range")
                 .at(*span, "too large")
         }
+    }
+}
+
+/// Adds what may mend an operand that a unary operator does not take.
+pub(super) fn operand_apart(finding: Finding, op: UnaryOp, ty: &Ty) -> Finding {
+    match ty {
+        Ty::Int | Ty::Real(_) => finding.help("a condition is a comparison: `x = 0`, `x <= 0.0`"),
+        Ty::Array(_, n) => finding.help(format!(
+            "element by element it is `map<<{}, {n}>>(a)`",
+            op.spelling()
+        )),
+        _ => finding,
     }
 }

@@ -110,10 +110,24 @@ impl Body<'_, '_> {
         finding
     }
 
+    /// `3.0` for `3`, and for `0x1F` the decimal number.
+    fn number_as_real(&self, id: ExprId) -> Fix {
+        let (span, fix) = (self.span_of(id), Fix::sure("write a real"));
+        let value = match &self.unit.expr(id).kind {
+            Kind::Literal(leaf) => leaf.as_int(),
+            _ => None,
+        };
+        let text = value.map(|value| value.to_string());
+        match text.filter(|text| text.len() as u32 != span.end - span.start) {
+            Some(text) => fix.replace(span, format!("{text}.0")),
+            None => fix.insert_after(span, ".0"),
+        }
+    }
+
     /// A real in place of an integer: another literal, or a conversion.
     pub(super) fn as_real(&self, id: ExprId) -> Fix {
         match self.is_number(id) {
-            true => Fix::sure("write a real").insert_after(self.span_of(id), ".0"),
+            true => self.number_as_real(id),
             false => self.converted(id, "real"),
         }
     }

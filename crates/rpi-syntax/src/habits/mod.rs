@@ -15,6 +15,7 @@ mod operators;
 mod signs;
 mod typed;
 mod updates;
+mod values;
 
 pub(crate) use signs::{foreign_sign, sign};
 
@@ -43,6 +44,13 @@ pub(crate) enum Mend {
 
 /// The habits, each a look at the token that was not accepted and at its neighbours.
 const HABITS: &[fn(&Found<'_, '_>) -> Option<Habit>] = &[
+    values::empty,
+    values::no_tuple,
+    values::stepped,
+    values::capitals,
+    values::braces,
+    values::fby_called,
+    values::operator_given,
     kind2::container,
     kind2::reachable,
     kind2::recursive,

@@ -1,0 +1,256 @@
+//! Habits in the value of an equation: several values without parentheses, choices as of other languages, operators
+//! as arguments.
+
+use super::{Habit, Mend, habit};
+use crate::explain::Found;
+use crate::token::Token;
+use rpi_diag::Fix;
+
+/// `y = x;;`
+pub(super) fn empty(found: &Found<'_, '_>) -> Option<Habit> {
+    let at = found.fault.at;
+    let is_second = found.token_before() == Some(Token::Semi);
+    if found.token(at) != Some(Token::Semi) || !is_second || !found.expects_equation() {
+        return None;
+    }
+    let finding = habit("an equation ends with one `;`")
+        .at(found.span_at(at), "ends nothing")
+        .fix(Fix::sure("delete it").replace(found.span_at(at), ""));
+    let mend = Mend::Tokens(vec![(at..at + 1, Vec::new())]);
+    Some(Habit { finding, mend })
+}
+
+/// `y, z = a, b;`
+pub(super) fn no_tuple(found: &Found<'_, '_>) -> Option<Habit> {
+    let at = found.fault.at;
+    if found.token(at) != Some(Token::Comma) || !found.expects(Token::Semi) {
+        return None;
+    }
+    let level = found.structure.parent(at);
+    let phrase = found.structure.phrase(at);
+    let is =
+        |i: &usize, token| found.token(*i) == Some(token) && found.structure.parent(*i) == level;
+    let eq = (phrase.start..at).find(|i| is(i, Token::Eq))?;
+    let several = found.token(phrase.start) == Some(Token::LParen)
+        || (phrase.start..eq).any(|i| is(&i, Token::Comma));
+    if !several || phrase.end <= at + 1 {
+        return None;
+    }
+    let finding = habit("several values stand in parentheses")
+        .at(found.span_at(at), "`(a, b)`")
+        .fix(
+            Fix::sure("put them in parentheses")
+                .insert_before(found.span_at(eq + 1), "(")
+                .insert_after(found.span_at(phrase.end - 1), ")"),
+        );
+    let mend = Mend::Tokens(vec![
+        found.before_token(eq + 1, Token::LParen),
+        found.before_token(phrase.end, Token::RParen),
+    ]);
+    Some(Habit { finding, mend })
+}
+
+/// `y = n++;`
+pub(super) fn stepped(found: &Found<'_, '_>) -> Option<Habit> {
+    let at = found.fault.at;
+    let is_plus = found.token(at) == Some(Token::Plus) && found.token_before() == Some(Token::Plus);
+    let name = at
+        .checked_sub(2)
+        .filter(|name| found.token(*name) == Some(Token::Ident))?;
+    let ends = matches!(
+        found.token(at + 1),
+        Some(Token::Semi | Token::Comma | Token::RParen | Token::RBracket)
+    );
+    if !is_plus || !ends {
+        return None;
+    }
+    let signs = found.span_of(at - 1..at + 1);
+    let finding = habit("a flow is not changed where it is read")
+        .at(signs, "changes it as elsewhere a variable")
+        .help(format!(
+            "one more is `{} + 1`; what counts has an equation of its own: `n = 0 -> pre n + 1`",
+            found.written(name)
+        ))
+        .fix(Fix::maybe("write `+ 1`").replace(signs, " + 1"));
+    let mend = Mend::Tokens(vec![(at - 1..at + 1, Vec::new())]);
+    Some(Habit { finding, mend })
+}
+
+/// `y = IF c THEN a ELSE b;`
+pub(super) fn capitals(found: &Found<'_, '_>) -> Option<Habit> {
+    let first = found.fault.at.checked_sub(1)?;
+    let phrase = found.structure.phrase(first);
+    let is = |at: usize, word: &str| {
+        found.token(at) == Some(Token::Ident) && found.written(at).eq_ignore_ascii_case(word)
+    };
+    let has_then = (first + 1..phrase.end).any(|at| is(at, "then"));
+    if !is(first, "if") || first == phrase.start || !has_then {
+        return None;
+    }
+    let words = [
+        ("if", Token::If),
+        ("then", Token::Then),
+        ("else", Token::Else),
+    ];
+    let mut fix = Fix::sure("write small letters");
+    let mut edits = Vec::new();
+    for at in first..phrase.end {
+        let Some((word, token)) = words.iter().find(|(word, _)| is(at, word)) else {
+            continue;
+        };
+        fix = fix.replace(found.span_at(at), *word);
+        edits.push(found.instead(at, &[*token]));
+    }
+    let finding = habit("a choice is written `if c then x else y`")
+        .at(found.span_at(first), "words are written in small letters")
+        .fix(fix);
+    Some(Habit {
+        finding,
+        mend: Mend::Tokens(edits),
+    })
+}
+
+/// `y = if (c) {a} else {b};`
+pub(super) fn braces(found: &Found<'_, '_>) -> Option<Habit> {
+    use Token::{Else, If, LBrace, Then};
+    let at = found.fault.at;
+    if found.token(at) != Some(LBrace) || !found.expects(Then) {
+        return None;
+    }
+    let level = found.structure.parent(at);
+    let end = found.structure.phrase(at).end;
+    let mut fix = Fix::sure("write `if ... then ... else ...`");
+    let mut edits = Vec::new();
+    let mut open = at;
+    loop {
+        let close = closing(found, open)?;
+        fix = fix
+            .replace(found.span_at(open), "then ")
+            .replace(found.span_at(close), "");
+        edits.push(found.instead(open, &[Then]));
+        edits.push((close..close + 1, Vec::new()));
+        match (found.token(close + 1), found.token(close + 2)) {
+            (Some(Else), Some(LBrace)) => {
+                let close_too = closing(found, close + 2)?;
+                fix = fix
+                    .replace(found.span_at(close + 2), "")
+                    .replace(found.span_at(close_too), "");
+                edits.push((close + 2..close + 3, Vec::new()));
+                edits.push((close_too..close_too + 1, Vec::new()));
+                break;
+            }
+            (Some(Else), Some(If)) => {
+                let opens = |i: &usize| {
+                    found.token(*i) == Some(LBrace) && found.structure.parent(*i) == level
+                };
+                open = (close + 3..end).find(opens)?;
+            }
+            _ => return None,
+        }
+    }
+    let finding = habit("a choice is written `if c then x else y`")
+        .at(found.span_at(at), "no braces go around a value")
+        .fix(fix);
+    Some(Habit {
+        finding,
+        mend: Mend::Tokens(edits),
+    })
+}
+
+/// Where a brace is closed that holds a value.
+fn closing(found: &Found<'_, '_>, open: usize) -> Option<usize> {
+    let close = found.structure.partner(open)?;
+    let is_value = close > open + 1 && found.token(close - 1) != Some(Token::Semi);
+    (is_value && found.token(close) == Some(Token::RBrace)).then_some(close)
+}
+
+/// `fby(x, 1, 0)`
+pub(super) fn fby_called(found: &Found<'_, '_>) -> Option<Habit> {
+    let at = found.fault.at;
+    if found.token(at) != Some(Token::Fby)
+        || found.token(at + 1) != Some(Token::LParen)
+        || found.expects(Token::Plus)
+    {
+        return None;
+    }
+    let finding = habit("`fby` stands between a first value and a flow")
+        .at(found.span_at(at), "is not called")
+        .help("`0 fby x` is 0 in the first cycle, then `x` of the cycle before; two cycles late it is `0 fby 0 fby x`");
+    let meant = one_late(found, at + 1);
+    let finding = match (found.structure.partner(at + 1), meant) {
+        (Some(close), Some(meant)) => {
+            let whole = found.token_before() == Some(Token::Eq)
+                && found.token(close + 1) == Some(Token::Semi);
+            let text = if whole {
+                meant.clone()
+            } else {
+                format!("({meant})")
+            };
+            let place = found.span_of(at..close + 1);
+            finding.fix(Fix::maybe(format!("write `{meant}`")).replace(place, text))
+        }
+        _ => finding,
+    };
+    Some(Habit {
+        finding,
+        mend: Mend::Usual,
+    })
+}
+
+/// `0 fby x` for the arguments `(x, 1, 0)`.
+fn one_late(found: &Found<'_, '_>, open: usize) -> Option<String> {
+    let close = found.structure.partner(open)?;
+    let is_comma = |i: &usize| {
+        found.token(*i) == Some(Token::Comma) && found.structure.parent(*i) == Some(open)
+    };
+    let commas: Vec<usize> = (open + 1..close).filter(is_comma).collect();
+    let [first, second] = commas[..] else {
+        return None;
+    };
+    let simple = first == open + 2 && second == first + 2 && close == second + 2;
+    (simple && found.written(first + 1) == "1").then(|| {
+        format!(
+            "{} fby {}",
+            found.written(second + 1),
+            found.written(open + 1)
+        )
+    })
+}
+
+/// `reduce(+, a)`
+pub(super) fn operator_given(found: &Found<'_, '_>) -> Option<Habit> {
+    use Token::{And, Minus, Or, Plus, Slash, Star, Xor};
+    let at = found.fault.at;
+    let is_operator = matches!(
+        found.token(at),
+        Some(Plus | Minus | Star | Slash | And | Or | Xor)
+    );
+    let callee = at.checked_sub(2)?;
+    if !is_operator
+        || found.token_before() != Some(Token::LParen)
+        || found.token(callee) != Some(Token::Ident)
+        || found.token(at + 1) != Some(Token::Comma)
+    {
+        return None;
+    }
+    let op = found.written(at);
+    let meant = match found.written(callee) {
+        "map" => format!("map<<{op}, 3>>(a, b)"),
+        _ => {
+            let first = match found.token(at) {
+                Some(And) => "true",
+                Some(Or | Xor) => "false",
+                Some(Star | Slash) => "1",
+                _ => "0",
+            };
+            format!("red<<{op}, 3>>({first}, a)")
+        }
+    };
+    let finding = habit("an operator is given in `<< >>`, with the size of the array")
+        .at(found.span_at(at), "is no value")
+        .help(format!("for an array of 3 it is `{meant}`"));
+    Some(Habit {
+        finding,
+        mend: Mend::Usual,
+    })
+}
