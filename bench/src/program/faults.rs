@@ -19,8 +19,7 @@ pub(super) fn unknown_names(n: usize) -> String {
 
 /// Flows that are read and defined, and nowhere declared.
 pub(super) fn undeclared(n: usize) -> String {
-    let body = lines(n, |k| format!("  a{k} = u + a{};", k + 1));
-    format!("node faulty (u: real) returns (y: real)\nlet\n{body}  y = u;\ntel\n")
+    node(n, |k| format!("  a{k} = u + a{};", k + 1))
 }
 
 /// Declarations of one name.

@@ -131,13 +131,7 @@ impl Context<'_> {
 
     /// `base[0 := x; 1 := y]` of Kind 2.
     pub(crate) fn keyed(&self, l: u32, base: Expr, changes: Vec<Change>, r: u32) -> Expr {
-        let is_keyed = true;
-        let update = Update {
-            base,
-            changes,
-            is_keyed,
-        };
-        self.expr(l, ExprKind::Update(Box::new(update)), r)
+        self.replaced(l, base, changes, true, r)
     }
 
     pub(crate) fn tuple(&self, l: u32, first: Expr, rest: Vec<Expr>, r: u32) -> Expr {
@@ -146,7 +140,10 @@ impl Context<'_> {
     }
 
     pub(crate) fn update(&self, l: u32, base: Expr, changes: Vec<Change>, r: u32) -> Expr {
-        let is_keyed = false;
+        self.replaced(l, base, changes, false, r)
+    }
+
+    fn replaced(&self, l: u32, base: Expr, changes: Vec<Change>, is_keyed: bool, r: u32) -> Expr {
         let update = Update {
             base,
             changes,

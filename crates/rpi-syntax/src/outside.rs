@@ -116,9 +116,8 @@ pub(crate) fn bare_type(cx: &Context<'_>, lexemes: &[Lexeme], findings: &mut Vec
     meant.extend_from_slice(&ty[2..]);
     meant.push(behind(Token::Semi, last));
     let item = mend::item(cx, &meant, findings);
-    if let Some(first) = rest.first() {
-        let other = rest[0].token != Token::Semi;
-        findings.extend(other.then(|| stray(cx, Some(*first), rest)));
+    if let Some(first) = rest.first().filter(|first| first.token != Token::Semi) {
+        findings.push(stray(cx, Some(*first), rest));
     }
     item
 }

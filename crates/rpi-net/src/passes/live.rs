@@ -3,7 +3,7 @@
 use super::idle;
 use crate::net::{Activation, Driver, FragmentId, Input, Net, NodeId, Restart, without_calls};
 use rpi_diag::{Code, Finding, Span};
-use rpi_image::Role;
+use rpi_image::{PrimDesc, Role};
 use std::collections::BTreeSet;
 
 /// For each node whether something that leaves the net depends on it.
@@ -70,12 +70,15 @@ impl<'n> Search<'n> {
     }
 }
 
+/// Whether a primitive is there for what it does and not for a value.
+#[must_use]
+pub fn acts(desc: &PrimDesc) -> bool {
+    matches!(desc.role, Role::Actuator(_) | Role::Export) || desc.outputs.is_empty()
+}
+
 /// Nodes that act on the outside, and those of which the command's end or exports are made.
 fn effects(net: &Net) -> impl Iterator<Item = NodeId> + '_ {
-    let acting = net.node_ids().filter(|id| {
-        let desc = net.node(*id).desc();
-        matches!(desc.role, Role::Actuator(_) | Role::Export) || desc.outputs.is_empty()
-    });
+    let acting = net.node_ids().filter(|id| acts(net.node(*id).desc()));
     let ends: Vec<&Input> = match &net.driver {
         Driver::Results(results) => results.iter().map(|r| &r.condition).collect(),
         Driver::Ports { terminate, fail } => terminate.iter().chain(fail).collect(),

@@ -6,14 +6,13 @@ use super::imported::Import;
 use super::locals::{Local, Scope};
 use super::order::{Guess, Missing, Pending};
 use super::statics::Statics;
-use super::unknown_names::UnknownNames;
+use super::told::Told;
 use crate::hash::{Map, Set};
 use crate::program::ModuleId;
 use crate::ty::Ty;
 use crate::typed::{Block, BlockId, Expr, ExprId, FlowId, Kind, Unit, UnitKind};
 use rpi_diag::{Finding, Span};
 use rpi_syntax::Name;
-use std::collections::BTreeSet;
 use std::rc::Rc;
 
 /// One body while it is checked.
@@ -35,9 +34,9 @@ pub(super) struct Body<'c, 'a> {
     /// Flows that a statement with a reported fault seems to define.
     pub(super) broken: Vec<FlowId>,
     /// Names of flows that nothing declares, as far as that has been reported.
-    pub(super) unknown: UnknownNames,
+    pub(super) unknown: Told<Name>,
     /// Flows that are no clocks, as far as that has been reported.
-    pub(super) no_clocks: BTreeSet<FlowId>,
+    pub(super) no_clocks: Told<FlowId>,
     /// Whether types are being looked for: faults are reported later, when all are known.
     pub(super) inferring: bool,
     /// Which numbers tell types, where nothing else does.
@@ -101,8 +100,8 @@ impl<'c, 'a> Body<'c, 'a> {
             shares: Map::default(),
             missing: Vec::new(),
             broken: Vec::new(),
-            unknown: UnknownNames::default(),
-            no_clocks: BTreeSet::new(),
+            unknown: Told::default(),
+            no_clocks: Told::default(),
             inferring: false,
             guesses: Guess::Nothing,
             in_signature: false,

@@ -32,7 +32,7 @@ impl<'a> Body<'_, 'a> {
         };
         let ty = self.unit.flow(flow).ty.clone();
         if !matches!(ty, Ty::Bool | Ty::Unknown) {
-            if !self.inferring && !self.no_clocks.insert(flow) {
+            if !self.no_clocks.tell(&flow, self.findings.len()) {
                 return None;
             }
             let finding = Finding::new(Code::RPI2001, format!("expected `bool`, found `{ty}`"))
@@ -150,7 +150,7 @@ impl<'a> Body<'_, 'a> {
             return ty;
         }
         if let Kind::Flow(flow) = self.unit.expr(on).kind {
-            self.no_clocks.insert(flow);
+            self.no_clocks.tell(&flow, self.findings.len());
         }
         let message = format!("a `merge` chooses by a Boolean or an enum, not by `{ty}`");
         let finding =

@@ -232,6 +232,7 @@ impl<'a> Body<'_, 'a> {
         self.unit.chosen.truncate(kept);
         self.findings.truncate(mark.findings);
         self.unknown.forget_from(mark.findings);
+        self.no_clocks.forget_from(mark.findings);
         self.made_real = self.made_real.filter(|at| *at < mark.findings);
         self.state_at = mark.state_at;
     }

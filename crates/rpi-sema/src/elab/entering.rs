@@ -5,7 +5,7 @@
 //! in-port. Read inside it is no link across the border. So it becomes a node beside the fragment, which waits for the
 //! fragment and which the fragment waits for.
 
-use super::scope::Scope;
+use super::scope::{Scope, State};
 use super::signal::{Signal, Wire, alias_of};
 use super::{Elab, Mode};
 use crate::typed::BlockId;
@@ -16,9 +16,9 @@ impl<'u> Elab<'u> {
     /// Lets the in-ports of a called fragment enter it.
     pub(super) fn ports_enter(&mut self, scope: &mut Scope<'u>, fragment: FragmentId) {
         for port in &scope.unit.inputs {
-            if let super::scope::State::Known(wire) = scope.state(*port).clone() {
+            if let State::Known(wire) = scope.state(*port).clone() {
                 let wire = self.entering(&wire, fragment);
-                *scope.state(*port) = super::scope::State::Known(wire);
+                *scope.state(*port) = State::Known(wire);
             }
         }
     }

@@ -7,7 +7,7 @@ use crate::hash::Set;
 use crate::program::Program;
 use crate::typed::{Equation, Flow, FlowRole, Kind, Place, Unit, UnitKind};
 use rpi_diag::{Finding, Span};
-use rpi_image::Role;
+use rpi_net::passes::live::{acts, unused};
 use std::collections::{BTreeMap, BTreeSet};
 
 /// A warning for each local flow that nothing reads, in any instance of what it stands in. A name that begins with `_` is
@@ -88,12 +88,9 @@ fn defined<'u>(
 
 /// Whether the one value of an equation may be there for what it does: what is not is told of the net.
 fn may_act(unit: &Unit, equation: &Equation) -> bool {
-    let acts = |kind: &Kind| match kind {
+    let is_effect = |kind: &Kind| match kind {
         Kind::Call(_) => true,
-        Kind::Prim(call) => {
-            let desc = call.prim.desc();
-            matches!(desc.role, Role::Actuator(_) | Role::Export) || desc.outputs.is_empty()
-        }
+        Kind::Prim(call) => acts(call.prim.desc()),
         _ => false,
     };
     let mut open = match &equation.targets[..] {
@@ -102,7 +99,7 @@ fn may_act(unit: &Unit, equation: &Equation) -> bool {
     };
     while let Some(id) = open.pop() {
         let kind = &unit.expr(id).kind;
-        if acts(kind) {
+        if is_effect(kind) {
             return true;
         }
         kind.operands(&mut |operand| open.push(operand));
@@ -116,5 +113,5 @@ fn finding(unit: &Unit, flow: &Flow, equation: &Equation) -> Finding {
         [_] => unit.expr(equation.value).span,
         _ => flow.span,
     };
-    rpi_net::passes::live::unused(at, &flow.name)
+    unused(at, &flow.name)
 }
