@@ -18,8 +18,13 @@ const INSTRUMENTED: &[&str] = &[
 ];
 
 /// libFuzzer's own limits lie far above the entries' budgets: they are for what does not come back at all, and for its
-/// corpus. Inputs larger than this teach nothing that smaller ones do not.
-const LIMITS: &[&str] = &["-timeout=30", "-rss_limit_mb=3000", "-max_len=20000"];
+/// corpus. Inputs larger than this teach nothing that smaller ones do not. What takes a second is kept as a slow unit.
+const LIMITS: &[&str] = &[
+    "-timeout=60",
+    "-report_slow_units=1",
+    "-rss_limit_mb=3000",
+    "-max_len=20000",
+];
 
 /// An hour.
 const SECONDS: &str = "3600";
@@ -44,7 +49,35 @@ pub(crate) fn fuzz(args: &[String]) -> Result<(), String> {
         .arg(format!("-dict={}", words.display()))
         .arg(format!("-artifact_prefix={}/", found.display()))
         .arg(corpus);
-    done(&mut run, "the fuzzer found something")
+    done(&mut run, "the fuzzer found something")?;
+    again(entry, &found)
+}
+
+/// Runs what was slow again as users run it, without counters; keeps what is slow there, too.
+fn again(entry: &str, found: &Path) -> Result<(), String> {
+    let files = std::fs::read_dir(found).map_err(|error| error.to_string())?;
+    let is_slow = |path: &PathBuf| {
+        let name = path.file_name().and_then(|name| name.to_str());
+        name.is_some_and(|name| name.starts_with("slow-unit-"))
+    };
+    let paths = files.filter_map(|file| Some(file.ok()?.path()));
+    for path in paths.filter(is_slow) {
+        let mut run = tool("rpi-fuzz-again", &["--release"]);
+        run.arg(entry).arg(&path);
+        done(&mut run, "an input takes longer than it may")?;
+        std::fs::remove_file(&path).map_err(|error| error.to_string())?;
+    }
+    Ok(())
+}
+
+/// A tool of the fuzzers, to be run.
+fn tool(name: &str, flags: &[&str]) -> Command {
+    let mut run = Command::new(env!("CARGO"));
+    run.current_dir(root())
+        .args(["run", "--quiet", "--package", "rpi-fuzz", "--bin", name])
+        .args(flags)
+        .arg("--");
+    run
 }
 
 fn root() -> PathBuf {
@@ -53,11 +86,8 @@ fn root() -> PathBuf {
 }
 
 fn seeds(entry: &str, corpus: &Path, words: &Path) -> Result<(), String> {
-    let mut write = Command::new(env!("CARGO"));
-    write
-        .current_dir(root())
-        .args(["run", "--quiet", "--package", "rpi-fuzz", "--", entry])
-        .args([corpus, words]);
+    let mut write = tool("rpi-fuzz-seeds", &[]);
+    write.arg(entry).args([corpus, words]);
     done(&mut write, "no seeds")
 }
 
