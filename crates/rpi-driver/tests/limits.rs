@@ -221,3 +221,10 @@ fn tasks_in_a_long_row_are_too_deep_and_not_endless() {
     let last = "task T4000 let C(1); tel\n";
     is_said(&format!("{COMMAND}{inner}{last}"), Code::RPI1011);
 }
+
+#[test]
+fn a_command_may_have_many_results() {
+    let results = row(3_000, |k| format!("  finish r{k} when n = {k};"));
+    let text = format!("command C ()\nlet\n  n = 0 -> pre n + 1;\n{results}tel\n");
+    assert_eq!(found(&text), []);
+}

@@ -1,6 +1,6 @@
 //! Names that Lustre can have: letters, digits and `_`, each given once.
 
-use std::collections::BTreeSet;
+use std::collections::BTreeMap;
 
 /// Words of Lustre V6 and Kind 2 that no flow may be called.
 const WORDS: &[&str] = &[
@@ -66,22 +66,25 @@ const WORDS: &[&str] = &[
     "xor",
 ];
 
-/// The names that are taken.
+/// The names that are taken, each with the last number that was put behind it.
 #[derive(Default)]
 pub(super) struct Names {
-    taken: BTreeSet<String>,
+    taken: BTreeMap<String, u32>,
 }
 
 impl Names {
     /// A name like this one: `x.f[2]` becomes `x_f_2`.
     pub(super) fn fresh(&mut self, like: &str) -> String {
         let base = plain(like);
+        let is_free = !WORDS.contains(&base.as_str()) && !self.taken.contains_key(&base);
+        let mut last = self.taken.get(&base).copied().unwrap_or(1);
         let mut name = base.clone();
-        let mut k = 1;
-        while WORDS.contains(&name.as_str()) || !self.taken.insert(name.clone()) {
-            k += 1;
-            name = format!("{base}_{k}");
+        while !is_free && (name == base || self.taken.contains_key(&name)) {
+            last += 1;
+            name = format!("{base}_{last}");
         }
+        self.taken.insert(base, last);
+        self.taken.entry(name.clone()).or_insert(1);
         name
     }
 }

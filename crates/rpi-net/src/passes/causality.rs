@@ -73,7 +73,7 @@ pub fn ring(reads: &[Read]) -> Finding {
             .collect();
         delayed(&read.from, &read.to, &all, None)
     };
-    finding.fixes = reads.iter().map(fix).collect();
+    finding.fixes = reads.iter().take(SHOWN).map(fix).collect();
     finding.help(BREAK)
 }
 
@@ -93,7 +93,10 @@ fn finding(
             .map(|s| (s.from.as_str(), s.span, told(s)))
             .collect::<Vec<_>>(),
     );
-    let fixes = steps.iter().filter_map(|s| fix(net, s, activated));
+    let fixes = steps
+        .iter()
+        .take(SHOWN)
+        .filter_map(|s| fix(net, s, activated));
     finding.fixes = fixes.collect();
     let is_fragment = |e: &EdgeIndex| matches!(item(graph, *e), Some(Item::Fragment(_)));
     finding.help(match is_program(net) {

@@ -1,7 +1,7 @@
 //! Whether a command can end (M10): some `finish` must be reachable, and every result should be. A test is told when it
 //! runs that it does not finish.
 
-use super::proof::{Background, never_true, never_true_without};
+use super::proof::{Background, Effort, never_true_without};
 use crate::net::{Driver, FragmentId, Input, Net, PortRef, ResultKind, ResultPort};
 use rpi_diag::{Code, Finding};
 use rpi_image::{CommandFlow, Role};
@@ -11,10 +11,12 @@ pub(crate) fn check(background: Background<'_>) -> Vec<Finding> {
     let Driver::Results(results) = &background.net.driver else {
         return Vec::new();
     };
-    let dead: Vec<bool> = results
-        .iter()
-        .map(|r| never(background, &r.condition))
-        .collect();
+    let proofs = Proofs {
+        background,
+        effort: Effort::new(EFFORT),
+    };
+    let dead = results.iter().map(|r| proofs.never(&r.condition));
+    let dead: Vec<bool> = dead.collect();
     let those = |wanted: bool| {
         let all = results.iter().zip(&dead);
         all.filter(move |(_, dead)| **dead == wanted)
@@ -24,7 +26,7 @@ pub(crate) fn check(background: Background<'_>) -> Vec<Finding> {
     let all = results.iter().filter(finishes).count();
     let is_endless = !background.net.is_test && those(true).filter(finishes).count() == all;
     let takeover = takeover(background.net);
-    let waits = |r: &ResultPort| waits(background, r, &takeover);
+    let waits = |r: &ResultPort| proofs.waits(r, &takeover);
     if !is_endless && !takeover.is_empty() && those(false).filter(finishes).all(waits) {
         let first = those(false).find(finishes);
         return first
@@ -37,7 +39,7 @@ pub(crate) fn check(background: Background<'_>) -> Vec<Finding> {
     let mut findings: Vec<Finding> = others.map(unreachable).collect();
     let alive = (0..results.len()).filter(|k| !dead[*k]);
     let order = Order::new(results);
-    findings.extend(alive.filter_map(|k| Some(covered(&results[k], order.before(background, k)?))));
+    findings.extend(alive.filter_map(|k| Some(covered(&results[k], order.before(&proofs, k)?))));
     if is_endless {
         findings.push(endless(background, results, all));
     }
@@ -57,6 +59,37 @@ pub(crate) fn told(net: &Net, faults: usize) -> String {
         }
         Driver::Results(results) => format!("{} results, {faults} faults", results.len()),
         Driver::Ports { .. } => "it does not end by results".to_owned(),
+    }
+}
+
+/// Nodes that all proofs about the ends of a command look at together, at most.
+const EFFORT: u32 = 300_000;
+
+/// Proofs about when results happen.
+struct Proofs<'a> {
+    background: Background<'a>,
+    effort: Effort,
+}
+
+impl Proofs<'_> {
+    fn never(&self, condition: &Input) -> bool {
+        match condition {
+            Input::Open => true,
+            Input::Const(value) => value.as_bool() == Some(false),
+            Input::Port(port) => self.never_without(*port, &[]),
+        }
+    }
+
+    /// Whether a condition is never true while others are false.
+    fn never_without(&self, condition: PortRef, others: &[PortRef]) -> bool {
+        let seen = (FragmentId::ROOT, condition);
+        never_true_without(self.background, &self.effort, seen, others)
+    }
+
+    /// Whether a result happens only where a successor takes over (M10.4).
+    fn waits(&self, result: &ResultPort, takeover: &[PortRef]) -> bool {
+        let condition = result.condition.port();
+        condition.is_some_and(|condition| self.never_without(condition, takeover))
     }
 }
 
@@ -84,7 +117,7 @@ impl<'r> Order<'r> {
     }
 
     /// The first result that goes before another one whenever this one's condition is true.
-    fn before(&self, background: Background<'_>, at: usize) -> Option<&'r ResultPort> {
+    fn before(&self, proofs: &Proofs<'_>, at: usize) -> Option<&'r ResultPort> {
         let own = &self.results[at];
         let is_fail = own.kind == ResultKind::Fail;
         let fails = self
@@ -95,9 +128,7 @@ impl<'r> Order<'r> {
         let mut others = fails.chain(finishes).map(|k| &self.results[*k]);
         others.find(|other| match (&other.condition, &own.condition) {
             (Input::Const(value), _) => value.as_bool() == Some(true),
-            (Input::Port(other), Input::Port(own)) => {
-                never_true_without(background, FragmentId::ROOT, *own, &[*other])
-            }
+            (Input::Port(other), Input::Port(own)) => proofs.never_without(*own, &[*other]),
             _ => false,
         })
     }
@@ -114,26 +145,11 @@ fn covered(result: &ResultPort, first: &ResultPort) -> Finding {
         .help("`fail` goes before other results, and these in the order of the text")
 }
 
-fn never(background: Background<'_>, condition: &Input) -> bool {
-    match condition {
-        Input::Open => true,
-        Input::Const(value) => value.as_bool() == Some(false),
-        Input::Port(port) => never_true(background, FragmentId::ROOT, *port),
-    }
-}
-
 /// Where it is asked whether a successor takes over.
 fn takeover(net: &Net) -> Vec<PortRef> {
     let is_takeover = |id: &_| net.node(*id).desc().role == Role::Flow(CommandFlow::Takeover);
     let asked = net.node_ids().filter(is_takeover);
     asked.map(|node| PortRef { node, port: 0 }).collect()
-}
-
-/// Whether a result happens only where a successor takes over (M10.4).
-fn waits(background: Background<'_>, result: &ResultPort, takeover: &[PortRef]) -> bool {
-    result.condition.port().is_some_and(|condition| {
-        never_true_without(background, FragmentId::ROOT, condition, takeover)
-    })
 }
 
 fn waiting(net: &Net, finish: &ResultPort) -> Finding {

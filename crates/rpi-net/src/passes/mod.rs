@@ -12,7 +12,7 @@ mod idle;
 pub mod live;
 pub mod presence;
 mod proof;
-mod rings;
+pub mod rings;
 pub mod schedule;
 mod setpoints;
 pub mod users;

@@ -1,8 +1,7 @@
 //! Rings in a dependency graph: strongly connected components, and the shortest ring through each.
 
-use crate::passes::dependencies::Graph;
 use petgraph::algo::kosaraju_scc;
-use petgraph::graph::{EdgeIndex, NodeIndex};
+use petgraph::graph::{DiGraph, EdgeIndex, NodeIndex};
 use petgraph::visit::EdgeRef;
 use std::cell::RefCell;
 use std::collections::VecDeque;
@@ -11,16 +10,18 @@ use std::collections::VecDeque;
 const PATIENCE: usize = 1_000_000;
 
 /// The components of a graph in which every vertex depends on itself.
-pub(crate) struct Rings<'g> {
-    graph: &'g Graph,
+#[derive(Debug)]
+pub struct Rings<'g, N, E> {
+    graph: &'g DiGraph<N, E>,
     /// The components, their vertices in declaration order, sorted by the first.
-    pub(crate) components: Vec<Vec<NodeIndex>>,
+    pub components: Vec<Vec<NodeIndex>>,
     /// For each vertex the number of its component, if it is in one.
     component_of: Vec<Option<usize>>,
     search: RefCell<Search>,
 }
 
 /// What a search has reached; kept from one to the next, as there can be one for every ring of a large net.
+#[derive(Debug)]
 struct Search {
     /// For each vertex the search that reached it last, and by which edge.
     reached: Vec<(usize, EdgeIndex)>,
@@ -57,8 +58,10 @@ impl Search {
     }
 }
 
-impl<'g> Rings<'g> {
-    pub(crate) fn new(graph: &'g Graph) -> Self {
+impl<'g, N, E> Rings<'g, N, E> {
+    /// The rings of a graph.
+    #[must_use]
+    pub fn new(graph: &'g DiGraph<N, E>) -> Self {
         let mut components = kosaraju_scc(graph);
         components.retain(|c| c.len() > 1 || graph.contains_edge(c[0], c[0]));
         components.iter_mut().for_each(|c| c.sort_unstable());
@@ -78,7 +81,7 @@ impl<'g> Rings<'g> {
     }
 
     /// The edges that lie on rings, in the order in which they were made.
-    pub(crate) fn edges(&self) -> impl Iterator<Item = EdgeIndex> + '_ {
+    pub fn edges(&self) -> impl Iterator<Item = EdgeIndex> + '_ {
         let inside = |a: NodeIndex, b: NodeIndex| {
             let component = self.component_of[a.index()];
             component.is_some() && component == self.component_of[b.index()]
@@ -91,7 +94,8 @@ impl<'g> Rings<'g> {
 
     /// The edges of the shortest ring in a component, one after the other. Of equally short ones the one through the
     /// vertex declared first. In a very large component the search ends early, with the shortest that it has met.
-    pub(crate) fn shortest(&self, component: usize) -> Vec<EdgeIndex> {
+    #[must_use]
+    pub fn shortest(&self, component: usize) -> Vec<EdgeIndex> {
         let mut best: Vec<EdgeIndex> = Vec::new();
         let size = self.components[component].len();
         for start in self.components[component].iter().take(1 + PATIENCE / size) {

@@ -295,9 +295,9 @@ impl<'a> Body<'_, 'a> {
 
     /// Whether a value is the same in all cycles: made of constants and parameters alone.
     pub(super) fn is_fixed(&self, id: ExprId) -> bool {
-        let mut open = vec![id];
-        while let Some(id) = open.pop() {
-            let fixed = match &self.unit.expr(id).kind {
+        let mut parts = self.unit.parts(id);
+        while let Some((id, expr)) = parts.next() {
+            let fixed = match &expr.kind {
                 Kind::Flow(flow) => self.unit.flow(*flow).role == FlowRole::Param,
                 Kind::Sensor { .. } | Kind::When { .. } | Kind::Merge { .. } | Kind::Current(_) => {
                     false
@@ -316,10 +316,7 @@ impl<'a> Body<'_, 'a> {
             if !fixed {
                 return false;
             }
-            self.unit
-                .expr(id)
-                .kind
-                .operands(&mut |operand| open.push(operand));
+            parts.enter(id);
         }
         true
     }

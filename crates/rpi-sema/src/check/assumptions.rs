@@ -47,17 +47,16 @@ impl<'a> Body<'_, 'a> {
             let flow = self.unit.flow(id);
             flow.role == FlowRole::Output || allowed.iter().any(|port| port.name == flow.name)
         };
-        let (mut open, mut seen) = (vec![id], BTreeSet::new());
-        while let Some(id) = open.pop() {
-            let expr = self.unit.expr(id);
+        let (mut parts, mut seen) = (self.unit.parts(id), BTreeSet::new());
+        while let Some((id, expr)) = parts.next() {
             match &expr.kind {
                 Kind::Each(Each::Pre, _) => {}
                 Kind::Flow(flow) if is_output(*flow) => return Some((*flow, expr.span)),
-                Kind::Flow(flow) if seen.insert(*flow) => open.extend(self.values_of(*flow)),
+                Kind::Flow(flow) if seen.insert(*flow) => parts.also(self.values_of(*flow)),
                 // What a mode requires is an assumption of its own contract: it reads no output of the cycle.
                 kind => match self.mode_of(kind) {
-                    Some(given) => open.extend(given),
-                    None => kind.operands(&mut |operand| open.push(operand)),
+                    Some(given) => parts.also(given),
+                    None => parts.enter(id),
                 },
             }
         }

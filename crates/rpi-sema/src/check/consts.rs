@@ -198,13 +198,12 @@ fn no_value(name: &ast::Ident, is_rpi: bool) -> Finding {
 /// The units that an expression calls.
 fn called(unit: &Unit, id: ExprId) -> Vec<UnitId> {
     let mut found = Vec::new();
-    let mut open = vec![id];
-    while let Some(id) = open.pop() {
-        let kind = &unit.expr(id).kind;
-        if let Kind::Call(call) = kind {
+    let mut parts = unit.parts(id);
+    while let Some((id, expr)) = parts.next() {
+        if let Kind::Call(call) = &expr.kind {
             found.push(call.unit);
         }
-        kind.operands(&mut |operand| open.push(operand));
+        parts.enter(id);
     }
     found
 }

@@ -13,6 +13,9 @@ use rpi_syntax::ast::{self, Contract, ContractImport, Ident};
 /// So many modes of the contracts that a contract takes up can be asked for.
 const MAX_MODES: usize = 1000;
 
+/// The longest path to a mode, `::c::d::m`, in steps: every contract gives out all paths that begin at it.
+const MAX_PATH: usize = 16;
+
 /// A contract that is taken up.
 #[derive(Clone, Copy)]
 pub(super) struct Import<'a> {
@@ -177,15 +180,16 @@ impl<'a> Body<'_, 'a> {
             };
             let callee = &self.c.units[call.unit.0 as usize];
             let outputs = callee.outputs.iter().map(|id| callee.flow(*id));
-            let names: Vec<String> = outputs
-                .map(|flow| format!("{}::{}", name.name, flow.name))
+            let names = (0..).zip(outputs.map(|flow| flow.name.as_str()));
+            let names = names.filter(|(_, mode)| mode.matches("::").count() < MAX_PATH);
+            let names: Vec<(u32, String)> = names
+                .map(|(at, mode)| (at, format!("{}::{mode}", name.name)))
                 .collect();
             let span = name.span;
-            for (at, name) in names.into_iter().enumerate() {
+            for (at, name) in names {
                 if modes.len() >= MAX_MODES {
                     return modes;
                 }
-                let at = u32::try_from(at).unwrap_or(u32::MAX);
                 let value = self.add(Kind::Part { base, at }, Ty::Bool, span);
                 let name = name.as_str().into();
                 modes.push((Ident { name, span }, value));

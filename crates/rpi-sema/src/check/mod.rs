@@ -159,6 +159,7 @@ pub fn check(program: &Program<'_>) -> Checked {
     checker.findings.extend(recursion::check(&checker.units));
     checker.findings.extend(dialect::check(&checker.units));
     unknown::once_for_each_fix(&mut checker.findings);
+    unknown::once_for_each_name(&mut checker.findings);
     if !checker.outside.is_empty() {
         checker
             .findings

@@ -213,7 +213,7 @@ impl<'a> Body<'_, 'a> {
         let near = near.or_else(|| rpi_diag::suggest(name, predeclared));
         match super::foreign::value_here(name) {
             Some(here) => self.other_name("value", name, span, here),
-            None => self.unknown_name("flow", name, span, near),
+            None => self.unknown_name(super::unknown::FLOW, name, span, near),
         }
         self.fault(span)
     }

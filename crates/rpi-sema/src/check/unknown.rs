@@ -6,7 +6,16 @@ use super::report::unknown;
 use rpi_diag::{Applicability, Code, Finding, Fix, Span};
 use rpi_syntax::Name;
 use rpi_syntax::ast::Ident;
-use std::collections::BTreeSet;
+use std::collections::{BTreeMap, BTreeSet};
+
+/// What a unit declares for itself.
+pub(super) const FLOW: &str = "flow";
+
+/// What is said at a name that has a meaning for all units and that nothing resembles: see [`once_for_each_name`].
+const NOWHERE: &str = "declared nowhere";
+
+/// The most further places that are shown.
+const MAX_PLACES: usize = 3;
 
 impl Body<'_, '_> {
     /// Reports that no `what` has this name; `near` is the nearest that one has.
@@ -21,7 +30,11 @@ impl Body<'_, '_> {
         let finding = match (self.c.program.library.declaring)(name) {
             _ if lacks_use && near.is_none() => None,
             Some(module) => Some(self.of_module_not_used(what, name, module, span)),
-            None => Some(unknown(what, name, span, near)),
+            None if what == FLOW || near.is_some() => Some(unknown(what, name, span, near)),
+            None => {
+                let message = format!("there is no {what} `{name}`");
+                Some(Finding::new(Code::RPI1001, message).at(span, NOWHERE))
+            }
         };
         if let Some(finding) = finding {
             self.report(finding);
@@ -114,4 +127,38 @@ pub(super) fn once_for_each_fix(findings: &mut Vec<Finding>) {
         },
         _ => true,
     });
+}
+
+/// Of findings about one name that no unit knows the first, with the places of the others: one declaration is missing.
+pub(super) fn once_for_each_name(findings: &mut Vec<Finding>) {
+    let mut places: BTreeMap<String, Vec<Span>> = BTreeMap::new();
+    findings.retain(|finding| match &finding.labels[..] {
+        [label] if label.text == NOWHERE && says_no_more(finding) => {
+            let known = places.entry(finding.message.clone()).or_default();
+            known.push(label.span);
+            known.len() == 1
+        }
+        _ => true,
+    });
+    for finding in findings {
+        let is_it = (finding.labels.first()).is_some_and(|label| label.text == NOWHERE);
+        let Some([_, others @ ..]) = places.get(&finding.message).map(Vec::as_slice) else {
+            continue;
+        };
+        if !is_it || !says_no_more(finding) {
+            continue;
+        }
+        for span in others.iter().take(MAX_PLACES) {
+            *finding = finding.clone().also(*span, "needed here, too");
+        }
+        match others.len().saturating_sub(MAX_PLACES) {
+            0 => {}
+            1 => finding.help.push("one more place needs it".to_owned()),
+            more => finding.help.push(format!("{more} more places need it")),
+        }
+    }
+}
+
+fn says_no_more(finding: &Finding) -> bool {
+    finding.fixes.is_empty() && finding.help.is_empty()
 }

@@ -6,9 +6,11 @@
 use super::body::Body;
 use super::order::{Guess, State};
 use crate::typed::{FlowId, Optional};
+use petgraph::graph::{DiGraph, NodeIndex};
 use rpi_diag::{Code, Finding, Span};
 use rpi_net::passes::causality::{self, Read};
-use std::collections::VecDeque;
+use rpi_net::passes::rings::Rings;
+use std::collections::BTreeMap;
 
 /// A flow of unknown type that the equation of another reads.
 #[derive(Clone, Copy)]
@@ -30,24 +32,39 @@ impl Body<'_, '_> {
         self.report_rings(false);
     }
 
-    /// Reports rings of flows of unknown type, either those within a cycle or all.
+    /// Reports knots of flows of unknown type, either those within a cycle or all: the shortest ring of each.
     fn report_rings(&mut self, only_now: bool) {
         let equations = 0..self.pending.len();
         let open: Vec<usize> = equations.filter(|index| self.is_untold(*index)).collect();
         let links: Vec<Link> = open.iter().flat_map(|index| self.links(*index)).collect();
-        for index in open {
-            let is_open = |at: usize| self.pending[at].state == State::Guessed;
-            let usable =
-                |link: &&Link| (link.now || !only_now) && is_open(link.from) && is_open(link.to);
-            let usable: Vec<Link> = links.iter().filter(usable).copied().collect();
-            let ring = ring_through(&usable, index);
-            for link in &ring {
-                self.pending[link.to].state = State::Told;
+        let mut places: BTreeMap<(usize, usize), Vec<Span>> = BTreeMap::new();
+        for link in links.iter().filter(|link| link.now) {
+            places
+                .entry((link.from, link.to))
+                .or_default()
+                .push(link.span);
+        }
+        let mut graph: DiGraph<usize, Link> = DiGraph::new();
+        let vertices: BTreeMap<usize, NodeIndex> =
+            (open.iter().map(|index| (*index, graph.add_node(*index)))).collect();
+        for link in links.iter().filter(|link| link.now || !only_now) {
+            let ends = [link.from, link.to].map(|end| vertices.get(&end));
+            if let [Some(from), Some(to)] = ends {
+                graph.add_edge(*from, *to, *link);
             }
-            match (ring.is_empty(), only_now) {
-                (true, _) => {}
-                (false, true) => self.waits_for_itself(&ring, &links),
-                (false, false) => self.untold(index),
+        }
+        let rings = Rings::new(&graph);
+        for (k, component) in rings.components.iter().enumerate() {
+            for vertex in component {
+                self.pending[graph[*vertex]].state = State::Told;
+            }
+            match only_now {
+                true => {
+                    let ring = rings.shortest(k);
+                    let ring: Vec<Link> = ring.into_iter().map(|edge| graph[edge]).collect();
+                    self.waits_for_itself(&ring, &places);
+                }
+                false => self.untold(graph[component[0]]),
             }
         }
     }
@@ -82,22 +99,14 @@ impl Body<'_, '_> {
         reads.collect()
     }
 
-    fn waits_for_itself(&mut self, ring: &[Link], links: &[Link]) {
+    fn waits_for_itself(&mut self, ring: &[Link], places: &BTreeMap<(usize, usize), Vec<Span>>) {
         let read = |link: &Link| {
-            let is_same = |other: &&Link| {
-                other.now
-                    && (other.from, other.to) == (link.from, link.to)
-                    && other.span != link.span
-            };
+            let all = places.get(&(link.from, link.to)).into_iter().flatten();
             Read {
                 from: self.name_of(link.from),
                 to: self.name_of(link.to),
                 span: link.span,
-                more: links
-                    .iter()
-                    .filter(is_same)
-                    .map(|other| other.span)
-                    .collect(),
+                more: all.copied().filter(|span| *span != link.span).collect(),
             }
         };
         let reads: Vec<Read> = ring.iter().map(read).collect();
@@ -129,29 +138,4 @@ impl Body<'_, '_> {
         ));
         self.report(finding);
     }
-}
-
-/// The shortest ring of links through an equation; empty if there is none.
-fn ring_through(links: &[Link], start: usize) -> Vec<Link> {
-    let mut reached: Vec<Link> = Vec::new();
-    let mut queue = VecDeque::from([start]);
-    while let Some(from) = queue.pop_front() {
-        for link in links.iter().filter(|link| link.from == from) {
-            if reached.iter().all(|known| known.to != link.to) {
-                reached.push(*link);
-                queue.push_back(link.to);
-            }
-        }
-    }
-    let mut ring: Vec<Link> = Vec::new();
-    let mut at = start;
-    while let Some(link) = reached.iter().find(|link| link.to == at) {
-        ring.push(*link);
-        at = link.from;
-        if at == start {
-            break;
-        }
-    }
-    ring.reverse();
-    ring
 }

@@ -219,7 +219,7 @@ impl<'u> Elab<'u> {
             return self.fail(NotConstant::Flow(span));
         }
         self.called_here(unit);
-        let mut scope = Scope::new(unit, Some(id));
+        let mut scope = Scope::new(unit, id);
         let in_fragment = unit.kind == UnitKind::Fragment && self.mode != Mode::Constant;
         scope.prefix = if in_fragment || path.is_empty() {
             String::new()

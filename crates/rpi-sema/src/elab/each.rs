@@ -139,7 +139,7 @@ impl<'u> Elab<'u> {
     ) -> [Option<PortRef>; 2] {
         let mut guards = [at.guard; 2];
         for (k, branch) in branches.into_iter().enumerate() {
-            if !super::guarded::can_fault(self.units, scope.unit, branch) {
+            if !self.can_fault(scope.unit, branch) {
                 continue;
             }
             let here = match k {
@@ -319,13 +319,12 @@ impl<'u> Elab<'u> {
 
 /// Whether an expression reads flows in this very cycle.
 fn reads_flows(unit: &Unit, id: ExprId) -> bool {
-    let mut open = vec![id];
-    while let Some(id) = open.pop() {
-        let kind = &unit.expr(id).kind;
-        match kind {
+    let mut parts = unit.parts(id);
+    while let Some((id, expr)) = parts.next() {
+        match &expr.kind {
             Kind::Flow(_) => return true,
             Kind::Each(Each::Pre | Each::Last, _) => {}
-            _ => kind.operands(&mut |operand| open.push(operand)),
+            _ => parts.enter(id),
         }
     }
     false

@@ -2,7 +2,8 @@
 //! cycles in which that is asked for: such primitives have a twin with a condition as its first in-port. State in a branch goes on in all cycles, as in Lustre, and so do the
 //! faults on the way to it.
 
-use crate::typed::{Each, ExprId, Kind, Unit, UnitKind};
+use super::Elab;
+use crate::typed::{Each, ExprId, Kind, Unit, UnitId, UnitKind};
 use rpi_prims::PrimId;
 
 /// Primitives that can fault, and their twins.
@@ -27,25 +28,39 @@ pub(super) fn twin(prim: PrimId) -> Option<PrimId> {
     PrimId::of(row.1)
 }
 
-/// Whether something in an expression can fault that a guard would keep from it.
-pub(super) fn can_fault(units: &[Unit], unit: &Unit, id: ExprId) -> bool {
-    let mut open = vec![(unit, id)];
-    while let Some((unit, id)) = open.pop() {
-        let kind = &unit.expr(id).kind;
-        match kind {
-            Kind::Select { .. } => return true,
-            Kind::Prim(call) if call.prim.desc().may_fault => return true,
-            // On the way to a state.
-            Kind::Each(Each::Pre | Each::Last | Each::Hold, _) | Kind::Current(_) => continue,
-            Kind::Call(call) if units[call.unit.0 as usize].kind != UnitKind::Function => continue,
-            Kind::Call(call) => {
-                let callee = &units[call.unit.0 as usize];
-                let values = callee.blocks.iter().flat_map(|block| &block.equations);
-                open.extend(values.map(|equation| (callee, equation.value)));
+impl Elab<'_> {
+    /// Whether something in an expression can fault that a guard would keep from it.
+    pub(super) fn can_fault(&mut self, unit: &Unit, id: ExprId) -> bool {
+        let mut parts = unit.parts(id);
+        while let Some((id, expr)) = parts.next() {
+            match &expr.kind {
+                Kind::Select { .. } => return true,
+                Kind::Prim(call) if call.prim.desc().may_fault => return true,
+                // On the way to a state.
+                Kind::Each(Each::Pre | Each::Last | Each::Hold, _) | Kind::Current(_) => continue,
+                Kind::Call(call) if !self.is_function(call.unit) => continue,
+                Kind::Call(call) if self.call_can_fault(call.unit) => return true,
+                _ => {}
             }
-            _ => {}
+            parts.enter(id);
         }
-        kind.operands(&mut |operand| open.push((unit, operand)));
+        false
     }
-    false
+
+    fn is_function(&self, unit: UnitId) -> bool {
+        self.units[unit.0 as usize].kind == UnitKind::Function
+    }
+
+    /// Likewise of what a function computes.
+    fn call_can_fault(&mut self, id: UnitId) -> bool {
+        if let Some(known) = self.can_fault.get(&id) {
+            return *known;
+        }
+        let units = self.units;
+        let callee = &units[id.0 as usize];
+        let mut values = callee.blocks.iter().flat_map(|block| &block.equations);
+        let can = values.any(|equation| self.can_fault(callee, equation.value));
+        self.can_fault.insert(id, can);
+        can
+    }
 }

@@ -11,7 +11,7 @@
 //! | `signal.rs` | what a leaf is connected to |
 //! | `families.rs` | primitives that exist once per value type |
 //! | `nodes.rs`, `pack.rs`, `promise.rs` | adding nodes, folding them; arrays at ports |
-//! | `scope.rs`, `flows.rs` | one inlined unit and its flows |
+//! | `scope.rs`, `slots.rs`, `flows.rs` | one inlined unit and its flows |
 //! | `expr.rs`, `each.rs`, `guarded.rs`, `call.rs` | expressions |
 //! | `block.rs`, `claims.rs`, `automaton.rs`, `clocks.rs`, `leaving.rs`, `entering.rs` | bodies, fragments, states, sampled flows |
 //! | `device.rs`, `root.rs`, `settle.rs` | devices, commands and nodes that are run, the end |
@@ -39,6 +39,7 @@ mod root;
 mod scope;
 mod settle;
 mod signal;
+mod slots;
 
 pub use claims::Claims;
 pub use room::{MAX_STEPS, MAX_TASKS_IN_A_ROW, Room, task_too_large};
@@ -90,8 +91,9 @@ fn constant_with(
     args: &[Argument],
 ) -> Result<Rc<[Leaf]>, NotConstant> {
     let mut elab = Elab::new(units, &[], Mode::Constant);
-    let mut scope = Scope::new(unit, None);
-    for (flow, arg) in parameters(unit).into_iter().zip(args) {
+    let mut scope = Scope::constant(unit);
+    let given = (!args.is_empty()).then(|| parameters(unit));
+    for (flow, arg) in given.into_iter().flatten().zip(args) {
         let known: Wire = match (arg, unit.flow(flow).default) {
             (Argument::Value(leaves), _) => leaves.iter().cloned().map(Signal::Const).collect(),
             (Argument::Default, Some(default)) => elab.expr(&mut scope, default, At::ROOT),
@@ -193,6 +195,8 @@ struct Elab<'u> {
     elements: Map<(PortRef, u32), PortRef>,
     /// Sensor ports that have been read.
     sensors: Map<(String, String, u32), PortRef>,
+    /// The functions in which something can fault, or nothing.
+    can_fault: Map<UnitId, bool>,
     /// Why the constant is none.
     failure: Option<NotConstant>,
     /// Name of the flow that is being defined, with the path of calls that leads to it.
@@ -242,6 +246,7 @@ impl<'u> Elab<'u> {
             sampled: Sampled::Together,
             elements: Map::default(),
             sensors: Map::default(),
+            can_fault: Map::default(),
             failure: None,
             name: String::new(),
             serial: 0,

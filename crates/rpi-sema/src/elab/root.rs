@@ -165,7 +165,7 @@ impl<'u, 'a> Job<'u, 'a> {
         let root = &mut elab.net.fragments[0];
         root.budget_ns = unit.block(BlockId::ROOT).budget_ns;
         root.origin.span = unit.span;
-        let mut scope = Scope::new(unit, Some(self.id));
+        let mut scope = Scope::new(unit, self.id);
         let unknown = elab.parameters(&mut scope, self.args);
         let inputs = elab.inputs(&mut scope);
         elab.body(&mut scope, At::ROOT);

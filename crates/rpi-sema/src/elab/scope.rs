@@ -2,6 +2,7 @@
 
 use super::leaving::Leaving;
 use super::signal::Wire;
+use super::slots::Slots;
 use crate::typed::{BlockId, ExprId, FlowId, Unit, UnitId};
 use rpi_net::FragmentId;
 
@@ -11,9 +12,9 @@ pub(super) struct Scope<'u> {
     /// Its index; none for a constant expression outside of the table.
     pub(super) id: Option<UnitId>,
     /// What is known of each flow.
-    pub(super) flows: Vec<State>,
+    flows: Slots<State>,
     /// Expressions that are used more than once are elaborated once.
-    memo: Vec<Option<Wire>>,
+    memo: Slots<Option<Wire>>,
     /// The fragment of each block, once it has been made.
     pub(super) fragments: Vec<Option<FragmentId>>,
     /// Leaves that are read outside of blocks of which the fragments have not been made yet.
@@ -25,9 +26,10 @@ pub(super) struct Scope<'u> {
 }
 
 /// How far a flow is.
-#[derive(Clone, Debug)]
+#[derive(Clone, Default, Debug)]
 pub(super) enum State {
     /// Not met.
+    #[default]
     Open,
     /// Being worked out (constants only).
     Busy,
@@ -36,13 +38,25 @@ pub(super) enum State {
 }
 
 impl<'u> Scope<'u> {
-    pub(super) fn new(unit: &'u Unit, id: Option<UnitId>) -> Self {
+    /// For all of a unit.
+    pub(super) fn new(unit: &'u Unit, id: UnitId) -> Self {
+        Scope {
+            id: Some(id),
+            flows: Slots::all(unit.flows.len()),
+            memo: Slots::all(unit.exprs.len()),
+            fragments: vec![None; unit.blocks.len()],
+            ..Scope::constant(unit)
+        }
+    }
+
+    /// For a constant in a unit.
+    pub(super) fn constant(unit: &'u Unit) -> Self {
         Scope {
             unit,
-            id,
-            flows: vec![State::Open; unit.flows.len()],
-            memo: vec![None; unit.exprs.len()],
-            fragments: vec![None; unit.blocks.len()],
+            id: None,
+            flows: Slots::few(),
+            memo: Slots::few(),
+            fragments: Vec::new(),
             leaving: Vec::new(),
             base: FragmentId::ROOT,
             prefix: String::new(),
@@ -50,22 +64,22 @@ impl<'u> Scope<'u> {
     }
 
     pub(super) fn recall(&self, id: ExprId) -> Option<Wire> {
-        self.memo[id.0 as usize].clone()
+        self.memo.get(id.0)?.clone()
     }
 
     pub(super) fn is_known(&self, id: ExprId) -> bool {
-        self.memo[id.0 as usize].is_some()
+        self.memo.get(id.0).is_some_and(Option::is_some)
     }
 
     pub(super) fn remember(&mut self, id: ExprId, wire: &Wire) {
-        self.memo[id.0 as usize] = Some(wire.clone());
+        *self.memo.slot(id.0) = Some(wire.clone());
     }
 
     pub(super) fn state(&mut self, flow: FlowId) -> &mut State {
-        &mut self.flows[flow.0 as usize]
+        self.flows.slot(flow.0)
     }
 
     pub(super) fn fragment(&self, block: BlockId) -> Option<FragmentId> {
-        self.fragments[block.0 as usize]
+        self.fragments.get(block.0 as usize).copied().flatten()
     }
 }

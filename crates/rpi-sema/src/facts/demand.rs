@@ -109,12 +109,12 @@ fn conditions(inference: &Inference<'_>, findings: &mut Vec<Finding>) {
 
 /// Whether an expression reads what a block defines, in this very cycle.
 fn reads_flow_of(unit: &Unit, id: ExprId, block: usize) -> bool {
-    let mut open = vec![id];
-    while let Some(id) = open.pop() {
-        match &unit.expr(id).kind {
+    let mut parts = unit.parts(id);
+    while let Some((id, expr)) = parts.next() {
+        match &expr.kind {
             Kind::Flow(flow) if unit.flow(*flow).block.0 as usize == block => return true,
             Kind::Each(Each::Pre | Each::Last, _) => {}
-            kind => kind.operands(&mut |operand| open.push(operand)),
+            _ => parts.enter(id),
         }
     }
     false

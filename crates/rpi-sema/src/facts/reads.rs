@@ -135,12 +135,10 @@ fn blocks(unit: &Unit) -> Vec<BlockId> {
 }
 
 fn mark(unit: &Unit, root: ExprId, block: BlockId, blocks: &mut [BlockId]) {
-    let mut open = vec![root];
-    while let Some(id) = open.pop() {
+    let mut parts = unit.parts(root);
+    while let Some((id, _)) = parts.next() {
         blocks[id.0 as usize] = block;
-        unit.expr(id)
-            .kind
-            .operands(&mut |operand| open.push(operand));
+        parts.enter(id);
     }
 }
 

@@ -1,7 +1,7 @@
 //! What is known of a flow in one phase.
 
 use rpi_image::Value;
-use rpi_net::{NodeId, PortRef};
+use rpi_net::{FragmentId, NodeId, PortRef};
 use std::rc::Rc;
 
 /// A condition of the same cycle: a Boolean flow, and which value of it is meant.
@@ -12,8 +12,8 @@ pub(super) type Condition = (PortRef, bool);
 pub(super) enum Unless {
     /// In the cycles in which this holds.
     Now(Condition),
-    /// From the first cycle on in which this holds: what is kept of a sampled flow.
-    Since(Condition),
+    /// From the first cycle of this fragment on in which this holds: what is kept there of a sampled flow.
+    Since(Condition, FragmentId),
 }
 
 /// What is known of a flow: each case allows more than the one before.
@@ -123,15 +123,15 @@ impl Known {
         }
     }
 
-    /// Defined from then on where it is defined now, as what keeps its value is.
-    pub(super) fn kept(self) -> Known {
+    /// Defined from then on where it is defined now, as what keeps its value in a fragment is.
+    pub(super) fn kept(self, fragment: FragmentId) -> Known {
         match self {
             Known::Undefined {
                 root,
                 unless: Some(Unless::Now(condition)),
             } => Known::Undefined {
                 root,
-                unless: Some(Unless::Since(condition)),
+                unless: Some(Unless::Since(condition, fragment)),
             },
             known => known,
         }

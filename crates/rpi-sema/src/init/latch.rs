@@ -2,8 +2,8 @@
 //! of a flow that is sampled by `c` has a value where `seen` holds.
 //!
 //! That a condition holds only if another holds or has held is shown by induction over the cycles: for a delay it is what
-//! held one cycle before, for all else what holds in the same one. All delays must count the same cycles: they stand in one
-//! fragment.
+//! held one cycle before, for all else what holds in the same one. All must count the same cycles and begin anew in the
+//! same ones: the delays, what keeps the value and who reads it stand in one fragment.
 
 use super::known::{Condition, Unless};
 use super::rules::Rule;
@@ -11,8 +11,8 @@ use super::solve::Solution;
 use rpi_image::{Role, State};
 use rpi_net::{FragmentId, Input, Net, NodeId, PortRef};
 
-/// So many nodes are looked at for one answer.
-const MAX_NODES: usize = 200;
+/// So many steps are taken for one answer.
+const MAX_STEPS: usize = 1000;
 
 /// So deep equal conditions are compared.
 const MAX_DEPTH: usize = 8;
@@ -26,17 +26,17 @@ pub(super) fn holds(
 ) -> bool {
     match unless {
         Unless::Now(condition) => given.contains(&condition),
-        Unless::Since(condition) => {
-            let fragment = all.net().node(reader).fragment;
-            given.iter().any(|given| {
-                let mut search = Search {
-                    all,
-                    condition,
-                    fragment,
-                    seen: Vec::new(),
-                };
-                search.shows(*given)
-            })
+        Unless::Since(condition, fragment) => {
+            let mut search = Search {
+                all,
+                condition,
+                fragment,
+                steps: 0,
+                seen: Vec::new(),
+                failed: Vec::new(),
+            };
+            all.net().node(reader).fragment == fragment
+                && given.iter().any(|given| search.shows(*given))
         }
     }
 }
@@ -59,8 +59,11 @@ struct Search<'s, 'n> {
     all: &'s Solution<'n>,
     condition: Condition,
     fragment: FragmentId,
+    steps: usize,
     /// What is being shown: behind a delay it has been shown of all cycles before.
     seen: Vec<Condition>,
+    /// What could not be shown while more was taken for granted than it is later.
+    failed: Vec<Condition>,
 }
 
 impl Search<'_, '_> {
@@ -75,7 +78,9 @@ impl Search<'_, '_> {
         }
         let net = self.all.net();
         let node = net.node(port.node);
-        if self.seen.len() >= MAX_NODES || node.fragment != self.fragment {
+        self.steps += 1;
+        let is_known_to_fail = self.failed.contains(&(port, value));
+        if is_known_to_fail || self.steps > MAX_STEPS || node.fragment != self.fragment {
             return false;
         }
         self.seen.push((port, value));
@@ -99,6 +104,7 @@ impl Search<'_, '_> {
         if !shown {
             // What was shown meanwhile may rest upon this.
             self.seen.truncate(mark - 1);
+            self.failed.push((port, value));
         }
         shown
     }

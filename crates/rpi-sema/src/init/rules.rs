@@ -158,7 +158,10 @@ fn choice(all: &Solution<'_>, id: NodeId, phase: usize) -> Known {
     let keeps = undefined(&known)
         && latch::keeps_itself(all.net(), id)
         && !(0..PHASES).any(|phase| undefined(&branch_in(1, true, phase)));
-    if keeps { known.kept() } else { known }
+    match keeps {
+        true => known.kept(all.net().node(id).fragment),
+        false => known,
+    }
 }
 
 /// What a choice gives whose condition is not known: where one branch has a value, it has one if that is chosen.

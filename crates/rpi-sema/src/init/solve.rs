@@ -3,8 +3,12 @@
 use super::known::{Condition, Known};
 use super::phases::{Active, PHASES, PerPhase, PhaseSet, REST, parents};
 use super::rules::{Rule, is_by_first};
+use crate::hash::Set;
 use rpi_image::Value;
 use rpi_net::{Activation, FragmentId, Input, Net, NodeId, PortRef, Restart};
+
+/// So many of the conditions that a condition implies are looked at.
+const MAX_IMPLIED: usize = 1000;
 
 /// What is known of a net's flows.
 pub(super) struct Solution<'n> {
@@ -202,7 +206,11 @@ impl<'n> Solution<'n> {
     /// All that must hold if a condition has this value.
     pub(super) fn implied(&self, port: PortRef, value: bool) -> Vec<Condition> {
         let (mut all, mut open) = (Vec::new(), vec![self.plain(port, value)]);
+        let mut seen = Set::default();
         while let Some((port, value)) = open.pop() {
+            if seen.len() >= MAX_IMPLIED || !seen.insert((port, value)) {
+                continue;
+            }
             let parts = match (self.rules[port.node.index()], value) {
                 (Rule::And, true) | (Rule::Or, false) => &self.net.node(port.node).inputs[..],
                 _ => &[],
@@ -218,8 +226,12 @@ impl<'n> Solution<'n> {
     fn claim(&mut self, claim: PortRef) {
         for phase in 0..PHASES {
             let mut open = vec![(claim, true)];
+            let mut seen = Set::default();
             while let Some((port, value)) = open.pop() {
                 let (port, value) = self.plain(port, value);
+                if !seen.insert((port, value)) {
+                    continue;
+                }
                 let node = self.net.node(port.node);
                 self.claimed.push((port.node, phase, value));
                 let inputs = match (self.rules[port.node.index()], value) {

@@ -93,16 +93,15 @@ fn may_act(unit: &Unit, equation: &Equation) -> bool {
         Kind::Prim(call) => acts(call.prim.desc()),
         _ => false,
     };
-    let mut open = match &equation.targets[..] {
-        [_] => vec![equation.value],
-        _ => Vec::new(),
-    };
-    while let Some(id) = open.pop() {
-        let kind = &unit.expr(id).kind;
-        if is_effect(kind) {
+    if equation.targets.len() != 1 {
+        return false;
+    }
+    let mut parts = unit.parts(equation.value);
+    while let Some((id, expr)) = parts.next() {
+        if is_effect(&expr.kind) {
             return true;
         }
-        kind.operands(&mut |operand| open.push(operand));
+        parts.enter(id);
     }
     false
 }

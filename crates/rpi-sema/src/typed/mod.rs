@@ -5,6 +5,7 @@
 //! that passes keep what they find out in tables of their own beside it. This form must not know syntax or memory.
 
 mod flow;
+mod parts;
 mod print;
 mod task;
 mod verify;

@@ -239,6 +239,10 @@ impl<'a> Facts<'a> {
         if after == Set::NONE {
             return Err(Contradiction);
         }
+        let is_open = after.members().count() > 1;
+        if after == before && !is_open {
+            return Ok(());
+        }
         let is_new = self.known.insert(port, after).is_none();
         if after != before || is_new {
             self.queue.insert(port.node);

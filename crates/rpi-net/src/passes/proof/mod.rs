@@ -165,25 +165,27 @@ impl<'a> Prover<'a> {
     }
 }
 
-/// Whether a flow is proved never to be true, seen from a fragment that is active.
-pub(crate) fn never_true(background: Background<'_>, reader: FragmentId, port: PortRef) -> bool {
-    never_true_without(background, reader, port, &[])
-}
-
-/// The same for cycles in which some other flows of the command are false.
+/// Whether a flow is proved never to be true, seen from a fragment that is active, in cycles in which some other flows of
+/// the command are false. What that takes is taken from `all`, which many proofs share.
 pub(crate) fn never_true_without(
     background: Background<'_>,
-    reader: FragmentId,
-    port: PortRef,
+    all: &Effort,
+    (reader, port): (FragmentId, PortRef),
     others: &[PortRef],
 ) -> bool {
-    let effort = Effort::new(EFFORT_FOR_CASES);
+    let given = EFFORT_FOR_CASES.min(all.get());
+    if given == 0 {
+        return false;
+    }
+    let effort = Effort::new(given);
     let mut facts = Facts::new(background, &effort);
     let held = facts.activate(reader).and_then(|()| {
         let mut others = others.iter();
         others.try_for_each(|other| facts.suppose(*other, Set::FALSE))
     });
-    held.and_then(|()| facts.require(reader, port, Set::TRUE))
-        .and_then(|()| facts.propagate())
-        .is_err()
+    let held = held
+        .and_then(|()| facts.require(reader, port, Set::TRUE))
+        .and_then(|()| facts.propagate());
+    all.set(all.get().saturating_sub(1 + given - effort.get()));
+    held.is_err()
 }
