@@ -46,6 +46,12 @@ impl Span {
         }
     }
 
+    /// Whether another place lies in this one.
+    #[must_use]
+    pub fn contains(self, other: Span) -> bool {
+        self.file == other.file && self.start <= other.start && other.end <= self.end
+    }
+
     /// Whether no byte lies in the range.
     pub fn is_empty(self) -> bool {
         self.start >= self.end

@@ -60,17 +60,13 @@ fn parts(seen: &Inspected, id: DefId) -> Vec<(DefId, &Def)> {
     let index = seen.index();
     let whole = index.def(id);
     let inside = |def: &Def| match def.kind {
-        DefKind::EnumValue => whole.kind == DefKind::Type && within(def.span, whole.whole),
+        DefKind::EnumValue => whole.kind == DefKind::Type && whole.whole.contains(def.span),
         _ => def.parent == Some(id),
     };
     let all = index.defs_in(whole.span.file);
     let mut parts: Vec<(DefId, &Def)> = all.filter(|(_, def)| inside(def)).collect();
     parts.sort_by_key(|(_, def)| def.span.start);
     parts
-}
-
-fn within(inner: Span, outer: Span) -> bool {
-    inner.file == outer.file && outer.start <= inner.start && inner.end <= outer.end
 }
 
 /// A place to which links lead where there is no table.

@@ -101,11 +101,7 @@ impl Inspected {
     /// The top-level declaration around a place.
     #[must_use]
     pub fn item_around(&self, place: Span) -> Option<&Item> {
-        let holds = |item: &&Item| {
-            let span = item.span;
-            span.file == place.file && span.start <= place.start && place.end <= span.end
-        };
-        self.modules.items().find(holds)
+        self.modules.items().find(|item| item.span.contains(place))
     }
 
     fn facts(&self) -> &[Facts] {

@@ -182,6 +182,12 @@ fn reads(net: &Net, graph: &Graph, edge: EdgeIndex, end: NodeIndex) -> Vec<Span>
     let Some((from, _)) = graph.edge_endpoints(edge) else {
         return Vec::new();
     };
+    // What a state makes of a flow that it shares with others is read nowhere in the text.
+    if let Some(Item::Fragment(id)) = graph.node_weight(from)
+        && is_state(net.fragment(*id))
+    {
+        return Vec::new();
+    }
     let mut places = Vec::new();
     for edge in graph.edges(from) {
         if !leads_to(net, graph, edge.target(), end) {
@@ -299,8 +305,12 @@ fn span(net: &Net, reader: Reader) -> Span {
 fn activated(net: &Net) -> BTreeMap<Span, bool> {
     let fragments = net.fragments.iter().skip(1);
     let sometimes = fragments.filter(|f| f.activation != Activation::Always);
-    let is_state = |f: &Fragment| matches!(f.restart, Restart::Every(_));
     sometimes.map(|f| (f.origin.span, is_state(f))).collect()
+}
+
+/// Whether a fragment is a state of an automaton, or is activated and restarted as one.
+fn is_state(fragment: &Fragment) -> bool {
+    fragment.activation != Activation::Always && matches!(fragment.restart, Restart::Every(_))
 }
 
 /// Whether the net comes from a program, whose flows have names.

@@ -191,7 +191,7 @@ fn labelled(net: &Net, finding: Finding, reason: Reason) -> Finding {
         Activation::When { condition, .. } => {
             let place = net.node(condition.node).origin.span;
             // The condition of a state is made of the automaton around it.
-            match place.file == own.file && place.start <= own.start && own.end <= place.end {
+            match place.contains(own) {
                 true => finding.also(own, format!("{name} is not always active")),
                 false => finding.also(place, format!("{name} is only active while this holds")),
             }

@@ -371,7 +371,7 @@ impl<'u> Inference<'u> {
                 }
                 None if self.terms.is_open(inner) => {}
                 // What is around it has been told not to fit.
-                None if self.reported.iter().any(|told| within(span, *told)) => {}
+                None if self.reported.iter().any(|told| told.contains(span)) => {}
                 None => self.report_at(span, "`current` of a flow that is not sampled".to_owned()),
             }
         }
@@ -415,11 +415,6 @@ impl<'u> Inference<'u> {
             }
         }
     }
-}
-
-/// Whether a place is part of another.
-fn within(inner: Span, outer: Span) -> bool {
-    inner.file == outer.file && outer.start <= inner.start && inner.end <= outer.end
 }
 
 /// The flow that an expression is.

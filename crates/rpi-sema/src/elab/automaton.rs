@@ -4,7 +4,7 @@ use super::expr::leaf_scalars;
 use super::families::Family;
 use super::scope::Scope;
 use super::signal::Signal;
-use super::{At, Elab};
+use super::{At, Elab, Mode};
 use crate::typed::{Automaton, Shared, Transition};
 use rpi_diag::Span;
 use rpi_image::{Scalar, Value};
@@ -208,9 +208,11 @@ impl<'u> Elab<'u> {
         let flow = scope.unit.flow(shared.flow);
         self.begin(&format!("{}{}", scope.prefix, flow.name));
         let scalars = leaf_scalars(&flow.ty);
+        let before = self.net.nodes.len();
         let mut merged: Option<Vec<Signal>> = None;
         for inner in &shared.states {
-            let wire = self.read_flow(scope, *inner, at, span).to_vec();
+            let place = scope.unit.flow(*inner).span;
+            let wire = self.read_flow(scope, *inner, at, place).to_vec();
             merged = Some(match merged {
                 None => wire,
                 Some(so_far) => {
@@ -227,7 +229,12 @@ impl<'u> Elab<'u> {
             });
         }
         if let Some(merged) = merged {
-            self.define(scope, shared.flow, 0, &merged.into());
+            let merged = merged.into();
+            if self.mode == Mode::Steps {
+                let path = format!("{}{}", scope.prefix, flow.name);
+                self.name_leaves(&path, &flow.ty, &merged, before);
+            }
+            self.define(scope, shared.flow, 0, &merged);
         }
     }
 }

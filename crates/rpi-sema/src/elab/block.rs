@@ -4,6 +4,7 @@ use super::expr::leaf_scalars;
 use super::scope::Scope;
 use super::signal::{Signal, Wire, alias_of};
 use super::{At, Claims, Elab, Mode};
+use crate::ty::Ty;
 use crate::typed::{BlockId, Equation, Expr, Place, Target, Unit};
 use rpi_net::{self as net, PortRef, Restart};
 
@@ -143,12 +144,7 @@ impl<'u> Elab<'u> {
         if let [Target { ty, .. }] = &equation.targets[..]
             && ty.leaf_count() == wire.len()
         {
-            let mut leaves = wire.iter();
-            ty.leaves(&mut |suffix, _| {
-                if let Some(Signal::Port(port)) = leaves.next() {
-                    self.name_result(*port, path, suffix, before);
-                }
-            });
+            self.name_leaves(path, ty, wire, before);
         }
         if let ([_], Some(node)) = (&equation.targets[..], self.whole_node(wire))
             && node.index() >= before
@@ -157,6 +153,16 @@ impl<'u> Elab<'u> {
             path.clone_into(&mut node.name);
             node.origin.flow.get_or_insert_with(|| path.to_owned());
         }
+    }
+
+    /// The nodes that were made for the leaves of a wire bear their names.
+    pub(super) fn name_leaves(&mut self, path: &str, ty: &Ty, wire: &Wire, before: usize) {
+        let mut leaves = wire.iter();
+        ty.leaves(&mut |suffix, _| {
+            if let Some(Signal::Port(port)) = leaves.next() {
+                self.name_result(*port, path, suffix, before);
+            }
+        });
     }
 
     /// A node that was made for a leaf bears its name, unless it has one.
