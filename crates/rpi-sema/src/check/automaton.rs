@@ -75,10 +75,7 @@ impl<'a> Body<'_, 'a> {
             let flow = match self.find_in(self.block, &name.name) {
                 Some(Local::Flow(flow)) => flow,
                 Some(_) => continue,
-                None => match self.local_flow(&name.name) {
-                    Some(flow) if self.unit.flow(flow).role == FlowRole::Output => flow,
-                    _ => self.introduce_flow(name),
-                },
+                None => self.introduce_flow(name),
             };
             places.insert(name.name.clone(), flows.len());
             flows.push(Shared {
@@ -92,9 +89,7 @@ impl<'a> Body<'_, 'a> {
 
     /// Whether a flow of the surroundings bears a name.
     fn is_around(&self, name: &Ident) -> bool {
-        let here = matches!(self.find_in(self.block, &name.name), Some(Local::Flow(_)));
-        let output = self.local_flow(&name.name);
-        here || output.is_some_and(|flow| self.unit.flow(flow).role == FlowRole::Output)
+        matches!(self.find_in(self.block, &name.name), Some(Local::Flow(_)))
     }
 
     /// Declares, in one state, its own version of each flow that it shares.

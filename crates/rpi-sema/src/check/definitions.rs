@@ -1,7 +1,7 @@
 //! Every flow is defined, and once.
 
 use super::body::Body;
-use crate::typed::{self, BlockId, FlowId, FlowRole, Place, Target, Unit};
+use crate::typed::{self, Block, FlowId, Optional, Place, Target, Unit};
 use rpi_diag::{Code, Finding, Span};
 
 impl Body<'_, '_> {
@@ -14,9 +14,8 @@ impl Body<'_, '_> {
         for (id, flow) in (0..).map(FlowId).zip(&self.unit.flows) {
             let own = std::iter::from_fn(|| parts.next_if(|part| part.flow == id));
             let own: Vec<DefinedPart> = own.collect();
-            let defined = matches!(flow.role, FlowRole::Output | FlowRole::Local);
-            if defined && !flow.ty.has_unknown() && !self.broken.contains(&id) {
-                findings.extend(definition_fault(&self.unit, flow, &own));
+            if flow.role.has_equation() && !flow.ty.has_unknown() && !self.broken.contains(&id) {
+                findings.extend(definition_fault(&self.unit, id, &own));
             }
         }
         self.findings.append(&mut findings);
@@ -53,27 +52,25 @@ impl Body<'_, '_> {
 
     fn defined_parts(&self) -> Vec<DefinedPart> {
         let mut parts = Vec::new();
-        for (number, block) in (0..).zip(&self.unit.blocks) {
+        for block in &self.unit.blocks {
             let targets = block.equations.iter().flat_map(|e| &e.targets);
-            let part = |target| DefinedPart::of(target, BlockId(number));
-            parts.extend(targets.filter_map(part));
+            parts.extend(targets.filter_map(DefinedPart::of));
             let shared = block
                 .automata
                 .iter()
                 .flat_map(|automaton| &automaton.shared);
-            parts.extend(shared.map(|shared| self.whole(shared.flow, BlockId(number))));
+            parts.extend(shared.map(|shared| self.whole(shared.flow)));
         }
         parts
     }
 
-    fn whole(&self, flow: FlowId, block: BlockId) -> DefinedPart {
+    fn whole(&self, flow: FlowId) -> DefinedPart {
         let count = self.unit.flow(flow).ty.leaf_count();
         DefinedPart {
             flow,
             at: 0,
             count: u32::try_from(count).unwrap_or(u32::MAX),
             span: self.unit.flow(flow).span,
-            block,
         }
     }
 }
@@ -85,12 +82,10 @@ struct DefinedPart {
     at: u32,
     count: u32,
     span: Span,
-    /// The block in which it stands.
-    block: BlockId,
 }
 
 impl DefinedPart {
-    fn of(target: &Target, block: BlockId) -> Option<DefinedPart> {
+    fn of(target: &Target) -> Option<DefinedPart> {
         let Place::Flow { flow, at } = target.place else {
             return None;
         };
@@ -99,29 +94,21 @@ impl DefinedPart {
             at,
             count: u32::try_from(target.ty.leaf_count()).unwrap_or(u32::MAX),
             span: target.span,
-            block,
         })
     }
 }
 
 /// What is wrong with the definitions of a flow; `parts` are sorted by place.
-fn definition_fault(unit: &Unit, flow: &typed::Flow, parts: &[DefinedPart]) -> Option<Finding> {
+fn definition_fault(unit: &Unit, id: FlowId, parts: &[DefinedPart]) -> Option<Finding> {
+    let flow = unit.flow(id);
     for pair in parts.windows(2) {
-        let twice = || defined_twice(flow, pair[1].span, pair[0].span);
-        if are_states(unit, pair[0].block, pair[1].block) {
-            let name = &flow.name;
-            let message = format!("`{name}` is defined by its parts in several states");
-            return Some(Finding { message, ..twice() }.help(format!(
-                "a state defines a flow of its surroundings as a whole: `{name} = ...;`"
-            )));
-        }
         if pair[0].at + pair[0].count > pair[1].at {
             let help = "a flow has one equation; merge the alternatives by `if` or `??`";
-            return Some(twice().help(help));
+            return Some(defined_twice(flow, pair[1].span, pair[0].span).help(help));
         }
     }
     let defined: usize = parts.iter().map(|part| part.count as usize).sum();
-    (defined < flow.ty.leaf_count()).then(|| undefined(flow, parts))
+    (defined < flow.ty.leaf_count()).then(|| undefined(unit, id, parts))
 }
 
 fn actuator_twice(port: &str, again: Span, first: Span) -> Finding {
@@ -140,21 +127,37 @@ fn defined_twice(flow: &typed::Flow, again: Span, first: Span) -> Finding {
         .also(first, "first defined here")
 }
 
-/// Whether two blocks are states of one automaton.
-fn are_states(unit: &Unit, one: BlockId, other: BlockId) -> bool {
-    let automata = unit.blocks.iter().flat_map(|block| &block.automata);
-    let is_state = |automaton: &typed::Automaton, block| {
-        let mut states = automaton.states.iter();
-        states.any(|state| state.block == block)
-    };
-    let holds =
-        |automaton: &typed::Automaton| is_state(automaton, one) && is_state(automaton, other);
-    one != other && automata.into_iter().any(holds)
+/// The fragment in place with a flow of its own of the name of one around it that it may be taken for.
+fn taken_for(unit: &Unit, id: FlowId) -> Option<(&typed::Flow, &Block)> {
+    let flow = unit.flow(id);
+    let alike = unit.flows.iter().filter(|other| other.name == flow.name);
+    let mut inside = alike.map(|other| (other, unit.block(other.block)));
+    inside.find(|(_, block)| block.when.is_some() && block.parent == Some(flow.block))
 }
 
-fn undefined(flow: &typed::Flow, parts: &[DefinedPart]) -> Finding {
+fn undefined(unit: &Unit, id: FlowId, parts: &[DefinedPart]) -> Finding {
+    let flow = unit.flow(id);
     let finding = Finding::new(Code::RPI1009, format!("`{}` is never defined", flow.name));
     match parts.first() {
+        None if let Some((own, block)) = taken_for(unit, id) => {
+            let otherwise = match flow.optional {
+                Optional::Declared(false) => " ?? ...",
+                _ => "",
+            };
+            finding
+                .at(flow.span, "declared here, but no equation defines it")
+                .also(
+                    own.span,
+                    format!(
+                        "a flow of the fragment `{}`, absent while that is inactive",
+                        block.name
+                    ),
+                )
+                .help(format!(
+                    "take it from there: `{0} = {1}.{0}{otherwise};`",
+                    flow.name, block.name
+                ))
+        }
         None => finding
             .at(flow.span, "declared here, but no equation defines it")
             .help(format!("add an equation `{} = ...;`", flow.name)),

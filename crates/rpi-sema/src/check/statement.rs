@@ -232,13 +232,14 @@ impl<'a> Body<'_, 'a> {
         inferred && self.defined_by[flow.0 as usize].is_none()
     }
 
-    /// Whether a target's name is declared here, or as a flow with a type around here.
+    /// Whether a target's name is declared here, or around here as what no equation defines. A fragment does not define the
+    /// flows of its surroundings, which go on while it is inactive: of the same name it has one of its own.
     fn is_declared(&self, name: &Ident) -> bool {
         if self.find_in(self.block, &name.name).is_some() {
             return true;
         }
         let around = self.local_flow(&name.name);
-        around.is_some_and(|flow| self.defined_by[flow.0 as usize].is_none())
+        around.is_some_and(|flow| !self.unit.flow(flow).role.has_equation())
     }
 
     fn declare_fragment(&mut self, decl: &'a FragmentDecl, later: &mut Vec<(BlockId, Later<'a>)>) {

@@ -165,10 +165,37 @@ impl<'a> Body<'_, 'a> {
                 false => self.not_definable(&target.name, what),
             };
         }
+        if self.is_part_around(flow, target) {
+            return (Place::Nowhere, Ty::Unknown);
+        }
         match self.path_in(&ty, 0, &target.path) {
             Some((at, ty)) => (Place::Flow { flow, at }, ty),
             None => (Place::Nowhere, Ty::Unknown),
         }
+    }
+
+    /// Whether a target is a part of a flow of the surroundings: these are active when what is here is not. It is reported,
+    /// once for a flow.
+    fn is_part_around(&mut self, flow: FlowId, target: &ast::Target) -> bool {
+        if self.unit.flow(flow).block == self.block {
+            return false;
+        }
+        if !self.broken.contains(&flow) {
+            self.broken.push(flow);
+            let name = &target.name.name;
+            let block = self.unit.block(self.block).name.clone();
+            let declared = self.unit.flow(flow).span;
+            let message = format!("`{name}` is defined by its parts inside of `{block}`");
+            let finding = Finding::new(Code::RPI1008, message)
+                .at(
+                    target.span,
+                    format!("counts only while `{block}` is active"),
+                )
+                .also(declared, "a flow of the surroundings, defined as a whole")
+                .help(format!("define it in one equation: `{name} = ...;`"));
+            self.report(finding);
+        }
+        true
     }
 
     fn not_definable(&mut self, name: &Ident, what: &str) -> (Place, Ty) {

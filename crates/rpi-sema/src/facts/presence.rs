@@ -8,8 +8,8 @@ use super::reads::{Definition, Reads};
 use crate::clocks::{self, Clocks};
 use crate::ty::Ty;
 use crate::typed::{
-    Activation, BlockId, Call, Each, ExprId, FlowId, FlowRole, Kind, Optional, Place, PrimCall,
-    Unit, UnitKind,
+    Activation, BlockId, Call, Each, ExprId, FlowId, Kind, Optional, Place, PrimCall, Unit,
+    UnitKind,
 };
 use rpi_diag::{Code, Finding, Fix, Span};
 use rpi_image::{Need, Presence, Role};
@@ -413,8 +413,7 @@ impl<'u> Inference<'u> {
     /// A flow that no equation of the unit can make absent.
     pub(super) fn must_be_present(&self, flow: FlowId) -> bool {
         let flow = self.unit.flow(flow);
-        let defined = matches!(flow.role, FlowRole::Output | FlowRole::Local);
-        defined && flow.optional == Optional::Declared(false)
+        flow.role.has_equation() && flow.optional == Optional::Declared(false)
     }
 
     /// `x ?? y` for `if present(x) then x else y`.

@@ -20,6 +20,14 @@ pub enum FlowRole {
     Local,
 }
 
+impl FlowRole {
+    /// Whether equations of the unit define such a flow.
+    #[must_use]
+    pub fn has_equation(self) -> bool {
+        matches!(self, FlowRole::Output | FlowRole::Local)
+    }
+}
+
 /// When a flow or port can be absent.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum Optional {

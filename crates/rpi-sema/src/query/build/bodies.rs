@@ -66,8 +66,8 @@ impl<'a> Builder<'a> {
         }
     }
 
-    /// What a plain name on the left of an equation means: a flow that is declared here, or with a type around here, or
-    /// else one that it introduces.
+    /// What a plain name on the left of an equation means: a flow that is declared here, or one around here of which it is
+    /// no new one, or else one that it introduces.
     fn introduced(&mut self, at: At<'a>, name: &'a Ident) -> Option<DefId> {
         if name.name == "_" {
             return None;
@@ -85,19 +85,24 @@ impl<'a> Builder<'a> {
         }
     }
 
-    /// Whether an equation in a scope may define a flow of the surroundings: one that is declared there with a type, or
-    /// one that the states of an automaton share.
+    /// Whether an equation in a scope means a flow of the surroundings: what no equation defines, or what the states of an
+    /// automaton share. A fragment has flows of its own.
     fn is_defined_inside(&self, scope: ScopeId, id: DefId) -> bool {
         let def = self.index.def(id);
         use DefKind::{Given, Input, Local, Output, Param};
-        let flow = matches!(def.kind, Local | Output | Input | Given | Param);
-        flow && (def.ty.is_some() || self.shares(scope, def.parent))
+        match def.kind {
+            Given | Input | Param => true,
+            Local | Output => self.shares(scope, def.parent),
+            _ => false,
+        }
     }
 
-    /// Whether a scope is a state of an automaton that stands directly in `parent`.
+    /// Whether a scope is a state of an automaton that stands in `parent`, or in a state there.
     fn shares(&self, scope: ScopeId, parent: Option<DefId>) -> bool {
-        let owner = self.index.scope(scope).owner.map(|id| self.index.def(id));
-        owner.is_some_and(|owner| owner.kind == DefKind::State && owner.parent == parent)
+        let owner = |id: DefId| Some(self.index.def(id)).filter(|def| def.kind == DefKind::State);
+        let innermost = self.index.scope(scope).owner.and_then(owner);
+        let mut states = std::iter::successors(innermost, |state| owner(state.parent?));
+        states.any(|state| state.parent == parent)
     }
 
     fn block(&mut self, at: At<'a>, fragment: &'a FragmentDecl) {
