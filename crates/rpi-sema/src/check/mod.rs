@@ -10,7 +10,7 @@
 //! | `unit.rs`, `header.rs`, `alias.rs`, `statics.rs`, `instance.rs`, `sizes.rs` | callables, their ports and static arguments |
 //! | `assumptions.rs` | what contracts assume, and which they take up |
 //! | `types.rs`, `device.rs`, `consts.rs` | types and constants |
-//! | `body.rs`, `locals.rs`, `order.rs`, `untold.rs`, `statement.rs`, `contract.rs`, `targets.rs`, `definitions.rs`, `automaton.rs` | bodies, their flows and equations |
+//! | `body.rs`, `locals.rs`, `order.rs`, `untold.rs`, `nothing.rs`, `statement.rs`, `contract.rs`, `targets.rs`, `definitions.rs`, `automaton.rs` | bodies, their flows and equations |
 //! | `blocks.rs`, `elements.rs` | blocks of equations, and arrays that are defined element by element |
 //! | `sample.rs` | what needs arguments that nobody gives, checked all the same |
 //! | `bound.rs`, `quantifier.rs`, `data.rs` | names that expressions bring in: quantifiers, conditions of types, alternatives |
@@ -59,6 +59,7 @@ mod meant;
 mod misread;
 mod names;
 mod nesting;
+mod nothing;
 mod ops;
 mod order;
 mod parts;

@@ -467,7 +467,7 @@ fn port_accepts(port: PortType, ty: &Ty) -> bool {
     }
 }
 
-fn port_ty(port: PortType) -> Ty {
+pub(super) fn port_ty(port: PortType) -> Ty {
     match port {
         PortType::One(scalar) => scalar_ty(scalar),
         PortType::Array(_) | PortType::Matrix => Ty::Unknown,

@@ -207,6 +207,7 @@ impl<'a> Checker<'a> {
         unit.is_lustre = self.program.module(module).mode == rpi_syntax::Mode::Lustre;
         let mut body = Body::new(self, module, header.statics.clone(), unit);
         body.check_decl(header.decl);
+        body.give_types_to_none();
         if called != header.span && header.is_instance() {
             body.say_for_whom(&header, called);
         }

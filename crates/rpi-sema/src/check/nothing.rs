@@ -1,0 +1,197 @@
+//! Of what type a `none` is: what stands around it tells. Without a type it has no leaves, and would be taken for a value
+//! that is there: where nothing tells the type that is reported.
+
+use super::body::Body;
+use super::prim::port_ty;
+use crate::hash::Set;
+use crate::ty::Ty;
+use crate::typed::{BlockId, Each, ExprId, FlowId, Kind, Place};
+use rpi_diag::{Code, Finding, Severity};
+
+impl Body<'_, '_> {
+    /// Gives every `none` of the unit its type.
+    pub(super) fn give_types_to_none(&mut self) {
+        let is_error = |finding: &&Finding| finding.severity() == Severity::Error;
+        let here = self.findings.iter().any(|finding| is_error(&finding));
+        let mut around = self.c.findings.iter().filter(is_error);
+        // What has a fault has no type, either.
+        if !self.has_untyped_none() || here || around.any(|told| told.code != Code::RPI2007) {
+            return;
+        }
+        for (id, ty) in self.told_around() {
+            self.give_type(id, &ty);
+        }
+        for id in (0..self.unit.exprs.len()).rev() {
+            let id = ExprId(u32::try_from(id).unwrap_or(u32::MAX));
+            for (operand, ty) in self.told_by_operator(id) {
+                self.give_type(operand, &ty);
+            }
+        }
+        self.report_untyped();
+    }
+
+    fn is_untyped_none(&self, id: ExprId) -> bool {
+        let expr = self.unit.expr(id);
+        matches!(expr.kind, Kind::None) && expr.ty.has_unknown()
+    }
+
+    fn has_untyped_none(&self) -> bool {
+        let mut all = (0..).map(ExprId).take(self.unit.exprs.len());
+        all.any(|id| self.is_untyped_none(id))
+    }
+
+    /// What flows, equations and conditions tell of the types of their values.
+    fn told_around(&self) -> Vec<(ExprId, Ty)> {
+        let defaults = self.unit.flows.iter();
+        let defaults = defaults.filter_map(|flow| Some((flow.default?, flow.ty.clone())));
+        let mut types: Vec<(ExprId, Ty)> = defaults.collect();
+        for block in &self.unit.blocks {
+            for equation in &block.equations {
+                if let [target] = &equation.targets[..] {
+                    types.push((equation.value, target.ty.clone()));
+                } else if let Kind::Build(parts) = &self.unit.expr(equation.value).kind {
+                    let parts = parts.iter().zip(&equation.targets);
+                    types.extend(parts.map(|(part, target)| (*part, target.ty.clone())));
+                }
+            }
+            let ends = block.ends.iter().map(|end| end.condition);
+            let claims = block.claims.iter().map(|claim| claim.condition);
+            let states = block.automata.iter().flat_map(|a| &a.states);
+            let transitions = states.flat_map(|state| state.unless.iter().chain(&state.until));
+            let conditions = ends.chain(claims).chain(block.when);
+            let conditions = conditions.chain(transitions.filter_map(|t| t.condition));
+            types.extend(conditions.map(|condition| (condition, Ty::Bool)));
+        }
+        types
+    }
+
+    /// What an operator tells of the types of its operands.
+    fn told_by_operator(&self, id: ExprId) -> Vec<(ExprId, Ty)> {
+        let expr = self.unit.expr(id);
+        let alike = |ids: &[ExprId]| ids.iter().map(|id| (*id, expr.ty.clone())).collect();
+        match &expr.kind {
+            Kind::Each(Each::If, operands) => {
+                let mut types: Vec<(ExprId, Ty)> = alike(&operands[1..]);
+                types.push((operands[0], Ty::Bool));
+                types
+            }
+            Kind::Each(_, operands) => alike(operands),
+            Kind::When { value, .. } => alike(&[*value]),
+            Kind::Current(operand) => alike(&[*operand]),
+            Kind::Merge { cases, .. } => {
+                alike(&cases.iter().map(|(_, case)| *case).collect::<Vec<_>>())
+            }
+            Kind::Repeat(_) | Kind::Build(_) => self.told_by_parts(id),
+            Kind::Equal {
+                operands: [a, b], ..
+            } => {
+                vec![(*a, self.ty_of(*b).clone()), (*b, self.ty_of(*a).clone())]
+            }
+            Kind::Call(call) => {
+                let header = &self.c.entries[call.unit.0 as usize].header;
+                let args = call.args.iter().zip(&header.inputs);
+                args.filter_map(|(arg, port)| Some(((*arg)?, port.ty.clone())))
+                    .collect()
+            }
+            Kind::Prim(call) => {
+                let ports = call.inputs.iter().zip(call.prim.desc().inputs);
+                ports
+                    .filter_map(|(input, port)| Some(((*input)?, port_ty(port.ty))))
+                    .collect()
+            }
+            _ => Vec::new(),
+        }
+    }
+
+    /// What a value tells of the types of its parts.
+    fn told_by_parts(&self, id: ExprId) -> Vec<(ExprId, Ty)> {
+        let expr = self.unit.expr(id);
+        match (&expr.kind, &expr.ty) {
+            (Kind::Repeat(element), Ty::Array(ty, _)) => vec![(*element, (**ty).clone())],
+            (Kind::Build(parts), Ty::Array(ty, _)) => {
+                parts.iter().map(|part| (*part, (**ty).clone())).collect()
+            }
+            (Kind::Build(parts), ty) if ty.members().len() == parts.len() => {
+                let parts = parts.iter().zip(ty.members());
+                parts
+                    .map(|(part, member)| (*part, member.ty.clone()))
+                    .collect()
+            }
+            _ => Vec::new(),
+        }
+    }
+
+    /// Gives a type to what only passes `none` on.
+    fn give_type(&mut self, id: ExprId, ty: &Ty) {
+        let expr = &mut self.unit.exprs[id.0 as usize];
+        let passes_on = matches!(
+            expr.kind,
+            Kind::None
+                | Kind::Each(..)
+                | Kind::When { .. }
+                | Kind::Current(_)
+                | Kind::Merge { .. }
+                | Kind::Repeat(_)
+                | Kind::Build(_)
+        );
+        if passes_on && expr.ty.has_unknown() && !ty.has_unknown() {
+            expr.ty = ty.clone();
+        }
+    }
+
+    /// Reports each `none` of which nothing tells the type: by the flow that has its type from it, if there is one.
+    fn report_untyped(&mut self) {
+        let mut told: Set<ExprId> = Set::default();
+        for block in (0..self.unit.blocks.len()).map(|k| BlockId(u32::try_from(k).unwrap_or(0))) {
+            for k in 0..self.unit.block(block).equations.len() {
+                let equation = &self.unit.block(block).equations[k];
+                let (value, flow) = match equation.targets[..] {
+                    [ref target] => match target.place {
+                        Place::Flow { flow, .. } => (equation.value, flow),
+                        _ => continue,
+                    },
+                    _ => continue,
+                };
+                let nones = self.untyped_in(value);
+                if !nones.is_empty() && self.unit.flow(flow).ty.has_unknown() {
+                    told.extend(nones);
+                    self.untold_by_none(flow);
+                }
+            }
+        }
+        for id in (0..).map(ExprId).take(self.unit.exprs.len()) {
+            if self.is_untyped_none(id) && !told.contains(&id) {
+                let finding = Finding::new(Code::RPI2007, "nothing tells the type of this `none`")
+                    .at(self.span_of(id), "absent, but what would it be?")
+                    .help("give it a name and a type: `var nothing: int?;` before `let`, and `nothing = none;`");
+                self.report(finding);
+            }
+        }
+    }
+
+    /// Each `none` without a type in an expression.
+    fn untyped_in(&self, root: ExprId) -> Vec<ExprId> {
+        let (mut parts, mut found) = (self.unit.parts(root), Vec::new());
+        while let Some((id, _)) = parts.next() {
+            if self.is_untyped_none(id) {
+                found.push(id);
+            }
+            parts.enter(id);
+        }
+        found
+    }
+
+    fn untold_by_none(&mut self, flow: FlowId) {
+        let flow = self.unit.flow(flow);
+        let finding = Finding::new(
+            Code::RPI2007,
+            format!("nothing tells the type of `{}`", flow.name),
+        )
+        .at(flow.span, "its equation only says that it is absent")
+        .help(format!(
+            "declare it: `var {}: ...?;` before `let`",
+            flow.name
+        ));
+        self.report(finding);
+    }
+}
