@@ -135,7 +135,9 @@ impl<'t> Context<'t> {
     pub(crate) fn comparisons_in_a_row(&self, signs: [Span; 2], middle: Option<Span>) {
         let text = middle.map(|span| (span, self.slice(span.start, span.end)));
         let mut findings = self.findings.borrow_mut();
-        let same = |last: &mut Finding| last.code == Code::RPI0009 && last.span() == signs[0];
+        let same = |last: &mut Finding| {
+            last.code == Code::RPI0009 && last.labels.iter().any(|label| label.span == signs[0])
+        };
         match findings.pop_if(same) {
             Some(last) => findings.push(phrase::further_comparison(last, signs[1], text)),
             None => findings.push(phrase::comparisons_in_a_row(signs, text)),

@@ -7,7 +7,7 @@ use crate::ast::*;
 use crate::context::Context;
 use crate::ops::{BinaryOp, UnaryOp};
 use rpi_diag::Span;
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
 impl Context<'_> {
     pub(crate) fn choice(
@@ -50,6 +50,10 @@ impl Context<'_> {
 struct Defined {
     order: Vec<String>,
     by: BTreeMap<String, Definition>,
+    /// Where each left side stands in the order.
+    at: BTreeMap<String, usize>,
+    /// The left sides in which each flow stands, or stood.
+    sides: BTreeMap<Name, Vec<String>>,
 }
 
 #[derive(Clone)]
@@ -60,14 +64,37 @@ struct Definition {
 }
 
 impl Defined {
+    /// Takes up a definition, as the last one if its left side is new.
+    fn insert(&mut self, key: String, definition: Definition) {
+        if !self.at.contains_key(&key) {
+            self.at.insert(key.clone(), self.order.len());
+            self.order.push(key.clone());
+        }
+        self.put(key, definition);
+    }
+
+    fn put(&mut self, key: String, definition: Definition) {
+        for target in &definition.targets {
+            let sides = self.sides.entry(target.name.name.clone()).or_default();
+            sides.push(key.clone());
+        }
+        self.by.insert(key, definition);
+    }
+
+    /// The definitions in whose left side a flow stands.
+    fn of(&self, name: &Name) -> impl Iterator<Item = &Definition> {
+        let sides = self.sides.get(name).into_iter().flatten();
+        sides.filter_map(|key| self.by.get(key))
+    }
+
     /// The value of targets, which may be defined one by one.
     fn value_of(&self, targets: &[Target]) -> Option<Expr> {
         let written = |target: &Target| self.named(target);
         if let [one] = targets {
             return written(one).map(|definition| definition.value.clone());
         }
-        let whole = self.by.values().find(|d| same_names(&d.targets, targets));
-        if let Some(whole) = whole {
+        let mut of_first = targets.iter().take(1).flat_map(|t| self.of(&t.name.name));
+        if let Some(whole) = of_first.find(|d| same_names(&d.targets, targets)) {
             return Some(whole.value.clone());
         }
         let values: Option<Vec<Expr>> = targets
@@ -83,7 +110,7 @@ impl Defined {
     /// The equation for one target alone.
     fn named(&self, target: &Target) -> Option<&Definition> {
         let alone = |d: &&Definition| matches!(&d.targets[..], [one] if same_place(one, target));
-        self.by.values().find(alone)
+        self.of(&target.name.name).find(alone)
     }
 
     /// The value of targets that nothing defines together: what defines each is taken out, what nothing defines stays
@@ -91,14 +118,14 @@ impl Defined {
     fn taken(&mut self, targets: &[Target]) -> Expr {
         let mut values = Vec::with_capacity(targets.len());
         for target in targets {
-            let alone = self.by.iter();
-            let mut alone = alone
-                .filter(|(_, d)| matches!(&d.targets[..], [one] if same_place(one, target)))
-                .map(|(key, _)| key.clone());
-            let definition = alone.next().and_then(|key| {
-                self.order.retain(|other| *other != key);
-                self.by.remove(&key)
-            });
+            let is_alone = |key: &&String| {
+                let definition = self.by.get(*key);
+                definition
+                    .is_some_and(|d| matches!(&d.targets[..], [one] if same_place(one, target)))
+            };
+            let mut sides = self.sides.get(&target.name.name).into_iter().flatten();
+            let key = sides.find(is_alone).cloned();
+            let definition = key.and_then(|key| self.by.remove(&key));
             values.push(definition.map_or_else(|| before(target), |d| d.value));
         }
         match values.len() {
@@ -108,7 +135,7 @@ impl Defined {
     }
 
     /// The left sides of one flow each that stand in a left side of several.
-    fn grouped(&self) -> Vec<String> {
+    fn grouped(&self) -> BTreeSet<String> {
         let groups = self.by.values().filter(|d| d.targets.len() > 1);
         let targets = groups.flat_map(|d| &d.targets);
         targets.map(|target| target.name.name.to_string()).collect()
@@ -134,12 +161,13 @@ fn same_names(a: &[Target], b: &[Target]) -> bool {
 struct Sense<'c, 't> {
     cx: &'c Context<'t>,
     /// The flows that keep their values where nothing defines them.
-    kept: &'c [Ident],
+    kept: BTreeSet<&'c Name>,
     faults: Vec<BlockFault>,
 }
 
 impl<'c, 't> Sense<'c, 't> {
     fn new(cx: &'c Context<'t>, kept: &'c [Ident]) -> Self {
+        let kept = kept.iter().map(|name| &name.name).collect();
         let faults = Vec::new();
         Sense { cx, kept, faults }
     }
@@ -177,16 +205,10 @@ impl<'c, 't> Sense<'c, 't> {
         for (key, first) in initial.filter(|(key, _)| !in_groups.contains(key)) {
             let then = defined.by.get(&key).map(|then| then.value.clone());
             let then = then.unwrap_or_else(|| defined.taken(&first.targets));
-            if !defined.by.contains_key(&key) {
-                defined.order.push(key.clone());
-            }
             let value = arrow(first.value.clone(), then);
-            defined.by.insert(key, Definition { value, ..first });
+            defined.insert(key, Definition { value, ..first });
         }
-        let says = |name: &&Ident| {
-            let mut targets = defined.by.values().flat_map(|d| &d.targets);
-            targets.any(|target| target.name.name == name.name)
-        };
+        let says = |name: &&Ident| defined.of(&name.name).next().is_some();
         let unsaid: Vec<&Ident> = keep.names.iter().filter(|name| !says(name)).collect();
         for name in unsaid {
             let targets = vec![Target {
@@ -203,10 +225,10 @@ impl<'c, 't> Sense<'c, 't> {
             self.add(&mut defined, name.name.to_string(), definition);
         }
         for definition in defined.by.values_mut() {
-            keep_last(&mut definition.value, &keep.names);
+            keep_last(&mut definition.value, &self.kept);
         }
         let strange = defined.by.values().flat_map(|d| &d.targets);
-        let strange = strange.filter(|t| keep.names.iter().all(|name| name.name != t.name.name));
+        let strange = strange.filter(|target| !self.kept.contains(&target.name.name));
         let strange: Vec<Ident> = strange.map(|target| target.name.clone()).collect();
         self.faults
             .extend(strange.into_iter().map(BlockFault::NotNamed));
@@ -260,10 +282,7 @@ impl<'c, 't> Sense<'c, 't> {
                 self.faults
                     .extend(again.map(|name| BlockFault::Twice(name, first)));
             }
-            None => {
-                defined.order.push(key.clone());
-                defined.by.insert(key, definition);
-            }
+            None => defined.insert(key, definition),
         }
     }
 
@@ -277,22 +296,14 @@ impl<'c, 't> Sense<'c, 't> {
         let last = self.statements(choice.otherwise.as_deref().unwrap_or_default());
         let whole = choice.branches[0].condition.span;
         parts.push((None, last, whole));
-        let mut keys: Vec<String> = Vec::new();
-        for key in parts.iter().flat_map(|(_, defined, _)| &defined.order) {
-            if !keys.contains(key) {
-                keys.push(key.clone());
-            }
-        }
+        let in_groups = parts.iter().flat_map(|(_, defined, _)| defined.grouped());
+        let mut done: BTreeSet<String> = in_groups.collect();
         let mut joined = Defined::default();
-        let in_groups: Vec<String> = parts
-            .iter()
-            .flat_map(|(_, defined, _)| defined.grouped())
-            .collect();
-        keys.retain(|key| !in_groups.contains(key));
-        for key in keys {
-            if let Some(definition) = self.joined(&key, &parts) {
-                joined.order.push(key.clone());
-                joined.by.insert(key, definition);
+        for key in parts.iter().flat_map(|(_, defined, _)| &defined.order) {
+            if done.insert(key.clone())
+                && let Some(definition) = self.joined(key, &parts)
+            {
+                joined.insert(key.clone(), definition);
             }
         }
         joined
@@ -340,7 +351,7 @@ impl<'c, 't> Sense<'c, 't> {
 
     /// The value of what a branch does not define: that of the cycle before, where it is kept.
     fn missing(&mut self, targets: &[Target], place: Span) -> Expr {
-        let is_kept = |target: &Target| self.kept.iter().any(|name| name.name == target.name.name);
+        let is_kept = |target: &Target| self.kept.contains(&target.name.name);
         if targets.iter().all(is_kept) {
             return match targets {
                 [one] => before(one),
@@ -410,12 +421,11 @@ fn arrow(lhs: Expr, rhs: Expr) -> Expr {
 }
 
 /// `last x` of what a `frame` keeps is its value one cycle before.
-fn keep_last(expr: &mut Expr, names: &[Ident]) {
+fn keep_last(expr: &mut Expr, names: &BTreeSet<&Name>) {
     expr.each_mut(&mut |part| {
         if let ExprKind::Unary(op, inner) = &mut part.kind
             && *op == UnaryOp::Last
-            && frames::of_element(inner)
-                .is_some_and(|name| names.iter().any(|kept| kept.name == *name))
+            && frames::of_element(inner).is_some_and(|name| names.contains(name))
         {
             *op = UnaryOp::Pre;
         }

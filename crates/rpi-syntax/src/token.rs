@@ -39,6 +39,8 @@ pub enum Place {
     Conversion,
     /// Before an operand, where none ends; in Lustre everywhere.
     Prefix,
+    /// Before a name, before another operand where none ends, and before one in parentheses that cases follow.
+    Matched,
 }
 
 /// One row of the table of words.
@@ -275,7 +277,7 @@ tokens! {
         Datatype    "datatype"    Lustre Declaration  "declares a type of alternatives";
         Exists      "exists"      Lustre Binder       "whether a condition holds for some value";
         Forall      "forall"      Lustre Binder       "whether a condition holds for all values";
-        Match       "match"       Lustre BeforeName   "a value by alternatives";
+        Match       "match"       Lustre Matched      "a value by alternatives";
         Opaque      "opaque"      Lustre Declaration  "a node of which callers only know the contract";
         Provided    "provided"    Lustre AfterOperand "when a property has to hold";
         ShiftLeft   "lsh"         Lustre AfterOperand "machine integers: bits moved to the left";

@@ -12,6 +12,7 @@ use crate::token::{Keyword, Place, Token};
 pub(crate) fn settle(lexemes: &mut [Lexeme], mode: Mode) {
     let has_own_check = mode == Mode::Rpi && declares_node(lexemes, Token::Check);
     let has_own_last = declares_node(lexemes, Token::Last);
+    let matched = in_parentheses_matched(lexemes);
     let mut in_contract = false;
     for at in 0..lexemes.len() {
         let token = lexemes[at].token;
@@ -22,6 +23,7 @@ pub(crate) fn settle(lexemes: &mut [Lexeme], mode: Mode) {
             && !Around::new(lexemes, at).makes_keyword(word)
             && !begins_claim(lexemes, at, in_contract, has_own_check)
             && (has_own_last || !is_last_of(lexemes, at))
+            && matched.binary_search(&at).is_err()
         {
             lexemes[at].token = Token::Ident;
         }
@@ -37,6 +39,34 @@ pub(crate) fn settle(lexemes: &mut [Lexeme], mode: Mode) {
 fn is_last_of(lexemes: &[Lexeme], at: usize) -> bool {
     let around = Around::new(lexemes, at);
     lexemes[at].token == Token::Last && around.after == Some(Token::LParen) && !around.is_field()
+}
+
+/// The words `match` before a value in parentheses, `match (o) with A: 1 end`, in text order: what is called so is not followed
+/// by cases.
+fn in_parentheses_matched(lexemes: &[Lexeme]) -> Vec<usize> {
+    let mut open = Vec::new();
+    let mut found = Vec::new();
+    for (at, lexeme) in lexemes.iter().enumerate() {
+        match lexeme.token {
+            Token::LParen => open.push(at),
+            Token::RParen => {
+                let word = open.pop().and_then(|open: usize| open.checked_sub(1));
+                let word = word.filter(|word| lexemes[*word].token == Token::Match);
+                found.extend(word.filter(|_| cases_follow(lexemes, at + 1)));
+            }
+            _ => {}
+        }
+    }
+    found.sort_unstable();
+    found
+}
+
+/// `with A: 1`, `with | A: 1`, `with W(A): 1`; but a part that is replaced is `with [0] = 1`.
+fn cases_follow(lexemes: &[Lexeme], at: usize) -> bool {
+    let token = |i: usize| lexemes.get(i).map(|lexeme| lexeme.token);
+    let is_case = token(at + 1).is_some_and(is_name)
+        && matches!(token(at + 2), Some(Token::Colon | Token::LParen));
+    token(at) == Some(Token::With) && (is_case || token(at + 1) == Some(Token::Bar))
 }
 
 /// Whether something of the file that can be called has the word as its name.
@@ -216,15 +246,16 @@ fn declares(lexemes: &[Lexeme], at: usize) -> bool {
     if !matches!(token(at), Some(Token::LParen | Token::LBrace)) {
         return false;
     }
-    let is_name = |token: Token| {
-        let word = token.keyword();
-        token == Token::Ident || word.is_some_and(|word| word.place != Place::Reserved)
-    };
     let mut next = at + 1;
     while token(next).is_some_and(is_name) && token(next + 1) == Some(Token::Comma) {
         next += 2;
     }
     token(next).is_some_and(is_name) && token(next + 1) == Some(Token::Colon)
+}
+
+fn is_name(token: Token) -> bool {
+    let word = token.keyword();
+    token == Token::Ident || word.is_some_and(|word| word.place != Place::Reserved)
 }
 
 impl Around {
@@ -255,6 +286,9 @@ impl Around {
             Place::Binder => self.binds,
             Place::Conversion => self.converts(),
             Place::Prefix => self.is_prefix(),
+            Place::Matched => {
+                self.is_before_name() || self.is_prefix() && self.after != Some(Token::LParen)
+            }
         }
     }
 

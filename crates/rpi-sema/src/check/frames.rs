@@ -20,6 +20,7 @@ impl Body<'_, '_> {
             && !dim.meets(Dim::LENGTH)
         {
             self.moves_no_place(left, right, &b);
+            return Ty::Unknown;
         }
         let meet = match (&outer.of, &inner.in_frame) {
             (Some(x), Some(y)) => x == y,

@@ -26,7 +26,8 @@ enum Shape {
 /// What a value fits if it is any.
 const ANY: &Shape = &Shape::Any;
 
-/// So many cases are compared with one another at most.
+/// So many cases are compared with one another at most, to find those that are missing, and again to find those that nothing
+/// reaches.
 const MAX_STEPS: usize = 100_000;
 
 /// A case: when it is taken, and its value.
@@ -223,11 +224,16 @@ impl<'a> Body<'_, 'a> {
                     .flatten(),
             );
         }
-        let twice =
-            (1..rows.len()).filter(|k| search.fits_none(&types, &rows[..*k], &rows[*k]).is_none());
-        let mut twice: Vec<usize> = twice.collect();
+        let unknown = missing.is_empty() && search.steps > MAX_STEPS;
+        search.steps = 0;
+        let mut needless = Vec::new();
+        for k in 1..rows.len() {
+            if search.fits_none(&types, &rows[..k], &rows[k]).is_none() {
+                needless.push(k);
+            }
+        }
         if search.steps > MAX_STEPS {
-            twice.clear();
+            needless.clear();
         }
         if !missing.is_empty() {
             let missing = listed(missing.iter().map(String::as_str));
@@ -235,18 +241,40 @@ impl<'a> Body<'_, 'a> {
                 .at(span, "a `match` has a case for every alternative");
             self.report(finding);
         }
-        for k in twice {
-            let name = &of.arms[k].pattern.name;
-            let mut before = of.arms[..k].iter().map(|arm| &arm.pattern.name);
-            if let Some(first) = before.find(|first| first.name == name.name) {
-                let again = Ident {
-                    name: written(&of.arms[k].pattern).as_str().into(),
-                    span: name.span,
-                };
-                self.report(super::clocked::case_twice(&again, first.span));
-            }
+        if unknown {
+            self.report(too_many_cases(span));
+        }
+        for k in needless {
+            self.report(needless_case(&of.arms[..k], &of.arms[k].pattern));
         }
     }
+}
+
+/// A case to which no value comes.
+fn needless_case(before: &[Arm], pattern: &Pattern) -> Finding {
+    let text = written(pattern);
+    let mut before = before.iter().map(|arm| &arm.pattern);
+    let same = before.find(|first| written(first) == text);
+    if let Some(first) = same {
+        let again = Ident {
+            name: text.as_str().into(),
+            span: pattern.name.span,
+        };
+        return super::clocked::case_twice(&again, first.name.span);
+    }
+    Finding::new(
+        Code::RPI2011,
+        format!("no value comes to the case `{text}`"),
+    )
+    .at(pattern.name.span, "the cases before it take all")
+}
+
+/// What is to be said where it is not known whether all cases are there.
+fn too_many_cases(span: Span) -> Finding {
+    let message = "the cases are too many combinations to look through";
+    Finding::new(Code::RPI1011, message)
+        .at(span, "whether one is missing is not known")
+        .help("decide in steps: a `match` of one part in a case of another, or `_` in a last case")
 }
 
 /// A pattern as text.
@@ -284,13 +312,19 @@ impl Search<'_, '_, '_> {
         rows: &[Vec<&Shape>],
         wanted: &[&Shape],
     ) -> Option<Vec<String>> {
+        if rows
+            .iter()
+            .any(|row| row.iter().all(|shape| matches!(shape, Shape::Any)))
+        {
+            return None;
+        }
         self.steps += rows.len().max(1);
         if self.steps > MAX_STEPS {
             return None;
         }
         let (Some((ty, types)), Some((first, rest))) = (types.split_first(), wanted.split_first())
         else {
-            return rows.is_empty().then(Vec::new);
+            return Some(Vec::new());
         };
         let is_of = |row: &Vec<&Shape>| matches!(row.first(), Some(Shape::Of(..)));
         match (first, alternatives_of(ty)) {

@@ -11,7 +11,8 @@ impl Expr {
         change(self);
     }
 
-    fn children_mut(&mut self) -> Vec<&mut Expr> {
+    /// The expressions directly inside.
+    pub(crate) fn children_mut(&mut self) -> Vec<&mut Expr> {
         match &mut self.kind {
             ExprKind::Bool(_)
             | ExprKind::Number(_)

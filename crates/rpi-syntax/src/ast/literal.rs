@@ -43,28 +43,66 @@ impl Number {
     }
 }
 
-/// The value of hexadecimal digits, maybe with some behind a dot, times a power of two: `1.8p3` is 12.
+/// The value of hexadecimal digits, maybe with some behind a dot, times a power of two: `1.8p3` is 12. It is the nearest real.
 fn hex_real(text: &str) -> f64 {
     let (digits, power) = text.split_once(['p', 'P']).unwrap_or((text, "0"));
-    let (whole, part) = digits.split_once('.').unwrap_or((digits, ""));
-    let all = whole.chars().chain(part.chars());
-    let value = all.fold(0.0, |value, digit| {
-        value * 16.0 + f64::from(digit.to_digit(16).unwrap_or(0))
-    });
-    let behind = i32::try_from(part.len()).unwrap_or(i32::MAX);
-    // Beyond this any number has become infinite or 0.
-    let power = power.parse().unwrap_or(i32::MAX).clamp(-5000, 5000);
-    scaled(value, power.saturating_sub(behind.saturating_mul(4)))
+    let beyond = if power.starts_with('-') {
+        i64::MIN
+    } else {
+        i64::MAX
+    };
+    let mut power: i64 = power.parse().unwrap_or(beyond);
+    let mut value = 0u64;
+    let mut is_behind = false;
+    for digit in digits.chars() {
+        let Some(digit) = digit.to_digit(16) else {
+            is_behind = true;
+            continue;
+        };
+        let has_room = value >> 60 == 0;
+        value = match has_room {
+            true => value << 4 | u64::from(digit),
+            // What is left out only says whether the value lies above what is kept.
+            false => value | u64::from(digit != 0),
+        };
+        power = match (has_room, is_behind) {
+            (true, true) => power.saturating_sub(4),
+            (false, false) => power.saturating_add(4),
+            _ => power,
+        };
+    }
+    nearest(value, power)
 }
 
-/// A number times a power of two, in steps that hold each by itself.
-fn scaled(mut value: f64, mut power: i32) -> f64 {
-    while power != 0 && value != 0.0 && value.is_finite() {
-        let step = power.clamp(-500, 500);
-        value *= f64::from_bits(u64::from((1023 + step).unsigned_abs()) << 52);
-        power -= step;
+/// The real that is nearest to a number times a power of two; of two the even one.
+fn nearest(value: u64, power: i64) -> f64 {
+    if value == 0 {
+        return 0.0;
     }
-    value
+    let zeros = value.leading_zeros();
+    let value = value << zeros;
+    // The power of two of the first digit.
+    let first = power.saturating_add(63 - i64::from(zeros));
+    if first > 1023 {
+        return f64::INFINITY;
+    }
+    let is_normal = first >= -1022;
+    let dropped = match is_normal {
+        true => 11,
+        false => 11 - 1022 - first.max(-2000),
+    };
+    if dropped > 64 {
+        return 0.0;
+    }
+    let wide = u128::from(value);
+    let kept = wide >> dropped;
+    let rest = wide - (kept << dropped);
+    let half = 1u128 << (dropped - 1);
+    let is_up = rest > half || rest == half && kept & 1 == 1;
+    let digits = kept as u64 + u64::from(is_up);
+    // One digit more by rounding up goes over into the exponent, which is what it means.
+    let exponent = if is_normal { (first + 1022) as u64 } else { 0 };
+    f64::from_bits((exponent << 52) + digits)
 }
 
 /// A unit of measure as a product of powers: `m/s^2` is m to the 1 and s to the -2; `1` is empty.

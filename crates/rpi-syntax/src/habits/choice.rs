@@ -5,6 +5,7 @@ use super::{Habit, Mend, habit};
 use crate::explain::Found;
 use crate::token::Token;
 use rpi_diag::Fix;
+use std::collections::BTreeMap;
 use std::ops::Range;
 
 /// `if c then y = a; else y = b; end`
@@ -195,9 +196,20 @@ impl Reader<'_, '_, '_> {
     fn end(&mut self) {
         if self.is_end() {
             self.at += 1;
-            self.at += usize::from(self.is(&["if"]));
+            self.at += usize::from(self.is_end_of_if());
             self.at += usize::from(self.token() == Some(Token::Semi));
         }
+    }
+
+    /// The `if` of `end if`: what begins another one is followed by its condition.
+    fn is_end_of_if(&self) -> bool {
+        let lexemes = self.found.lexemes;
+        let is_apart = |at: usize| match (lexemes.get(at), lexemes.get(at + 1)) {
+            (Some(this), Some(next)) => self.found.cx.slice(this.end, next.start).contains('\n'),
+            _ => true,
+        };
+        let ends = self.found.token(self.at + 1) == Some(Token::Semi) || is_apart(self.at);
+        self.is(&["if"]) && !is_apart(self.at - 1) && ends
     }
 
     fn token(&self) -> Option<Token> {
@@ -209,27 +221,44 @@ impl Reader<'_, '_, '_> {
     }
 }
 
-/// The equations that say the same: one for each flow, if every branch has all of them.
+/// So long is what a fix writes at most.
+const MAX_TEXT: usize = 4_000;
+
+/// The equations that say the same: one for each flow, if every branch has each of them once.
 fn meant(found: &Found<'_, '_>, at: usize, branches: &[Branch]) -> Option<String> {
     let (last, first) = (branches.last()?, branches.first()?);
-    let same = branches
+    let by_name = |branch: &Branch| -> BTreeMap<&str, Range<usize>> {
+        let values = branch.values.iter();
+        let named = values.map(|(name, value)| (found.written(*name), value.clone()));
+        named.collect()
+    };
+    let values: Vec<BTreeMap<&str, Range<usize>>> = branches.iter().map(by_name).collect();
+    let count = first.values.len();
+    let same = |(branch, values): (&Branch, &BTreeMap<&str, Range<usize>>)| {
+        branch.values.len() == count && values.len() == count
+    };
+    if last.condition.is_some() || !branches.iter().zip(&values).all(same) {
+        return None;
+    }
+    let mut conditions = Vec::new();
+    for condition in branches
         .iter()
-        .all(|branch| branch.values.len() == first.values.len());
-    if last.condition.is_some() || !same {
+        .filter_map(|branch| branch.condition.clone())
+    {
+        let place = found.span_of(condition.clone());
+        let text = (place.end - place.start) as usize <= MAX_TEXT;
+        conditions.push(text.then(|| found.meant_text(condition))?);
+    }
+    if conditions.iter().map(String::len).sum::<usize>() * count > MAX_TEXT {
         return None;
     }
     let equation = |(name, _): &(usize, Range<usize>)| {
         let name = found.written(*name);
         let mut text = format!("{name} =");
-        for branch in branches {
-            let value = branch
-                .values
-                .iter()
-                .find(|(other, _)| found.written(*other) == name);
-            let value = found.meant_text(value?.1.clone());
-            match &branch.condition {
+        for (k, values) in values.iter().enumerate() {
+            let value = found.meant_text(values.get(name)?.clone());
+            match conditions.get(k) {
                 Some(condition) => {
-                    let condition = found.meant_text(condition.clone());
                     text.push_str(&format!(" if {condition} then {value} else"));
                 }
                 None => text.push_str(&format!(" {value};")),

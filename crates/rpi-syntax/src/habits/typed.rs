@@ -248,7 +248,7 @@ pub(super) fn shift(found: &Found<'_, '_>) -> Option<Habit> {
         "in double angle brackets stand static parameters",
     );
     let amount: Option<u32> = found.written(sign + 1).parse().ok().filter(|n| *n < 63);
-    let finding = match amount {
+    let finding = match amount.filter(|_| stands_alone(found, sign)) {
         Some(amount) => {
             let meant = format!("{by} {}", 1u64 << amount);
             let place = found.span_of(sign..sign + 2);
@@ -258,6 +258,23 @@ pub(super) fn shift(found: &Found<'_, '_>) -> Option<Habit> {
     };
     let mend = Mend::Tokens(vec![found.instead(sign, &[Star])]);
     Some(Habit { finding, mend })
+}
+
+/// Whether nothing else is an operand of what the operands of a shift are: `x - 1 >> 1` shifts the difference, `x - 1 div 2`
+/// divides the 1.
+fn stands_alone(found: &Found<'_, '_>, sign: usize) -> bool {
+    use Token::{Comma, Eq, LBracket, LParen, RBracket, RParen, Semi};
+    let first = found
+        .structure
+        .partner(sign - 1)
+        .filter(|open| *open < sign)
+        .unwrap_or(sign - 1);
+    let before = first.checked_sub(1).and_then(|at| found.token(at));
+    matches!(before, Some(Eq | LParen | LBracket | Comma))
+        && matches!(
+            found.token(sign + 2),
+            Some(Semi | RParen | RBracket | Comma)
+        )
 }
 
 /// Whether a double angle bracket belongs to no other: none is there, or it is of another equation.

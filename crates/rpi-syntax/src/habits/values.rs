@@ -36,11 +36,17 @@ pub(super) fn no_tuple(found: &Found<'_, '_>) -> Option<Habit> {
     if !several || phrase.end <= at + 1 {
         return None;
     }
+    // What such a word reaches over is not said.
+    let reaches = |i: usize| matches!(found.token(i), Some(Token::If | Token::With | Token::When));
+    let title = "put them in parentheses";
+    let fix = match (eq + 1..phrase.end).any(reaches) {
+        true => Fix::maybe(title),
+        false => Fix::sure(title),
+    };
     let finding = habit("several values stand in parentheses")
         .at(found.span_at(at), "`(a, b)`")
         .fix(
-            Fix::sure("put them in parentheses")
-                .insert_before(found.span_at(eq + 1), "(")
+            fix.insert_before(found.span_at(eq + 1), "(")
                 .insert_after(found.span_at(phrase.end - 1), ")"),
         );
     let mend = Mend::Tokens(vec![
@@ -76,7 +82,20 @@ pub(super) fn stepped(found: &Found<'_, '_>) -> Option<Habit> {
     Some(Habit { finding, mend })
 }
 
-/// `y = IF c THEN a ELSE b;`
+/// The words of a choice as Structured Text writes them, with what is written here.
+const CAPITALS: [(&[&str], &str, &[Token]); 5] = [
+    (&["if"], "if", &[Token::If]),
+    (&["then"], "then", &[Token::Then]),
+    (&["else"], "else", &[Token::Else]),
+    (
+        &["elsif", "elseif", "elif"],
+        "else if",
+        &[Token::Else, Token::If],
+    ),
+    (&["end_if"], "", &[]),
+];
+
+/// `y = IF c THEN a ELSE b;`, `y = IF c THEN a ELSIF d THEN b ELSE x END_IF;`
 pub(super) fn capitals(found: &Found<'_, '_>) -> Option<Habit> {
     let first = found.fault.at.checked_sub(1)?;
     let phrase = found.structure.phrase(first);
@@ -87,19 +106,24 @@ pub(super) fn capitals(found: &Found<'_, '_>) -> Option<Habit> {
     if !is(first, "if") || first == phrase.start || !has_then {
         return None;
     }
-    let words = [
-        ("if", Token::If),
-        ("then", Token::Then),
-        ("else", Token::Else),
-    ];
     let mut fix = Fix::sure("write small letters");
     let mut edits = Vec::new();
     for at in first..phrase.end {
-        let Some((word, token)) = words.iter().find(|(word, _)| is(at, word)) else {
+        let known = CAPITALS
+            .iter()
+            .find(|(words, ..)| words.iter().any(|word| is(at, word)));
+        let Some((_, meant, tokens)) = known else {
             continue;
         };
-        fix = fix.replace(found.span_at(at), *word);
-        edits.push(found.instead(at, &[*token]));
+        fix = match tokens.is_empty() {
+            true => {
+                let before = found.span_at(at - 1).end;
+                let place = found.span_at(at);
+                fix.replace(found.cx.span(before, place.end), "")
+            }
+            false => fix.replace(found.span_at(at), *meant),
+        };
+        edits.push(found.instead(at, tokens));
     }
     let finding = habit("a choice is written `if c then x else y`")
         .at(found.span_at(first), "words are written in small letters")
@@ -125,16 +149,16 @@ pub(super) fn braces(found: &Found<'_, '_>) -> Option<Habit> {
     loop {
         let close = closing(found, open)?;
         fix = fix
-            .replace(found.span_at(open), "then ")
-            .replace(found.span_at(close), "");
+            .replace(found.span_at(open), word_for(found, open, "then"))
+            .replace(found.span_at(close), word_for(found, close, ""));
         edits.push(found.instead(open, &[Then]));
         edits.push((close..close + 1, Vec::new()));
         match (found.token(close + 1), found.token(close + 2)) {
             (Some(Else), Some(LBrace)) => {
                 let close_too = closing(found, close + 2)?;
                 fix = fix
-                    .replace(found.span_at(close + 2), "")
-                    .replace(found.span_at(close_too), "");
+                    .replace(found.span_at(close + 2), word_for(found, close + 2, ""))
+                    .replace(found.span_at(close_too), word_for(found, close_too, ""));
                 edits.push((close + 2..close + 3, Vec::new()));
                 edits.push((close_too..close_too + 1, Vec::new()));
                 break;
@@ -155,6 +179,27 @@ pub(super) fn braces(found: &Found<'_, '_>) -> Option<Habit> {
         finding,
         mend: Mend::Tokens(edits),
     })
+}
+
+/// A word in the place of a sign, with the space that keeps what stands around it apart.
+fn word_for(found: &Found<'_, '_>, at: usize, word: &str) -> String {
+    let place = found.span_at(at);
+    let before = found.cx.text[..place.start as usize].chars().next_back();
+    let after = found.cx.text[place.end as usize..].chars().next();
+    let is_word =
+        |sign: Option<char>| sign.is_some_and(|sign| sign.is_alphanumeric() || sign == '_');
+    if word.is_empty() {
+        let joins = is_word(before) && is_word(after);
+        return if joins { " " } else { "" }.to_owned();
+    }
+    let space = |sign: Option<char>| {
+        if sign.is_some_and(char::is_whitespace) {
+            ""
+        } else {
+            " "
+        }
+    };
+    format!("{}{word}{}", space(before), space(after))
 }
 
 /// Where a brace is closed that holds a value.

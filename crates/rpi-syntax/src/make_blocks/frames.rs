@@ -21,28 +21,26 @@ pub(super) fn same_elements(cx: &Context<'_>, initial: &mut Defined, defined: &m
         let Some(first) = initial.by.get(&key).cloned() else {
             continue;
         };
-        let is_same = |then: &&Definition| {
-            form(then) != Form::Other && then.targets[0].name.name == first.targets[0].name.name
-        };
-        let Some(then) = defined.by.values().find(is_same).cloned() else {
+        let Some(target) = first.targets.first() else {
             continue;
         };
-        match (form(&first), form(&then)) {
-            (Form::Whole, Form::Elements(_)) => {
-                initial.replace(&key, cx, element_of(&first, &then));
-            }
+        let is_plain = |then: &&Definition| form(then) != Form::Other;
+        let then = defined.of(&target.name.name).find(is_plain).cloned();
+        let Some(then) = then else {
+            continue;
+        };
+        let old = cx.written(&then.targets[0]);
+        let (first, then) = match (form(&first), form(&then)) {
+            (Form::Whole, Form::Elements(_)) => element_of(cx, &first, then),
             (Form::Elements(_), Form::Whole) => {
-                let old = cx.written(&then.targets[0]);
-                defined.replace(&old, cx, element_of(&then, &first));
+                let (then, first) = element_of(cx, &then, first);
+                (first, then)
             }
-            (Form::Elements(n), Form::Elements(m)) if n == m => {
-                let old = cx.written(&then.targets[0]);
-                let (first, then) = with_same_indices(cx, first, then);
-                initial.replace(&key, cx, first);
-                defined.replace(&old, cx, then);
-            }
-            _ => {}
-        }
+            (Form::Elements(n), Form::Elements(m)) if n == m => with_same_indices(cx, first, then),
+            _ => continue,
+        };
+        initial.replace(&key, cx, first);
+        defined.replace(&old, cx, then);
     }
 }
 
@@ -58,10 +56,11 @@ impl Defined {
     fn replace(&mut self, old: &str, cx: &Context<'_>, new: Definition) {
         let key = cx.written(&new.targets[0]);
         self.by.remove(old);
-        for known in self.order.iter_mut().filter(|known| *known == old) {
-            known.clone_from(&key);
+        if let Some(at) = self.at.remove(old) {
+            self.order[at].clone_from(&key);
+            self.at.insert(key.clone(), at);
         }
-        self.by.insert(key, new);
+        self.put(key, new);
     }
 }
 
@@ -84,26 +83,41 @@ fn index(step: &Access) -> Option<&Name> {
     }
 }
 
-/// The definition of a whole array as that of each element, with the left side of another.
-fn element_of(whole: &Definition, model: &Definition) -> Definition {
-    let targets = model.targets.clone();
+/// The definition of a whole array as that of each element, with the left side of another, and that other. The indices
+/// are called so that none takes up a name of the whole.
+fn element_of(
+    cx: &Context<'_>,
+    whole: &Definition,
+    mut model: Definition,
+) -> (Definition, Definition) {
     let mut value = whole.value.clone();
-    for step in &targets[0].path {
-        let span = value.span;
-        if let Access::Index(index) = step {
-            let of = Index {
-                base: value,
-                index: index.clone(),
-            };
-            let kind = ExprKind::Index(Box::new(of));
-            value = Expr { kind, span };
+    for k in 0..model.targets[0].path.len() {
+        let Some(old) = index(&model.targets[0].path[k]).cloned() else {
+            continue;
+        };
+        let mut new = old.clone();
+        while mentions(&whole.value, &new) || (new != old && mentions(&model.value, &new)) {
+            new = cx.intern(&format!("{new}'"));
         }
+        rename(&mut model.value, &old, &new);
+        let Access::Index(index) = &mut model.targets[0].path[k] else {
+            continue;
+        };
+        index.kind = ExprKind::Name(new);
+        let span = value.span;
+        let of = Index {
+            base: value,
+            index: index.clone(),
+        };
+        let kind = ExprKind::Index(Box::new(of));
+        value = Expr { kind, span };
     }
-    Definition {
-        targets,
+    let element = Definition {
+        targets: model.targets.clone(),
         value,
         span: whole.span,
-    }
+    };
+    (element, model)
 }
 
 /// Both with the same names for the indices, and the left side of the second. A name that means something else in one of
@@ -136,15 +150,36 @@ fn with_same_indices(
 }
 
 fn mentions(expr: &Expr, name: &Name) -> bool {
-    expr.as_name() == Some(name) || expr.children().into_iter().any(|part| mentions(part, name))
+    let is_clock = matches!(&expr.kind, ExprKind::When(of) if of.clock.flow.name == *name);
+    is_clock
+        || expr.as_name() == Some(name)
+        || expr.children().into_iter().any(|part| mentions(part, name))
 }
 
+/// Calls an index something else; where a quantifier or a case of a `match` declares the name, it is none.
 fn rename(expr: &mut Expr, from: &Name, to: &Name) {
-    expr.each_mut(&mut |part| {
-        if part.as_name() == Some(from) {
-            part.kind = ExprKind::Name(to.clone());
+    match &mut expr.kind {
+        ExprKind::Name(name) if name == from => name.clone_from(to),
+        ExprKind::Quantified(of) if declares(&of.vars, from) => {}
+        ExprKind::Match(of) => {
+            rename(&mut of.value, from, to);
+            for arm in &mut of.arms {
+                if arm.pattern.names().iter().all(|name| name.name != *from) {
+                    rename(&mut arm.then, from, to);
+                }
+            }
         }
-    });
+        _ => {
+            for part in expr.children_mut() {
+                rename(part, from, to);
+            }
+        }
+    }
+}
+
+fn declares(vars: &[VarDecl], name: &Name) -> bool {
+    let mut names = vars.iter().flat_map(|var| &var.names);
+    names.any(|declared| declared.name == *name)
 }
 
 /// The flow that an expression is, or is an element or field of.
