@@ -122,21 +122,27 @@ fn chosen(
     })
 }
 
-/// The last node that no other one calls: commands and tests may.
+/// The last node that no other one calls: commands and tests may. What a text includes comes after what it says itself.
 fn last(front: &Front<'_>) -> Option<UnitId> {
     let is_node = |decl: DeclId| {
         let kind = &front.program.decl(decl).kind;
         matches!(kind, DeclKind::Node(node) if node.kind != NodeKind::Contract)
     };
     let runnable = front.checked.runnable.iter();
-    let nodes: Vec<UnitId> = runnable
+    let nodes: Vec<(DeclId, UnitId)> = runnable
         .filter(|(decl, _)| is_node(*decl))
-        .map(|(_, unit)| *unit)
+        .copied()
         .collect();
-    let called = source::called(nodes.iter().map(|unit| front.checked.unit(*unit)));
-    let mut latest_first = nodes.into_iter().rev();
-    latest_first.find(|unit| !called.contains(unit))
+    let called = source::called(nodes.iter().map(|(_, unit)| front.checked.unit(*unit)));
+    let latest_first = nodes.into_iter().rev();
+    let free = latest_first.filter(|(_, unit)| !called.contains(unit));
+    let included = |decl: &DeclId| front.program.decl(*decl).span.file != OWN;
+    free.min_by_key(|(decl, _)| included(decl))
+        .map(|(_, unit)| unit)
 }
+
+/// The text itself is read first.
+const OWN: FileId = FileId(0);
 
 fn is_contract(kind: DeclKind<'_>) -> bool {
     matches!(kind, DeclKind::Node(node) if node.kind == NodeKind::Contract)

@@ -118,7 +118,7 @@ impl Session {
         let reader = Reader::new(columns, &first).map_err(|e| format!("{name}:{e}"))?;
         for (number, line) in (2..).zip(lines) {
             let line = line.map_err(|e| format!("{name}:{number}: {e}"))?;
-            if line.trim().is_empty() && !columns.is_empty() {
+            if line.trim().is_empty() && !columns.is_empty() && !reader.takes_empty_lines() {
                 continue;
             }
             let given = reader.row(number, &line);
@@ -133,13 +133,16 @@ impl Session {
     fn steps(&mut self, columns: &[Column]) -> Outcome {
         let names = header(columns.iter());
         let reader = Reader::new(columns, &names).map_err(|e| e.to_string())?;
-        eprintln!(
-            "inputs, separated by commas: {names}; an empty line for those of the last cycle"
-        );
+        match reader.takes_empty_lines() {
+            true => eprintln!("input: {names}; an empty line where it is absent"),
+            false => eprintln!(
+                "inputs, separated by commas: {names}; an empty line for those of the last cycle"
+            ),
+        }
         let mut given: Option<Row> = columns.is_empty().then(Vec::new);
         for (number, line) in (1..).zip(stdin().lock().lines()) {
             let line = line?;
-            if !line.trim().is_empty() {
+            if !line.trim().is_empty() || reader.takes_empty_lines() {
                 match reader.row(number, &line) {
                     Ok(row) => given = Some(row),
                     Err(error) => {

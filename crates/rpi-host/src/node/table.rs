@@ -56,6 +56,12 @@ impl<'c> Reader<'c> {
         })
     }
 
+    /// Whether an empty line is a row: that of a single flow, which is absent.
+    #[must_use]
+    pub fn takes_empty_lines(&self) -> bool {
+        self.width == 1 && matches!(self.columns, [column] if column.optional)
+    }
+
     /// The cells of every in-port in one row; none where one that may be absent is.
     ///
     /// # Errors

@@ -298,6 +298,9 @@ impl<'a> Body<'_, 'a> {
     /// `base[index]`
     pub(super) fn index(&mut self, index: &'a Index, span: Span) -> ExprId {
         let base = self.expr(&index.base);
+        if self.is_meant_as_unit(base, &index.index) {
+            return self.unit_behind_a_flow(base, &index.index, span);
+        }
         let at = self.expr(&index.index);
         if is_foreign(self.ty_of(base), &["map<"]) {
             self.key_of_map(base, at);

@@ -1,11 +1,14 @@
 //! Operators that do not mean here what they mean elsewhere, or bind otherwise.
 
 use super::body::Body;
+use crate::program::Lookup;
 use crate::ty::Ty;
 use crate::typed::ExprId;
+use crate::units::is_unit;
 use rpi_diag::{Code, Finding, Fix, Span};
 use rpi_net::prim;
-use rpi_syntax::ast::{Binary, ExprKind};
+use rpi_syntax::Name;
+use rpi_syntax::ast::{Binary, Expr, ExprKind};
 use rpi_syntax::ops::{BinaryOp, UnaryOp};
 
 impl Body<'_, '_> {
@@ -18,6 +21,44 @@ impl Body<'_, '_> {
     ) -> Option<ExprId> {
         self.negated_operand(binary);
         self.bits_of_booleans(binary, operands, span)
+    }
+
+    /// Whether `x[m]` gives a number a unit, which only literals and types have.
+    pub(super) fn is_meant_as_unit(&self, base: ExprId, index: &Expr) -> bool {
+        self.is_rpi()
+            && matches!(self.ty_of(base), Ty::Int | Ty::Real(_))
+            && self.is_of_units(index)
+    }
+
+    fn is_of_units(&self, expr: &Expr) -> bool {
+        let is_free = |name: &Name| {
+            let space = crate::program::Space::Value;
+            let found = self.c.program.lookup_in(space, self.module, name);
+            self.find_local(name).is_none() && !matches!(found, Lookup::Found(_))
+        };
+        match &expr.kind {
+            ExprKind::Name(name) => is_unit(name) && is_free(name),
+            ExprKind::Binary(binary) if matches!(binary.op, BinaryOp::Mul | BinaryOp::Div) => {
+                self.is_of_units(&binary.lhs) && self.is_of_units(&binary.rhs)
+            }
+            _ => false,
+        }
+    }
+
+    /// `x[m]`
+    pub(super) fn unit_behind_a_flow(&mut self, base: ExprId, unit: &Expr, span: Span) -> ExprId {
+        let ty = self.ty_of(base).clone();
+        let message = "a unit stands behind a number or in a type";
+        let help = match ty {
+            Ty::Int => "times one of the unit an integer gets it: `real x * 1[m]`",
+            _ => {
+                "a flow gets a unit where it is declared, `x: real[m]`, or times one of it: `x * 1[m]`"
+            }
+        };
+        let finding = Finding::new(Code::RPI2006, message)
+            .at(unit.span, "this is no index")
+            .also(self.span_of(base), format!("this is `{ty}`"));
+        self.fault_with(finding.help(help), span)
     }
 
     /// `a && b` in Lustre, where the sign works on the bits of machine integers: read as the logic that is meant.

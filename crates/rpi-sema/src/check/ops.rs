@@ -161,6 +161,10 @@ impl<'a> Body<'_, 'a> {
         ) {
             return operand;
         }
+        if op == UnaryOp::ToInt && matches!(ty, Ty::Real(_)) {
+            let wanted = Wanted::By(Span::NONE, "an integer has no unit".into());
+            self.expect(operand, &Ty::REAL, &wanted);
+        }
         if is_foreign(&ty, FOREIGN) && matches!(op, UnaryOp::Neg | UnaryOp::BitNot | UnaryOp::ToInt)
         {
             let ty = if op == UnaryOp::ToInt { Ty::Int } else { ty };
@@ -171,10 +175,9 @@ impl<'a> Body<'_, 'a> {
             .find(|row| row.0 == op && Some(row.1) == operand_kind(&ty));
         match row {
             Some((_, _, prim)) => {
-                let ty = if op == UnaryOp::Neg {
-                    ty
-                } else {
-                    unary_guess(op)
+                let ty = match op {
+                    UnaryOp::Neg => ty,
+                    _ => unary_guess(op),
                 };
                 self.prim_typed(*prim, &[operand], ty, span)
             }
@@ -310,6 +313,9 @@ impl<'a> Body<'_, 'a> {
             self.by_zero(op, right);
         }
         let ty = self.result_type(row, left, right);
+        if ty.is_unknown() {
+            return self.fault(span);
+        }
         let operands = if row.swapped {
             [right, left]
         } else {
@@ -354,12 +360,12 @@ impl<'a> Body<'_, 'a> {
             (Err(_), Ty::Real(_), Ty::Real(_)) => {
                 let sides = (self.measured(left), self.measured(right));
                 self.report(quantity::apart(op.spelling(), sides.0, sides.1));
-                if self.is_number(left) { b } else { a }
+                Ty::Unknown
             }
             (Err(misfit), ..) => {
                 let wanted = Wanted::By(self.span_of(left), format!("this is `{a}`"));
                 self.misfit(right, &a, &misfit, &wanted);
-                a
+                Ty::Unknown
             }
         }
     }

@@ -172,6 +172,7 @@ impl<'a> Body<'_, 'a> {
     fn sqrt(&mut self, x: ExprId, span: Span) -> ExprId {
         let dim = match self.ty_of(x) {
             Ty::Real(dim) => *dim,
+            Ty::Unknown => return self.fault(span),
             _ => {
                 self.expect(x, &Ty::REAL, &Wanted::Here);
                 Dim::ONE

@@ -2,17 +2,22 @@
 
 use super::presence::Inference;
 use super::reads::{Definition, Reads};
-use crate::typed::{Activation, Call, Each, ExprId, Kind, Optional, Place, Shared, Unit, UnitKind};
+use crate::typed::{
+    Activation, Call, Each, ExprId, FlowId, Kind, Optional, Place, Shared, Unit, UnitKind,
+};
 use rpi_diag::{Code, Finding, Span};
+use std::collections::BTreeSet;
 
 /// Reports what must be present and may not be.
 pub(super) fn demand(inference: &Inference<'_>, reads: &Reads<'_>, findings: &mut Vec<Finding>) {
-    flows(inference, reads, findings);
+    let faulty = flows(inference, reads, findings);
     conditions(inference, findings);
     for id in (0..).map(ExprId).take(inference.unit.exprs.len()) {
         match &inference.unit.expr(id).kind {
             Kind::Call(call) => arguments(inference, call, findings),
-            Kind::Each(Each::Coalesce, operands) => {
+            Kind::Each(Each::Coalesce, operands)
+                if !reads_one_of(inference, operands[0], &faulty) =>
+            {
                 needless(inference, id, [operands[0], operands[1]], findings);
             }
             _ => {}
@@ -20,12 +25,36 @@ pub(super) fn demand(inference: &Inference<'_>, reads: &Reads<'_>, findings: &mu
     }
 }
 
-fn flows(inference: &Inference<'_>, reads: &Reads<'_>, findings: &mut Vec<Finding>) {
+/// Whether an expression reads one of these flows.
+fn reads_one_of(inference: &Inference<'_>, id: ExprId, flows: &BTreeSet<FlowId>) -> bool {
+    if flows.is_empty() {
+        return false;
+    }
+    let mut parts = inference.unit.parts(id);
+    while let Some((id, expr)) = parts.next() {
+        if matches!(&expr.kind, Kind::Flow(flow) if flows.contains(flow)) {
+            return true;
+        }
+        parts.enter(id);
+    }
+    false
+}
+
+/// Reports flows that may be absent and are declared to be there; gives these flows.
+fn flows(
+    inference: &Inference<'_>,
+    reads: &Reads<'_>,
+    findings: &mut Vec<Finding>,
+) -> BTreeSet<FlowId> {
+    let mut faulty = BTreeSet::new();
     for definition in &reads.definitions {
         let equation = match definition {
             Definition::Equation(_, equation) => equation,
             Definition::Shared(shared) => {
-                findings.extend(left_open(inference, shared));
+                if let Some(finding) = left_open(inference, shared) {
+                    findings.push(finding);
+                    faulty.insert(shared.flow);
+                }
                 continue;
             }
         };
@@ -37,6 +66,7 @@ fn flows(inference: &Inference<'_>, reads: &Reads<'_>, findings: &mut Vec<Findin
                 && inference.must_be_present(flow)
                 && value.part(at, count).any()
             {
+                faulty.insert(flow);
                 let flow = inference.unit.flow(flow);
                 let text = format!("`{}` is `{}`, which is always present", flow.name, flow.ty);
                 let finding = inference.absent_here(equation.value, "absent in some cycles");
@@ -45,6 +75,7 @@ fn flows(inference: &Inference<'_>, reads: &Reads<'_>, findings: &mut Vec<Findin
             at += count;
         }
     }
+    faulty
 }
 
 /// A flow that is always present, and states that do not define it.

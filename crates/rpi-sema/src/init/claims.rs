@@ -35,7 +35,7 @@ pub(super) fn findings(
     let mut places: BTreeSet<Span> = BTreeSet::new();
     for (port, from) in looked_at(net) {
         let roots =
-            (0..PHASES).filter_map(|phase| super::root(&solution.seen(port, from, phase).known));
+            (0..PHASES).filter_map(|phase| super::root_of(&solution.seen(port, from, phase).known));
         places.extend(roots.map(|root| net.node(root).origin.span));
     }
     let finding = |place: Span| {

@@ -39,6 +39,7 @@ use rpi_net::{Activation, Driver, FragmentId, Input, Net, NodeId, PortRef};
 use rpi_prims::PrimId;
 use rules::{Rule, rule};
 use solve::Solution;
+use std::cell::LazyCell;
 
 /// What is read before it has a value. What the program claims to hold by its writer's or its caller's word may be
 /// relied upon.
@@ -56,8 +57,9 @@ pub fn check(net: &Net) -> Vec<Finding> {
     let mut by_flow: Vec<(Option<&str>, Vec<NodeId>)> = Vec::new();
     let mut places: Map<&str, usize> = Map::default();
     let users = Users::new(net);
+    let flow_of = |root| reader(net, &users, root).filter(|_| !holds_itself(net, root));
     for root in roots {
-        let flow = reader(net, &users, root).filter(|_| !holds_itself(net, root));
+        let flow = flow_of(root).and_then(|node| net.node(node).origin.flow.as_deref());
         let new = by_flow.len();
         let place = flow.map_or(new, |flow| *places.entry(flow).or_insert(new));
         if place == new {
@@ -65,8 +67,15 @@ pub fn check(net: &Net) -> Vec<Finding> {
         }
         by_flow[place].1.push(root);
     }
+    let solution = LazyCell::new(|| Solution::new(net, rules.clone(), &given));
+    let is_missing_at_once = |root: &NodeId| {
+        let node = flow_of(*root).unwrap_or(*root);
+        let port = PortRef { node, port: 0 };
+        root_of(&solution.seen(port, net.node(node).fragment, 0).known).is_some()
+    };
     for (flow, roots) in whole(net, by_flow) {
-        findings.push(finding(net, flow.as_deref(), &roots));
+        let is_first = roots.iter().any(is_missing_at_once);
+        findings.push(finding(net, flow.as_deref(), &roots, is_first));
     }
     findings.extend(in_claims);
     findings
@@ -182,7 +191,7 @@ fn read_early(solution: &Solution<'_>) -> Vec<NodeId> {
     let mut roots = Vec::new();
     for (port, from) in sinks(net) {
         for phase in 0..PHASES {
-            roots.extend(root(&solution.seen(port, from, phase).known));
+            roots.extend(root_of(&solution.seen(port, from, phase).known));
         }
     }
     roots.sort_unstable();
@@ -190,7 +199,7 @@ fn read_early(solution: &Solution<'_>) -> Vec<NodeId> {
     roots
 }
 
-fn root(known: &Known) -> Option<NodeId> {
+fn root_of(known: &Known) -> Option<NodeId> {
     match known {
         Known::Undefined { root, .. } => Some(*root),
         _ => None,
@@ -229,7 +238,7 @@ fn sinks(net: &Net) -> impl Iterator<Item = (PortRef, FragmentId)> + '_ {
 }
 
 /// The delays without a first value in the equation of one flow.
-fn finding(net: &Net, flow: Option<&str>, roots: &[NodeId]) -> Finding {
+fn finding(net: &Net, flow: Option<&str>, roots: &[NodeId], is_first: bool) -> Finding {
     let place = |root: &NodeId| net.node(*root).origin.span;
     if let [one] = roots
         && holds_itself(net, *one)
@@ -239,11 +248,12 @@ fn finding(net: &Net, flow: Option<&str>, roots: &[NodeId]) -> Finding {
             .help("say that its clock ticks in the first cycle, or what it is until then: `if seen then current x else y`");
     }
     let what = flow.map_or_else(|| "a flow".to_owned(), |flow| format!("`{flow}`"));
-    let mut finding = Finding::new(
-        Code::RPI5001,
-        format!("{what} has no value in the first cycle"),
-    )
-    .help("say what it is then: `first -> pre x`");
+    let message = match is_first {
+        true => format!("{what} has no value in the first cycle"),
+        false => format!("{what} has no value in one of the first cycles"),
+    };
+    let mut finding =
+        Finding::new(Code::RPI5001, message).help("say what it is then: `first -> pre x`");
     let mut fix = Fix::maybe("give it a first value");
     for root in roots {
         finding = finding.at(place(root), "there is no cycle before the first");
@@ -261,12 +271,12 @@ fn finding(net: &Net, flow: Option<&str>, roots: &[NodeId]) -> Finding {
 }
 
 /// The flow whose equation a node is part of: the first with a name that the way from it leads to.
-fn reader<'n>(net: &'n Net, users: &Users, root: NodeId) -> Option<&'n str> {
+fn reader(net: &Net, users: &Users, root: NodeId) -> Option<NodeId> {
     let mut seen = vec![root];
     let mut next = 0;
     while let Some(id) = seen.get(next).copied() {
-        if let Some(flow) = &net.node(id).origin.flow {
-            return Some(flow);
+        if net.node(id).origin.flow.is_some() {
+            return Some(id);
         }
         for user in users.of(id) {
             if !seen.contains(user) {

@@ -15,5 +15,5 @@ mod table;
 
 pub use dim::{Base, Dim};
 pub use ratio::Ratio;
-pub use resolve::{Measure, UnitFault, resolve};
+pub use resolve::{Measure, UnitFault, is_unit, resolve};
 pub use table::{Factor, UNITS, UnitRow};

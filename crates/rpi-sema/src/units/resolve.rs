@@ -73,6 +73,12 @@ fn factor(
     })
 }
 
+/// Whether a unit is called so.
+#[must_use]
+pub fn is_unit(name: &str) -> bool {
+    find(name).is_some()
+}
+
 /// A unit and its prefix. A unit without prefix wins: `min` is a minute, `cd` a candela.
 fn find(name: &str) -> Option<(Factor, &'static UnitRow)> {
     if let Some(row) = UNITS.iter().find(|row| row.name == name) {
