@@ -3,6 +3,7 @@
 
 use super::body::Body;
 use super::prim::port_ty;
+use super::untold::untold;
 use crate::hash::Set;
 use crate::ty::Ty;
 use crate::typed::{BlockId, Each, ExprId, FlowId, Kind, Place};
@@ -182,16 +183,8 @@ impl Body<'_, '_> {
     }
 
     fn untold_by_none(&mut self, flow: FlowId) {
-        let flow = self.unit.flow(flow);
-        let finding = Finding::new(
-            Code::RPI2007,
-            format!("nothing tells the type of `{}`", flow.name),
-        )
-        .at(flow.span, "its equation only says that it is absent")
-        .help(format!(
-            "declare it: `var {}: ...?;` before `let`",
-            flow.name
-        ));
+        let why = "its equation only says that it is absent";
+        let finding = untold(self.unit.flow(flow), why, "...?");
         self.report(finding);
     }
 }

@@ -5,7 +5,7 @@
 
 use super::body::Body;
 use super::order::{Guess, State};
-use crate::typed::{FlowId, Optional};
+use crate::typed::{Flow, FlowId, Optional};
 use petgraph::graph::{DiGraph, NodeIndex};
 use rpi_diag::{Code, Finding, Span};
 use rpi_net::passes::causality::{self, Read};
@@ -127,15 +127,15 @@ impl Body<'_, '_> {
         else {
             return;
         };
-        let finding = Finding::new(
-            Code::RPI2007,
-            format!("nothing tells the type of `{}`", flow.name),
-        )
-        .at(flow.span, "its equation only says what it was before")
-        .help(format!(
-            "declare it: `var {}: ...;` before `let`",
-            flow.name
-        ));
+        let finding = untold(flow, "its equation only says what it was before", "...");
         self.report(finding);
     }
+}
+
+/// Nothing tells the type of a flow; `why` not, and how a declaration would end.
+pub(super) fn untold(flow: &Flow, why: &str, ty: &str) -> Finding {
+    let name = &flow.name;
+    Finding::new(Code::RPI2007, format!("nothing tells the type of `{name}`"))
+        .at(flow.span, why)
+        .help(format!("declare it: `var {name}: {ty};` before `let`"))
 }
