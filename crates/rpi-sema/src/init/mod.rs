@@ -39,7 +39,6 @@ use rpi_net::{Activation, Driver, FragmentId, Input, Net, NodeId, PortRef};
 use rpi_prims::PrimId;
 use rules::{Rule, rule};
 use solve::Solution;
-use std::cell::LazyCell;
 
 /// What is read before it has a value. What the program claims to hold by its writer's or its caller's word may be
 /// relied upon.
@@ -51,15 +50,20 @@ pub fn check(net: &Net) -> Vec<Finding> {
         return Vec::new();
     }
     let given: Vec<PortRef> = asserted(net).chain(given(net)).collect();
-    let roots = all_roots(net, &rules, &given);
+    let solution = Solution::new(net, rules.clone(), &given);
+    let roots = all_roots(&solution, &rules, &given);
     let in_claims = claims::findings(net, &rules, &roots, &given);
     let mut findings: Vec<Finding> = Vec::new();
     let mut by_flow: Vec<(Option<&str>, Vec<NodeId>)> = Vec::new();
     let mut places: Map<&str, usize> = Map::default();
     let users = Users::new(net);
-    let flow_of = |root| reader(net, &users, root).filter(|_| !holds_itself(net, root));
+    let mut at_once: Set<NodeId> = Set::default();
     for root in roots {
-        let flow = flow_of(root).and_then(|node| net.node(node).origin.flow.as_deref());
+        let node = reader(net, &users, root).filter(|_| !holds_itself(net, root));
+        if is_missing_at_once(&solution, node.unwrap_or(root)) {
+            at_once.insert(root);
+        }
+        let flow = node.and_then(|node| net.node(node).origin.flow.as_deref());
         let new = by_flow.len();
         let place = flow.map_or(new, |flow| *places.entry(flow).or_insert(new));
         if place == new {
@@ -67,14 +71,8 @@ pub fn check(net: &Net) -> Vec<Finding> {
         }
         by_flow[place].1.push(root);
     }
-    let solution = LazyCell::new(|| Solution::new(net, rules.clone(), &given));
-    let is_missing_at_once = |root: &NodeId| {
-        let node = flow_of(*root).unwrap_or(*root);
-        let port = PortRef { node, port: 0 };
-        root_of(&solution.seen(port, net.node(node).fragment, 0).known).is_some()
-    };
     for (flow, roots) in whole(net, by_flow) {
-        let is_first = roots.iter().any(is_missing_at_once);
+        let is_first = roots.iter().any(|root| at_once.contains(root));
         findings.push(finding(net, flow.as_deref(), &roots, is_first));
     }
     findings.extend(in_claims);
@@ -149,23 +147,33 @@ const ROUNDS: usize = 20;
 const NODES: usize = 400_000;
 
 /// The delays that are read too early, also those that only show when others have a first value.
-fn all_roots(net: &Net, rules: &[Rule], claims: &[PortRef]) -> Vec<NodeId> {
+fn all_roots(solution: &Solution<'_>, rules: &[Rule], claims: &[PortRef]) -> Vec<NodeId> {
+    let net = solution.net();
     let mut rules = rules.to_vec();
     let mut roots = Vec::new();
+    let mut more = read_early(solution);
     // Of what is hidden in a large net the rest is told when the others have first values.
     let rounds = (NODES / net.nodes.len().max(1)).clamp(1, ROUNDS);
-    for _ in 0..rounds {
-        let more = read_early(&Solution::new(net, rules.clone(), claims));
+    for _ in 1..rounds {
         if more.is_empty() {
             break;
         }
         for delay in &more {
             rules[delay.index()] = Rule::OptionalDelay;
         }
-        roots.extend(more);
+        roots.append(&mut more);
+        more = read_early(&Solution::new(net, rules.clone(), claims));
     }
+    roots.append(&mut more);
     roots.sort_unstable();
     roots
+}
+
+/// Whether the flow of a node has no value in the first cycle of its fragment.
+fn is_missing_at_once(solution: &Solution<'_>, node: NodeId) -> bool {
+    let fragment = solution.net().node(node).fragment;
+    let port = PortRef { node, port: 0 };
+    root_of(&solution.seen(port, fragment, 0).known).is_some()
 }
 
 /// Whether the primitive ends the command where a condition does not hold.
