@@ -11,11 +11,12 @@
 //! | `codes.rs` | the table of codes |
 //! | `finding.rs` | one finding |
 //! | `format.rs` | the forms of output: `render.rs` (for people), `json.rs`, `sarif.rs`, `github.rs` |
-//! | `snippet.rs`, `texts.rs`, `footer.rs` | the parts of the form for people |
+//! | `snippet.rs`, `apart.rs`, `texts.rs`, `footer.rs` | the parts of the form for people |
 //! | `style.rs` | what a terminal can show |
 //! | `apply.rs` | applying fixes to texts |
 //! | `suggest.rs` | "did you mean" |
 
+mod apart;
 mod apply;
 mod codes;
 mod count;

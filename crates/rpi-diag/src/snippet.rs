@@ -4,6 +4,7 @@ use std::fmt;
 
 use miette::{Diagnostic, GraphicalReportHandler, GraphicalTheme, LabeledSpan, SourceCode};
 
+use crate::apart::{Mark, apart};
 use crate::texts::Texts;
 use crate::{Finding, Severity, SourceMap, Style};
 
@@ -83,17 +84,24 @@ struct Shown<'a> {
 impl Shown<'_> {
     fn placed(&self) -> Vec<LabeledSpan> {
         let labels = self.finding.labels.iter();
-        labels
-            .filter_map(|label| {
-                let (start, len) = self.texts.place(label.span)?;
-                let text = (!label.text.is_empty()).then(|| label.text.clone());
-                Some(if label.primary {
-                    LabeledSpan::new_primary_with_span(text, (start, len))
-                } else {
-                    LabeledSpan::new_with_span(text, (start, len))
-                })
+        let marks = labels.filter_map(|label| {
+            let (start, len) = self.texts.place(label.span)?;
+            Some(Mark {
+                range: start..start + len,
+                text: label.text.clone(),
+                primary: label.primary,
             })
-            .collect()
+        });
+        let marks = apart(marks.collect(), |range| self.texts.of_place(range));
+        let labels = marks.into_iter().map(|mark| {
+            let text = Some(mark.text).filter(|text| !text.is_empty());
+            let place = (mark.range.start, mark.range.len());
+            match mark.primary {
+                true => LabeledSpan::new_primary_with_span(text, place),
+                false => LabeledSpan::new_with_span(text, place),
+            }
+        });
+        labels.collect()
     }
 }
 

@@ -16,6 +16,8 @@ pub(crate) struct Texts<'a> {
     sources: &'a SourceMap,
     /// File and address of its first byte.
     files: Vec<(FileId, usize)>,
+    /// Where the fault is.
+    fault: Span,
 }
 
 impl<'a> Texts<'a> {
@@ -30,7 +32,11 @@ impl<'a> Texts<'a> {
                 next += sources.text(file).len() + 1;
             }
         }
-        Texts { sources, files }
+        Texts {
+            sources,
+            files,
+            fault: finding.span(),
+        }
     }
 
     /// Address and length of a range; nothing for a place without text. The end of the file is shown
@@ -45,6 +51,15 @@ impl<'a> Texts<'a> {
             start
         };
         Some((base + start, end - start.min(end)))
+    }
+
+    /// The text of a range of addresses.
+    pub(crate) fn of_place(&self, range: std::ops::Range<usize>) -> &'a str {
+        let place = self.find(range.start).and_then(|(file, base)| {
+            let text = self.sources.text(file);
+            text.get(range.start - base..range.end - base)
+        });
+        place.unwrap_or_default()
     }
 
     fn find(&self, address: usize) -> Option<(FileId, usize)> {
@@ -75,9 +90,11 @@ impl SourceCode for Texts<'_> {
         let to = (0..after).fold(line_end(text, last), |at, _| next_line_end(text, at));
         // Without context the place itself is asked for, to be named by line and column.
         let from = if before == 0 { start } else { from };
-        let at = self
-            .sources
-            .line_col(Span::new(file, from as u32, from as u32));
+        let line_col = |from| self.sources.line_col(Span::new(file, from, from));
+        let (drawn, fault) = (line_col(from as u32), line_col(self.fault.start));
+        // The fault may be drawn from a later column on, beside what is marked within it.
+        let is_fault = before == 0 && file == self.fault.file && drawn.line == fault.line;
+        let at = if is_fault { fault } else { drawn };
         Ok(Box::new(MietteSpanContents::new_named(
             self.sources.name(file).to_owned(),
             &text.as_bytes()[from..to],

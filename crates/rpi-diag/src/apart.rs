@@ -1,0 +1,128 @@
+//! Labels that lie within one another, drawn beside one another.
+//!
+//! What draws them has one line for all marks of a line of text: of two that overlap it puts the inner one behind the
+//! outer, under the wrong text. So the outer is drawn under the longest part of it that no inner one takes.
+
+use std::ops::Range;
+
+/// A label as it is drawn.
+#[derive(Clone, PartialEq, Debug)]
+pub(crate) struct Mark {
+    /// What is marked.
+    pub(crate) range: Range<usize>,
+    /// What is said about it.
+    pub(crate) text: String,
+    /// Whether it is the fault itself.
+    pub(crate) primary: bool,
+}
+
+/// Labels that do not overlap where that can be had; `text` gives the text of a range.
+pub(crate) fn apart<'t>(marks: Vec<Mark>, text: impl Fn(Range<usize>) -> &'t str) -> Vec<Mark> {
+    let marks = joined(marks);
+    let ranges: Vec<Range<usize>> = marks.iter().map(|mark| mark.range.clone()).collect();
+    let mut marks = marks;
+    for mark in &mut marks {
+        if !text(mark.range.clone()).contains('\n') {
+            mark.range = free(&mark.range, &ranges, &text);
+        }
+    }
+    marks
+}
+
+/// One label for those of the same place.
+fn joined(marks: Vec<Mark>) -> Vec<Mark> {
+    let mut all: Vec<Mark> = Vec::with_capacity(marks.len());
+    for mark in marks {
+        match all.iter_mut().find(|known| known.range == mark.range) {
+            Some(known) if known.text.is_empty() => known.text = mark.text,
+            Some(known) if !mark.text.is_empty() && known.text != mark.text => {
+                known.text.push_str("; ");
+                known.text.push_str(&mark.text);
+            }
+            Some(_) => {}
+            None => all.push(mark),
+        }
+    }
+    all
+}
+
+/// The longest part of a range that holds something and in which no range lies that is within the whole.
+fn free<'t>(
+    whole: &Range<usize>,
+    ranges: &[Range<usize>],
+    text: impl Fn(Range<usize>) -> &'t str,
+) -> Range<usize> {
+    let is_inside = |r: &&Range<usize>| {
+        r.len() < whole.len() && !r.is_empty() && whole.start <= r.start && r.end <= whole.end
+    };
+    let mut inside: Vec<&Range<usize>> = ranges.iter().filter(is_inside).collect();
+    inside.sort_by_key(|range| range.start);
+    let mut parts = Vec::with_capacity(inside.len() + 1);
+    let mut from = whole.start;
+    for range in inside {
+        parts.push(from..range.start.max(from));
+        from = from.max(range.end);
+    }
+    parts.push(from..whole.end);
+    // Nor does it need what closes or opens the inner one.
+    let trimmed = parts.into_iter().map(|part| {
+        let held = text(part.clone());
+        let rest = held.trim_start_matches([' ', ')', ']', ',']);
+        let start = part.start + held.len() - rest.len();
+        start..start + rest.trim_end_matches([' ', '(', '[', ',']).len()
+    });
+    // Of equal ones the first.
+    let longest = trimmed.rev().max_by_key(|part| part.len());
+    longest
+        .filter(|part| !part.is_empty())
+        .unwrap_or(whole.clone())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn drawn(text: &'static str, ranges: &[(Range<usize>, &str)]) -> Vec<(&'static str, String)> {
+        let marks = ranges.iter().map(|(range, said)| Mark {
+            range: range.clone(),
+            text: (*said).to_owned(),
+            primary: false,
+        });
+        let marks = apart(marks.collect(), |range| &text[range]);
+        let drawn = marks.into_iter();
+        drawn.map(|mark| (&text[mark.range], mark.text)).collect()
+    }
+
+    #[test]
+    fn the_outer_one_takes_what_the_inner_leaves() {
+        let own = |text: &str| text.to_owned();
+        assert_eq!(
+            drawn("Before(y)", &[(0..9, "reads"), (7..8, "read")]),
+            [("Before", own("reads")), ("y", own("read"))]
+        );
+        assert_eq!(
+            drawn("(x when c) + all", &[(0..16, "whole"), (1..9, "part")]),
+            [("+ all", own("whole")), ("x when c", own("part"))]
+        );
+        assert_eq!(
+            drawn("a + b", &[(0..5, "whole"), (0..1, "a"), (4..5, "b")]),
+            [("+", own("whole")), ("a", own("a")), ("b", own("b"))]
+        );
+    }
+
+    #[test]
+    fn those_of_one_place_are_one() {
+        let both = drawn("n + 1", &[(0..1, "runs"), (0..1, "needed"), (0..1, "runs")]);
+        assert_eq!(both, [("n", "runs; needed".to_owned())]);
+    }
+
+    #[test]
+    fn those_that_only_touch_or_are_of_several_lines_stay() {
+        let touching = drawn("ab", &[(0..1, ""), (1..2, "")]);
+        assert_eq!(touching, [("a", String::new()), ("b", String::new())]);
+        let lines = drawn("a\nb", &[(0..3, ""), (2..3, "")]);
+        assert_eq!(lines, [("a\nb", String::new()), ("b", String::new())]);
+        let covered = drawn("ab", &[(0..2, ""), (0..1, ""), (1..2, "")]);
+        assert_eq!(covered[0].0, "ab");
+    }
+}
