@@ -112,7 +112,7 @@ const BINARY: &[Row] = &[
 ];
 
 /// Operators whose result is a Boolean.
-const TESTS: &[BinaryOp] = &[Lt, Le, Gt, Ge];
+pub(super) const TESTS: &[BinaryOp] = &[Lt, Le, Gt, Ge];
 
 /// Those that have no result for a right operand of 0.
 const DIVISIONS: &[PrimId] = &[prim!("Core::IntDivide"), prim!("Rpi::IntModulo")];
@@ -442,12 +442,6 @@ impl<'a> Body<'_, 'a> {
         let negated = op == BinaryOp::Ne;
         let operands = [left, right];
         self.add(Kind::Equal { operands, negated }, Ty::Bool, span)
-    }
-
-    fn each_of_two(&mut self, each: Each, binary: &'a Binary, span: Span) -> ExprId {
-        let (left, right) = (self.expr(&binary.lhs), self.expr(&binary.rhs));
-        let ty = self.common_type(left, right, "both sides have one type");
-        self.add(Kind::Each(each, [left, right].into()), ty, span)
     }
 
     /// `a fby b` is `a -> pre b`.

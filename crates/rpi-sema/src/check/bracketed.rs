@@ -1,0 +1,46 @@
+//! Two sides of one type, and `a ?? b = c`, of which the right side is a comparison where the whole was to be compared.
+
+use super::body::Body;
+use super::ops::TESTS;
+use crate::typed::{Each, ExprId, Kind};
+use rpi_diag::{Fix, Span};
+use rpi_syntax::ast::{Binary, ExprKind};
+use rpi_syntax::ops::BinaryOp;
+
+impl<'a> Body<'_, 'a> {
+    /// An operator that works leaf by leaf on two sides of one type.
+    pub(super) fn each_of_two(&mut self, each: Each, binary: &'a Binary, span: Span) -> ExprId {
+        let (left, right) = (self.expr(&binary.lhs), self.expr(&binary.rhs));
+        let before = self.findings.len();
+        let ty = self.common_type(left, right, "both sides have one type");
+        if self.findings.len() > before && self.compares_too_early(binary) {
+            return self.fault(span);
+        }
+        self.add(Kind::Each(each, [left, right].into()), ty, span)
+    }
+
+    /// Adds to what has been reported of `a ?? b = c` where the brackets belong; false for anything else.
+    fn compares_too_early(&mut self, binary: &Binary) -> bool {
+        let ExprKind::Binary(compared) = &binary.rhs.kind else {
+            return false;
+        };
+        let is_open = compared.lhs.span.start == binary.rhs.span.start;
+        let is_test =
+            matches!(compared.op, BinaryOp::Eq | BinaryOp::Ne) || TESTS.contains(&compared.op);
+        if !is_test || !is_open {
+            return false;
+        }
+        let (op, test) = (binary.op.spelling(), compared.op.spelling());
+        if let Some(told) = self.findings.last_mut() {
+            told.help = vec![format!(
+                "`{op}` binds after `{test}`: `(a {op} b) {test} c`"
+            )];
+            told.fixes = vec![
+                Fix::maybe("compare the whole")
+                    .insert_before(binary.lhs.span, "(")
+                    .insert_after(compared.lhs.span, ")"),
+            ];
+        }
+        true
+    }
+}
