@@ -122,6 +122,21 @@ impl Exprs<'_> {
             let form = format!("(current {sampled})");
             return Some(Tree::expr(ty, &form, vec![condition(), yes, no]));
         }
+        if scope.clock.is_none() && ty.optional {
+            self.counts.add("lifted");
+            let no = self.ticking_leaf(&on(true), total);
+            let (chosen, rest) = (Kind::Bool.total(), ty.kind.total());
+            let parts = vec![condition(), yes, no];
+            return Some(match self.random.one_in(2) {
+                true => Tree::expr(ty, &sampled, parts),
+                false => {
+                    let mut parts = parts;
+                    parts.insert(0, self.expr(scope, chosen, depth.min(2)));
+                    parts.push(self.expr(scope, rest, depth.min(2)));
+                    Tree::expr(ty, &format!("(if @ then {sampled} else @)"), parts)
+                }
+            });
+        }
         if scope.clock.is_none() && self.random.one_in(3) {
             self.counts.add("off clock");
             let no = self.ticking_leaf(&on(true), total);

@@ -9,13 +9,28 @@ impl Inference<'_> {
     /// A call: clocks of arguments and results.
     pub(super) fn call(&mut self, id: ExprId, call: &Call) -> Of {
         let callee = &self.units[call.unit.0 as usize];
-        let base = self.terms.open();
+        let mut given: Vec<ExprId> = call.args.iter().flatten().copied().collect();
+        let mut deciding = Vec::new();
+        call.activation.operands(&mut |id| deciding.push(id));
+        given.extend(&deciding);
+        let mut ports = callee.inputs.iter();
+        let meeting = match ports.any(|port| callee.flow(*port).clock.is_some()) {
+            true => None,
+            false => self.meeting(&given),
+        };
+        let base = meeting.unwrap_or_else(|| self.terms.open());
         self.place(id, base);
         let names = self.names(id, call, callee);
-        for (formal, arg) in callee.inputs.iter().zip(&call.args) {
-            if let Some(arg) = arg {
-                let wanted = self.seen(callee, *formal, base, &names);
-                self.all(*arg, wanted);
+        if meeting.is_none() {
+            for (formal, arg) in callee.inputs.iter().zip(&call.args) {
+                if let Some(arg) = arg {
+                    let wanted = self.seen(callee, *formal, base, &names);
+                    self.all(*arg, wanted);
+                }
+            }
+            // What decides about a call has the call's clock.
+            for deciding in deciding {
+                self.all(deciding, base);
             }
         }
         let mut results = Vec::with_capacity(callee.outputs.len());

@@ -1,8 +1,10 @@
 //! Clocks of expressions and equations.
 
 use super::Clocks;
+use super::order;
 use super::terms::{FlowTerms, Term, Terms, of};
-use crate::typed::{Activation, Each, Equation, ExprId, FlowId, FlowRole, Kind, Place, Unit};
+use crate::hash::Map;
+use crate::typed::{Each, Equation, ExprId, FlowId, FlowRole, Kind, Place, Unit};
 use rpi_diag::{Code, Finding, Fix, Span};
 use std::collections::BTreeSet;
 
@@ -28,12 +30,18 @@ pub(super) struct Inference<'u> {
     pub(super) unit: &'u Unit,
     pub(super) terms: Terms,
     pub(super) flows: FlowTerms,
+    /// The equation that is looked at.
+    bound: Option<&'u Equation>,
     /// Of each expression the clocks of its value.
-    values: Vec<Of>,
+    pub(super) values: Vec<Of>,
+    /// The expressions of which the clocks have been looked at.
+    looked_at: Vec<bool>,
     /// Of each expression the clock by which it is computed.
     places: Vec<Term>,
-    /// `current`: the clocks of the result and of the operand.
-    currents: Vec<(Term, Term, Span)>,
+    /// `current`: its operand, and the clock of the result.
+    currents: Vec<(ExprId, Term, Span)>,
+    /// Operands that are read by another clock than theirs, which is theirs or leads to it, and that clock.
+    pub(super) lifted: Map<ExprId, Term>,
     findings: Vec<Finding>,
     reported: BTreeSet<Span>,
 }
@@ -41,45 +49,37 @@ pub(super) struct Inference<'u> {
 pub(super) fn infer(units: &[Unit], unit: &Unit) -> (Clocks, Vec<Finding>) {
     let mut inference = Inference::new(units, unit);
     inference.flows();
-    let reached = reached(unit);
-    for id in (0..).map(ExprId).take(unit.exprs.len()) {
-        let value = match reached[id.0 as usize] {
-            true => inference.expr(id),
-            false => Of::One(Terms::BASE),
-        };
-        inference.values.push(value);
+    let is_told = |flow: FlowId| !inference.terms.is_open(of(&inference.flows, flow));
+    for ring in order::equations(unit, is_told) {
+        inference.ring(&ring);
     }
-    for equation in unit.blocks.iter().flat_map(|block| &block.equations) {
-        inference.equation(equation);
+    for (id, is_claim) in beside_equations(unit) {
+        inference.exprs([id]);
+        inference.read_always(id, is_claim);
     }
     inference.finish()
 }
 
-/// The expressions that somebody needs.
-fn reached(unit: &Unit) -> Vec<bool> {
-    let mut reached = vec![false; unit.exprs.len()];
-    let mut open: Vec<ExprId> = Vec::new();
+/// The expressions that define no flow, and which of them are claims.
+fn beside_equations(unit: &Unit) -> Vec<(ExprId, bool)> {
+    let mut claims: Vec<ExprId> = Vec::new();
+    let mut others: Vec<ExprId> = Vec::new();
     for block in &unit.blocks {
-        open.extend(block.when);
-        open.extend(block.equations.iter().map(|equation| equation.value));
-        open.extend(block.claims.iter().map(|claim| claim.condition));
-        open.extend(block.ends.iter().map(|end| end.condition));
-        open.extend(block.exports.iter().map(|export| export.value));
+        claims.extend(block.claims.iter().map(|claim| claim.condition));
+        others.extend(block.when);
+        others.extend(block.ends.iter().map(|end| end.condition));
+        others.extend(block.exports.iter().map(|export| export.value));
         let states = block
             .automata
             .iter()
             .flat_map(|automaton| &automaton.states);
         let transitions = states.flat_map(|state| state.unless.iter().chain(&state.until));
-        open.extend(transitions.filter_map(|transition| transition.condition));
+        others.extend(transitions.filter_map(|transition| transition.condition));
     }
-    while let Some(id) = open.pop() {
-        if !std::mem::replace(&mut reached[id.0 as usize], true) {
-            unit.expr(id)
-                .kind
-                .operands(&mut |operand| open.push(operand));
-        }
-    }
-    reached
+    let claims = claims.into_iter().map(|id| (id, true));
+    claims
+        .chain(others.into_iter().map(|id| (id, false)))
+        .collect()
 }
 
 impl<'u> Inference<'u> {
@@ -89,10 +89,13 @@ impl<'u> Inference<'u> {
             units,
             unit,
             terms,
+            bound: None,
             flows: vec![Terms::BASE; unit.flows.len()],
-            values: Vec::with_capacity(unit.exprs.len()),
+            values: vec![Of::One(Terms::BASE); unit.exprs.len()],
+            looked_at: vec![false; unit.exprs.len()],
             places: vec![Terms::BASE; unit.exprs.len()],
             currents: Vec::new(),
+            lifted: Map::default(),
             findings: Vec::new(),
             reported: BTreeSet::new(),
         }
@@ -121,6 +124,41 @@ impl<'u> Inference<'u> {
         }
     }
 
+    /// Equations that read one another. What nothing in them gives another clock has a value in all cycles, whoever reads
+    /// it.
+    fn ring(&mut self, equations: &[&'u Equation]) {
+        for equation in equations {
+            self.bound = Some(equation);
+            self.exprs([equation.value]);
+            self.equation(equation);
+        }
+        self.bound = None;
+        for target in equations.iter().flat_map(|equation| &equation.targets) {
+            if let Place::Flow { flow, .. } = target.place
+                && self.terms.is_open(of(&self.flows, flow))
+            {
+                self.terms.unify(of(&self.flows, flow), Terms::BASE);
+            }
+        }
+    }
+
+    /// Looks at expressions and their parts, operands first.
+    fn exprs(&mut self, roots: impl Into<Vec<ExprId>>) {
+        let mut open: Vec<ExprId> = roots.into();
+        let mut parts = Vec::new();
+        while let Some(id) = open.pop() {
+            if !std::mem::replace(&mut self.looked_at[id.0 as usize], true) {
+                parts.push(id);
+                let kind = &self.unit.expr(id).kind;
+                kind.operands(&mut |operand| open.push(operand));
+            }
+        }
+        parts.sort_unstable();
+        for id in parts {
+            self.values[id.0 as usize] = self.expr(id);
+        }
+    }
+
     fn expr(&mut self, id: ExprId) -> Of {
         let expr = self.unit.expr(id);
         let place = match &expr.kind {
@@ -145,9 +183,15 @@ impl<'u> Inference<'u> {
             }
             Kind::Merge { on, cases } => self.merge(*on, cases),
             Kind::Current(operand) => {
-                let (result, inner) = (self.terms.open(), self.one(*operand));
-                self.currents.push((result, inner, expr.span));
-                result
+                let inner = self.one(*operand);
+                match self.terms.parent(inner) {
+                    Some((parent, _)) => parent,
+                    None => {
+                        let result = self.terms.open();
+                        self.currents.push((*operand, result, expr.span));
+                        result
+                    }
+                }
             }
             Kind::Call(call) => return self.call(id, call),
             Kind::Present(_) | Kind::Each(Each::Coalesce | Each::Hold, _) => self.terms.open(),
@@ -157,8 +201,10 @@ impl<'u> Inference<'u> {
             kind => {
                 let mut operands = Vec::new();
                 kind.operands(&mut |operand| operands.push(operand));
-                let place = self.together(&operands);
-                self.sampled_in_part(id, &operands).unwrap_or(place)
+                match self.sampled_end(id, &operands) {
+                    Some(end) => self.sampled_in_part(id, end, &operands),
+                    None => self.together(&operands),
+                }
             }
         };
         self.places[id.0 as usize] = place;
@@ -177,17 +223,23 @@ impl<'u> Inference<'u> {
         }
     }
 
-    /// The one clock of several values. If they have none the fault is theirs alone: what is done with them fits.
+    /// The one clock of several values, or that at which those of other clocks may be absent. If they have none the fault
+    /// is theirs alone: what is done with them fits.
     fn together(&mut self, operands: &[ExprId]) -> Term {
+        if let Some(place) = self.meeting(operands) {
+            return place;
+        }
+        self.at_one(operands).unwrap_or_else(|| self.terms.open())
+    }
+
+    /// The one clock of several values.
+    fn at_one(&mut self, operands: &[ExprId]) -> Option<Term> {
         let place = self.terms.open();
         let mut fit = true;
         for operand in operands {
             fit &= self.all(*operand, place);
         }
-        match fit {
-            true => place,
-            false => self.terms.open(),
-        }
+        fit.then_some(place)
     }
 
     /// All of a value has a clock; false if it has another, which is reported.
@@ -205,30 +257,37 @@ impl<'u> Inference<'u> {
         }
     }
 
-    /// `s - 1 when c`, of which only the end is sampled, and that does not fit: the whole was meant, it seems.
-    fn sampled_in_part(&mut self, id: ExprId, operands: &[ExprId]) -> Option<Term> {
-        let (whole, last) = (self.unit.expr(id).span, *operands.last()?);
-        let part = self.unit.expr(last);
+    /// The end of `s - 1 when c`, if nothing before it is sampled.
+    fn sampled_end(&self, id: ExprId, operands: &[ExprId]) -> Option<ExprId> {
+        let (last, others) = operands.split_last()?;
+        let (whole, part) = (self.unit.expr(id).span, self.unit.expr(*last));
         let Kind::When { value, .. } = part.kind else {
             return None;
         };
         let is_sampled = |id: &ExprId| matches!(self.unit.expr(*id).kind, Kind::When { .. });
-        if operands[..operands.len() - 1].iter().any(is_sampled) {
-            return None;
-        }
-        let told = self.findings.last_mut()?;
         let value = self.unit.expr(value).span;
-        if told.span() != part.span || part.span.end != whole.end || value.end > part.span.end {
-            return None;
+        let is_end = part.span.end == whole.end && value.end <= part.span.end;
+        (is_end && !others.iter().any(is_sampled)).then_some(*last)
+    }
+
+    /// `s - 1 when c`, of which only the end is sampled: if that does not fit, the whole was meant, it seems.
+    fn sampled_in_part(&mut self, id: ExprId, end: ExprId, operands: &[ExprId]) -> Term {
+        if let Some(place) = self.at_one(operands) {
+            return place;
         }
-        let fix = Fix::maybe("sample the whole")
-            .insert_before(whole, "(")
-            .insert_after(value, ")");
-        *told = told
-            .clone()
-            .help("`when` binds before other operators: `(a - b) when c`")
-            .fix(fix);
-        Some(self.places[last.0 as usize])
+        let (whole, part) = (self.unit.expr(id).span, self.unit.expr(end));
+        if let (Some(told), Kind::When { value, .. }) = (self.findings.last_mut(), &part.kind)
+            && told.span() == part.span
+        {
+            let fix = Fix::maybe("sample the whole")
+                .insert_before(whole, "(")
+                .insert_after(self.unit.expr(*value).span, ")");
+            *told = told
+                .clone()
+                .help("`when` binds before other operators: `(a - b) when c`")
+                .fix(fix);
+        }
+        self.places[end.0 as usize]
     }
 
     /// What is sampled has the clock of the flow that decides, or a faster one from which that is sampled.
@@ -293,6 +352,9 @@ impl<'u> Inference<'u> {
     }
 
     fn equation(&mut self, equation: &Equation) {
+        if self.lifts(equation) {
+            return;
+        }
         let mut parts = match self.values[equation.value.0 as usize].clone() {
             Of::One(term) => vec![(term, usize::MAX)],
             Of::Each(parts) => parts,
@@ -353,9 +415,27 @@ impl<'u> Inference<'u> {
         }
     }
 
+    /// `current` of what is there in all cycles, maybe because values of different clocks meet in it.
+    fn not_sampled(&mut self, operand: ExprId, span: Span) {
+        let mut parts = Vec::new();
+        let kind = &self.unit.expr(operand).kind;
+        kind.operands(&mut |part| parts.push(part));
+        self.report_at(span, "`current` of a flow that is not sampled".to_owned());
+        for part in parts {
+            if !self.lifted.contains_key(&part) {
+                continue;
+            }
+            let clock = self.one(part);
+            let text = format!("this is {}", self.words(clock));
+            if let Some(told) = self.findings.last_mut().filter(|told| told.span() == span) {
+                *told = told.clone().also(self.unit.expr(part).span, text);
+            }
+        }
+    }
+
+    /// The equation of which an expression is the whole right side.
     pub(super) fn is_bound_to(&self, id: ExprId) -> Option<&'u Equation> {
-        let mut equations = self.unit.blocks.iter().flat_map(|block| &block.equations);
-        equations.find(|equation| equation.value == id)
+        self.bound.filter(|equation| equation.value == id)
     }
 
     pub(super) fn place(&mut self, id: ExprId, term: Term) {
@@ -364,7 +444,8 @@ impl<'u> Inference<'u> {
 
     /// What `current` leads back to, then all clocks as they are.
     fn finish(mut self) -> (Clocks, Vec<Finding>) {
-        for (result, inner, span) in std::mem::take(&mut self.currents) {
+        for (operand, result, span) in std::mem::take(&mut self.currents) {
+            let inner = self.one(operand);
             match self.terms.parent(inner) {
                 Some((parent, _)) => {
                     self.meet(result, parent, span);
@@ -372,10 +453,9 @@ impl<'u> Inference<'u> {
                 None if self.terms.is_open(inner) => {}
                 // What is around it has been told not to fit.
                 None if self.reported.iter().any(|told| told.contains(span)) => {}
-                None => self.report_at(span, "`current` of a flow that is not sampled".to_owned()),
+                None => self.not_sampled(operand, span),
             }
         }
-        self.activations();
         let path = |term: &Term| self.terms.path(*term);
         let clocks = Clocks {
             exprs: self.places.iter().map(path).collect(),
@@ -385,35 +465,13 @@ impl<'u> Inference<'u> {
                 .map(|value| path(&value.first()))
                 .collect(),
             flows: self.flows.iter().map(path).collect(),
+            lifted: self
+                .lifted
+                .iter()
+                .map(|(id, read)| (*id, path(read).len()))
+                .collect(),
         };
         (clocks, self.findings)
-    }
-
-    /// What decides about a call has the call's clock.
-    fn activations(&mut self) {
-        for id in (0..).map(ExprId).take(self.unit.exprs.len()) {
-            let Kind::Call(call) = &self.unit.expr(id).kind else {
-                continue;
-            };
-            let place = self.places[id.0 as usize];
-            let mut deciding: Vec<ExprId> = Vec::new();
-            match &call.activation {
-                Activation::Always => {}
-                Activation::Restart { every } => deciding.push(*every),
-                Activation::Condact {
-                    every,
-                    default,
-                    restart,
-                } => {
-                    deciding.push(*every);
-                    deciding.extend(default);
-                    deciding.extend(restart);
-                }
-            }
-            for deciding in deciding {
-                self.all(deciding, place);
-            }
-        }
     }
 }
 

@@ -1,21 +1,26 @@
 //! The clock calculus: in which cycles of its unit each expression has a value.
 //!
 //! A clock is all cycles of the unit, or those of another clock in which a flow has a value (`x when c`). Operands of an
-//! operator have one clock; `merge` and `current` lead back to the clock that was sampled. A call has a clock of its own
-//! to which the clocks of the callee's ports are relative. Clocks are inferred by unification; two that do not meet are
-//! reported, both named. After Caspi and Pouzet, Synchronous Kahn networks (1996), with the names of Lustre V6: a
-//! constant has every clock.
+//! operator have one clock; outside Lustre those of slower ones may be absent where they meet. `merge` and `current` lead
+//! back to the clock that was sampled. A call has a clock of its own to which the clocks of the callee's ports are
+//! relative. Clocks are inferred by unification; two that do not meet are reported, both named. After Caspi and Pouzet,
+//! Synchronous Kahn networks (1996), with the names of Lustre V6: a constant has every clock.
 //!
 //! | file | idea |
 //! |---|---|
 //! | `terms.rs` | clocks on their way |
 //! | `infer.rs` | expressions and equations |
+//! | `lift.rs` | operands of other clocks, which may be absent |
+//! | `order.rs` | equations behind those that they read |
 //! | `calls.rs` | clocks of ports seen by the caller |
 
 mod calls;
 mod infer;
+mod lift;
+mod order;
 mod terms;
 
+use crate::hash::Map;
 use crate::typed::{ClockOn, ExprId, FlowId, Kind, Unit};
 use rpi_diag::Finding;
 use std::fmt::Write as _;
@@ -26,6 +31,8 @@ pub struct Clocks {
     exprs: Vec<Vec<ClockOn>>,
     values: Vec<Vec<ClockOn>>,
     flows: Vec<Vec<ClockOn>>,
+    /// Of the expressions whose reader has a faster clock, how many samplings that has.
+    lifted: Map<ExprId, usize>,
 }
 
 impl Clocks {
@@ -47,11 +54,18 @@ impl Clocks {
         self.values.get(id.0 as usize).map_or(&[], Vec::as_slice)
     }
 
-    /// What the clock of an operand is sampled by beyond the clock of the operator that reads it.
+    /// What the clock of an operand is sampled by beyond what the clock of the operator that reads it has in common with it.
     #[must_use]
     pub fn beyond(&self, operand: ExprId, reader: ExprId) -> &[ClockOn] {
-        let outer = self.of_expr(reader).len();
-        self.of_value(operand).get(outer..).unwrap_or(&[])
+        let (own, read) = (self.of_value(operand), self.of_expr(reader));
+        let common = own.iter().zip(read).take_while(|(a, b)| a == b);
+        &own[common.count()..]
+    }
+
+    /// The clock by which an expression is read that is optional there, and what its own is sampled by beyond that.
+    #[must_use]
+    pub fn lifted(&self, id: ExprId) -> Option<(&[ClockOn], &[ClockOn])> {
+        self.of_value(id).split_at_checked(*self.lifted.get(&id)?)
     }
 
     /// The clock of a flow.

@@ -72,6 +72,20 @@ impl Terms {
         self.shape(term) == Shape::Open
     }
 
+    /// Whether two clocks are known to be the same without a look at what they are sampled from.
+    pub(super) fn are_same(&self, a: Term, b: Term) -> bool {
+        self.found(a) == self.found(b)
+    }
+
+    /// What a clock is sampled from, as far out that so many samplings are left.
+    pub(super) fn outer(&self, clock: Term, left: usize) -> Term {
+        let mut at = clock;
+        for _ in left..self.path(clock).len() {
+            at = self.parent(at).map_or(at, |(parent, _)| parent);
+        }
+        at
+    }
+
     /// Makes two clocks the same. False if they are not.
     pub(super) fn unify(&mut self, a: Term, b: Term) -> bool {
         let (mut a, mut b) = (self.found(a), self.found(b));

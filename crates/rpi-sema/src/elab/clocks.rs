@@ -264,6 +264,18 @@ impl<'u> Elab<'u> {
         self.absent_beside(scope, clock, (&wire, scalars), at, span)
     }
 
+    /// A value whose reader has a faster clock: absent where its own does not tick.
+    pub(super) fn lifted(&mut self, scope: &mut Scope<'u>, id: ExprId, wire: Wire, at: At) -> Wire {
+        let facts = self.facts_of(scope);
+        let Some((outer, beyond)) = facts.and_then(|facts| facts.clocks.lifted(id)) else {
+            return wire;
+        };
+        let expr = scope.unit.expr(id);
+        let at = At::fragment(self.clocked(scope, outer, at, expr.span));
+        let scalars = super::expr::leaf_scalars(&expr.ty);
+        self.absent_beside(scope, beyond, (&wire, &scalars), at, expr.span)
+    }
+
     /// A value, absent where one of these clocks, each within the one before, does not tick.
     fn absent_beside(
         &mut self,

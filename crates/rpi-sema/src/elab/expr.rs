@@ -36,9 +36,11 @@ impl<'u> Elab<'u> {
         if self.allowance.is_used_up {
             return nothing();
         }
+        let read_at = at;
         let at = self.placed(scope, id, at);
         self.innermost_first(scope, id, at);
         let wire = self.fresh(scope, id, at);
+        let wire = self.lifted(scope, id, wire, read_at);
         self.may_hold(wire.len(), scope.unit.expr(id).span);
         scope.remember(id, &wire);
         wire

@@ -113,9 +113,11 @@ fn conditions(inference: &Inference<'_>, findings: &mut Vec<Finding>) {
             .ends
             .iter()
             .map(|end| (end.condition, "a command ends or not, never neither"));
+        // In Lustre nothing is optional; a claim that is absent holds.
         let claims = block
             .claims
             .iter()
+            .filter(|_| !unit.is_lustre)
             .map(|claim| (claim.condition, "a claim holds or not, never neither"));
         let states = block
             .automata
@@ -201,6 +203,10 @@ pub(super) fn origin(inference: &Inference<'_>, id: ExprId) -> Option<(Span, Str
     let mut at = id;
     loop {
         let expr = unit.expr(at);
+        if let Some((_, beyond)) = inference.clocks.lifted(at).filter(|_| at != id) {
+            let clock = crate::clocks::print(unit, beyond);
+            return Some((expr.span, format!("this is there only `{clock}`")));
+        }
         match &expr.kind {
             Kind::Flow(flow) => {
                 let flow = unit.flow(*flow);

@@ -84,7 +84,7 @@ pub fn find(units: &[Unit], sound: &[bool]) -> (Vec<Facts>, Vec<Finding>) {
 pub(super) struct Inference<'u> {
     pub(super) units: &'u [Unit],
     pub(super) unit: &'u Unit,
-    clocks: &'u Clocks,
+    pub(super) clocks: &'u Clocks,
     /// Empty, as long as nothing is known to be absent.
     pub(super) exprs: Vec<Absence>,
     flows: Vec<Absence>,
@@ -263,6 +263,9 @@ impl<'u> Inference<'u> {
     }
 
     fn expr(&self, id: ExprId, reads: &Reads<'_>) -> Absence {
+        if self.clocks.lifted(id).is_some() {
+            return Absence::MAYBE;
+        }
         let expr = self.unit.expr(id);
         let count = expr.ty.leaf_count();
         match &expr.kind {

@@ -1,0 +1,107 @@
+//! Where values of other clocks meet: one of a slower clock becomes optional there (M4).
+//!
+//! Only outside Lustre, which has no optional flows: there clocks that do not meet are an error.
+
+use super::infer::{Inference, Of};
+use super::terms::{Term, Terms, of};
+use crate::typed::{ClockOn, Equation, ExprId, Optional, Place};
+
+impl Inference<'_> {
+    /// The clock at which values of different clocks meet: the slowest that all of theirs are sampled from. None where all
+    /// have one, as far as is known.
+    pub(super) fn meeting(&mut self, operands: &[ExprId]) -> Option<Term> {
+        if self.unit.is_lustre {
+            return None;
+        }
+        let mut known = operands.iter().filter_map(|id| self.known(*id));
+        let first = known.next()?;
+        if known.all(|term| self.terms.are_same(first, term)) {
+            return None;
+        }
+        let paths: Vec<Option<Vec<ClockOn>>> = operands
+            .iter()
+            .map(|id| Some(self.terms.path(self.known(*id)?)))
+            .collect();
+        let common = in_common(&paths);
+        let is_slower = |path: &Option<Vec<ClockOn>>| path.as_ref().map_or(0, Vec::len) > common;
+        if !paths.iter().any(is_slower) {
+            return None;
+        }
+        let place = self.terms.outer(first, common);
+        for (operand, path) in operands.iter().zip(&paths) {
+            match is_slower(path) {
+                true => _ = self.lifted.insert(*operand, place),
+                false => _ = self.all(*operand, place),
+            }
+        }
+        Some(place)
+    }
+
+    /// Whether an equation gives a value of a slower clock to ports, or to flows that are declared to be optional, and so
+    /// it is lifted.
+    pub(super) fn lifts(&mut self, equation: &Equation) -> bool {
+        let Some(found) = self.known(equation.value).filter(|_| !self.unit.is_lustre) else {
+            return false;
+        };
+        let mut targets = equation.targets.iter();
+        let Some(wanted) = targets.next().and_then(|t| self.optional(&t.place)) else {
+            return false;
+        };
+        let is_alike = targets.all(|target| {
+            let other = self.optional(&target.place);
+            other.is_some_and(|other| self.terms.are_same(other, wanted))
+        });
+        let (found, outer) = (self.terms.path(found), self.terms.path(wanted));
+        let lifts = is_alike && found.len() > outer.len() && found.starts_with(&outer);
+        if lifts {
+            self.lifted.insert(equation.value, wanted);
+        }
+        lifts
+    }
+
+    /// The clock of what a value becomes, if that is optional.
+    fn optional(&self, place: &Place) -> Option<Term> {
+        match place {
+            Place::Flow { flow, .. } => {
+                let optional = self.unit.flow(*flow).optional == Optional::Declared(true);
+                optional.then(|| of(&self.flows, *flow))
+            }
+            Place::Port { .. } => Some(Terms::BASE),
+            Place::Nowhere => None,
+        }
+    }
+
+    /// What decides, and what is published, is read in all cycles. In Lustre a claim holds where its clock does not tick.
+    pub(super) fn read_always(&mut self, id: ExprId, is_claim: bool) {
+        let is_sampled = |term| self.terms.parent(term).is_some();
+        if self.unit.is_lustre && !is_claim {
+            self.all(id, Terms::BASE);
+        } else if self.known(id).is_some_and(is_sampled) {
+            self.lifted.insert(id, Terms::BASE);
+        }
+    }
+
+    /// The clock of a value, if it has one and that is known.
+    fn known(&self, id: ExprId) -> Option<Term> {
+        let term = match &self.values[id.0 as usize] {
+            Of::One(term) => *term,
+            Of::Each(parts) => {
+                let ((first, _), others) = parts.split_first()?;
+                let mut others = others.iter();
+                let one = others.all(|(term, _)| self.terms.are_same(*first, *term));
+                one.then_some(*first)?
+            }
+        };
+        (!self.terms.is_open(term)).then_some(term)
+    }
+}
+
+/// How many samplings all clocks have in common.
+fn in_common(paths: &[Option<Vec<ClockOn>>]) -> usize {
+    let mut paths = paths.iter().flatten();
+    let first = paths.next().map_or(&[][..], Vec::as_slice);
+    paths.fold(first.len(), |common, path| {
+        let both = first[..common].iter().zip(path);
+        both.take_while(|(a, b)| a == b).count()
+    })
+}
