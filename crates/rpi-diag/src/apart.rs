@@ -22,11 +22,23 @@ pub(crate) fn apart<'t>(marks: Vec<Mark>, text: impl Fn(Range<usize>) -> &'t str
     let ranges: Vec<Range<usize>> = marks.iter().map(|mark| mark.range.clone()).collect();
     let mut marks = marks;
     for mark in &mut marks {
-        if !text(mark.range.clone()).contains('\n') {
-            mark.range = free(&mark.range, &ranges, &text);
+        let whole = text(mark.range.clone());
+        match whole.split_once('\n') {
+            None => mark.range = free(&mark.range, &ranges, &text),
+            Some((first, _)) if ends_beside(&mark.range, whole, &ranges) => {
+                mark.range.end = mark.range.start + first.trim_end().len();
+            }
+            Some(_) => {}
         }
     }
     marks
+}
+
+/// Whether another mark stands in the last line of one of several lines, where that has its text.
+fn ends_beside(range: &Range<usize>, text: &str, ranges: &[Range<usize>]) -> bool {
+    let last = range.start + text.rfind('\n').map_or(0, |at| at + 1);
+    let mut others = ranges.iter().filter(|other| *other != range);
+    others.any(|other| last < other.end && other.start < range.end && last <= other.start)
 }
 
 /// One label for those of the same place.
@@ -117,11 +129,13 @@ mod tests {
     }
 
     #[test]
-    fn those_that_only_touch_or_are_of_several_lines_stay() {
+    fn those_that_only_touch_stay_and_of_several_lines_the_first_does() {
         let touching = drawn("ab", &[(0..1, ""), (1..2, "")]);
         assert_eq!(touching, [("a", String::new()), ("b", String::new())]);
         let lines = drawn("a\nb", &[(0..3, ""), (2..3, "")]);
-        assert_eq!(lines, [("a\nb", String::new()), ("b", String::new())]);
+        assert_eq!(lines, [("a", String::new()), ("b", String::new())]);
+        let apart = drawn("a\nb\nc", &[(0..5, ""), (2..3, "")]);
+        assert_eq!(apart, [("a\nb\nc", String::new()), ("b", String::new())]);
         let covered = drawn("ab", &[(0..2, ""), (0..1, ""), (1..2, "")]);
         assert_eq!(covered[0].0, "ab");
     }

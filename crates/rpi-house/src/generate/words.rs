@@ -2,7 +2,7 @@
 
 use std::fmt::Write;
 
-use rpi_syntax::ops::{BINARY, BinaryRow, Grouping, UNARY, UnaryRow};
+use rpi_syntax::ops::{BINARY, BinaryRow, Grouping, LEVEL_IF, LEVEL_WHEN, UNARY, UnaryRow};
 use rpi_syntax::{KEYWORDS, Keyword, Place};
 
 use super::MARK;
@@ -37,11 +37,41 @@ fn rows(out: &mut String, wanted: impl Fn(&Keyword) -> bool) {
     }
 }
 
+/// Operators that are written in words among their operands: level, form, grouping, what they do.
+const MIXED: [(u8, &str, &str, &str); 3] = [
+    (
+        LEVEL_IF,
+        "if c then a else b",
+        "to the right",
+        "choice in each cycle",
+    ),
+    (
+        LEVEL_IF,
+        "with c then a else b",
+        "to the right",
+        "choice when the program is compiled",
+    ),
+    (
+        LEVEL_WHEN,
+        "a when c",
+        "to the left",
+        "sampled: there only where `c` holds",
+    ),
+];
+
+fn mixed((level, form, groups, doc): (u8, &str, &str, &str)) -> (u8, String) {
+    (
+        level,
+        format!("| {level} | `{form}` | {groups} | {doc} |\n"),
+    )
+}
+
 fn operators() -> Vec<(u8, String)> {
     let mut rows: Vec<(u8, String)> = BINARY
         .iter()
         .map(binary)
         .chain(UNARY.iter().map(unary))
+        .chain(MIXED.map(mixed))
         .collect();
     rows.sort_by_key(|(level, _)| *level);
     rows

@@ -96,7 +96,7 @@ fn finding(places: &[Span], names: &[&str]) -> Finding {
         .collect();
     quoted.dedup();
     let message = match &quoted[..] {
-        [one] => format!("nothing but {one} itself uses {one}"),
+        [one] => format!("nothing else uses {one}"),
         many if names.len() > NAMED => {
             let more = names.len() - NAMED;
             format!(

@@ -110,6 +110,7 @@ impl<'a> Body<'_, 'a> {
             let outer = self.current().automata[index].shared[place].flow;
             let inner = self.within(block, |body| body.version_of(name, outer));
             self.shares.insert(inner, outer);
+            self.versions.entry(outer).or_default().push(inner);
             self.current().automata[index].shared[place]
                 .states
                 .push(inner);

@@ -29,6 +29,8 @@ pub(super) struct Body<'c, 'a> {
     pub(super) defined_by: Vec<Option<usize>>,
     /// For the flow of a state the one outside that it is a version of.
     pub(super) shares: Map<FlowId, FlowId>,
+    /// Of each flow that states share their versions of it.
+    pub(super) versions: Map<FlowId, Vec<FlowId>>,
     /// Flows that were read before their types were known.
     pub(super) missing: Vec<Missing>,
     /// Flows that a statement with a reported fault seems to define.
@@ -98,6 +100,7 @@ impl<'c, 'a> Body<'c, 'a> {
             pending: Vec::new(),
             defined_by: Vec::new(),
             shares: Map::default(),
+            versions: Map::default(),
             missing: Vec::new(),
             broken: Vec::new(),
             unknown: Told::default(),

@@ -170,6 +170,9 @@ impl<'a> Body<'_, 'a> {
         self.missing.clear();
         let value = self.value_at(index);
         let ty = self.ty_of(value).clone();
+        if self.missing.is_empty() && ty.has_unknown() {
+            self.ask_other_states(index);
+        }
         let complete = self.missing.is_empty();
         if complete {
             self.pending[index].state = State::Done(value);
@@ -189,11 +192,38 @@ impl<'a> Body<'_, 'a> {
                 continue;
             };
             let around: Vec<FlowId> = self.shared_around(flow).collect();
+            let told = around.iter().map(|outer| &self.unit.flow(*outer).ty);
+            let told = std::iter::once(&ty).chain(told);
+            let told = told.into_iter().find(|ty| !ty.has_unknown());
+            let ty = told.unwrap_or(&ty).clone();
             for flow in std::iter::once(flow).chain(around) {
                 let known = &mut self.unit.flows[flow.0 as usize].ty;
                 if known.has_unknown() {
                     *known = ty.clone();
                 }
+            }
+        }
+    }
+
+    /// Of a flow of which one state only says that it is absent, `v = none`, another one may tell the type.
+    fn ask_other_states(&mut self, index: usize) {
+        for flow in self.pending[index].introduces.clone().into_iter().flatten() {
+            let outer = self.shared_around(flow);
+            let versions = outer.filter_map(|outer| self.versions.get(&outer));
+            let equations = versions
+                .flatten()
+                .filter_map(|other| self.defined_by[other.0 as usize]);
+            let is_open = |other: &usize| self.pending[*other].state == State::Open;
+            let open = equations
+                .into_iter()
+                .find(|other| *other != index && is_open(other));
+            if let Some(equation) = open {
+                let span = self.pending[index].span;
+                self.missing.push(Missing {
+                    equation,
+                    span,
+                    now: false,
+                });
             }
         }
     }

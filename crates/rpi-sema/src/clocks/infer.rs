@@ -1,12 +1,18 @@
 //! Clocks of expressions and equations.
 
-use super::Clocks;
+use super::covered::Covered;
+use super::lift::Lift;
 use super::order;
 use super::terms::{FlowTerms, Term, Terms, of};
-use crate::hash::Map;
-use crate::typed::{Each, Equation, ExprId, FlowId, FlowRole, Kind, Place, Unit};
+use super::{Clocks, Lifted};
+use crate::typed::{Each, Equation, ExprId, FlowId, FlowRole, Kind, Optional, Place, Unit};
 use rpi_diag::{Code, Finding, Fix, Span};
-use std::collections::BTreeSet;
+use std::collections::{BTreeMap, BTreeSet};
+
+const APART: &str = "two clocks do not meet";
+
+const SAMPLE_OR_HOLD: &str =
+    "sample the faster flow (`x when c`), or hold the slower one (`current x`)";
 
 /// The clocks of a value: one, or those of the results of a call, each with its number of leaves.
 #[derive(Clone, Debug)]
@@ -16,7 +22,7 @@ pub(super) enum Of {
 }
 
 impl Of {
-    fn first(&self) -> Term {
+    pub(super) fn first(&self) -> Term {
         match self {
             Of::One(term) => *term,
             Of::Each(parts) => parts.first().map_or(Terms::BASE, |(term, _)| *term),
@@ -30,6 +36,8 @@ pub(super) struct Inference<'u> {
     pub(super) unit: &'u Unit,
     pub(super) terms: Terms,
     pub(super) flows: FlowTerms,
+    /// For each flow whether it is what one of several states defines, or what they define together.
+    pub(super) of_states: Vec<bool>,
     /// The equation that is looked at.
     bound: Option<&'u Equation>,
     /// Of each expression the clocks of its value.
@@ -38,10 +46,12 @@ pub(super) struct Inference<'u> {
     looked_at: Vec<bool>,
     /// Of each expression the clock by which it is computed.
     places: Vec<Term>,
+    /// Of each `current` that is sampled where it stands, `current x when c`, the whole.
+    sampled_currents: BTreeMap<ExprId, Span>,
     /// `current`: its operand, and the clock of the result.
-    currents: Vec<(ExprId, Term, Span)>,
-    /// Operands that are read by another clock than theirs, which is theirs or leads to it, and that clock.
-    pub(super) lifted: Map<ExprId, Term>,
+    currents: Vec<(ExprId, ExprId, Term)>,
+    /// Operands that are read by another clock than theirs, or leaves of theirs are.
+    pub(super) lifted: BTreeMap<ExprId, Vec<Lift>>,
     findings: Vec<Finding>,
     reported: BTreeSet<Span>,
 }
@@ -58,6 +68,18 @@ pub(super) fn infer(units: &[Unit], unit: &Unit) -> (Clocks, Vec<Finding>) {
         inference.read_always(id, is_claim);
     }
     inference.finish()
+}
+
+/// For each flow whether states define it.
+fn of_states(unit: &Unit) -> Vec<bool> {
+    let mut of_states = vec![false; unit.flows.len()];
+    let automata = unit.blocks.iter().flat_map(|block| &block.automata);
+    for shared in automata.flat_map(|automaton| &automaton.shared) {
+        for flow in shared.states.iter().chain([&shared.flow]) {
+            of_states[flow.0 as usize] = true;
+        }
+    }
+    of_states
 }
 
 /// The expressions that define no flow, and which of them are claims.
@@ -91,21 +113,24 @@ impl<'u> Inference<'u> {
             terms,
             bound: None,
             flows: vec![Terms::BASE; unit.flows.len()],
+            of_states: of_states(unit),
             values: vec![Of::One(Terms::BASE); unit.exprs.len()],
             looked_at: vec![false; unit.exprs.len()],
             places: vec![Terms::BASE; unit.exprs.len()],
+            sampled_currents: BTreeMap::new(),
             currents: Vec::new(),
-            lifted: Map::default(),
+            lifted: BTreeMap::new(),
             findings: Vec::new(),
             reported: BTreeSet::new(),
         }
     }
 
-    /// Flows have the clock that their declaration states; a local one without declaration has that of its equation.
+    /// Flows have the clock that their declaration states; a local one without declaration has that of its equation. What
+    /// several states define may be sampled in one of them alone: it has a value in all cycles, which may be absent.
     fn flows(&mut self) {
         for (k, flow) in self.unit.flows.iter().enumerate() {
-            let inferred = flow.optional == crate::typed::Optional::Inferred;
-            if flow.clock.is_some() || inferred && flow.role == FlowRole::Local {
+            let inferred = flow.optional == Optional::Inferred && flow.role == FlowRole::Local;
+            if flow.clock.is_some() || inferred && !self.of_states[k] {
                 self.flows[k] = self.terms.open();
             }
         }
@@ -127,12 +152,17 @@ impl<'u> Inference<'u> {
     /// Equations that read one another. What nothing in them gives another clock has a value in all cycles, whoever reads
     /// it.
     fn ring(&mut self, equations: &[&'u Equation]) {
+        let told = self.findings.len();
         for equation in equations {
             self.bound = Some(equation);
             self.exprs([equation.value]);
             self.equation(equation);
         }
         self.bound = None;
+        // What does not fit in itself fits whatever reads it.
+        if self.findings.len() > told {
+            return;
+        }
         for target in equations.iter().flat_map(|equation| &equation.targets) {
             if let Place::Flow { flow, .. } = target.place
                 && self.terms.is_open(of(&self.flows, flow))
@@ -177,6 +207,7 @@ impl<'u> Inference<'u> {
                 return self.tuple(id, parts);
             }
             Kind::When { value, clock } => {
+                self.sampled_currents.insert(*value, expr.span);
                 let of_flow = of(&self.flows, clock.flow);
                 self.sampled(*value, of_flow);
                 self.terms.on(of_flow, *clock)
@@ -188,7 +219,7 @@ impl<'u> Inference<'u> {
                     Some((parent, _)) => parent,
                     None => {
                         let result = self.terms.open();
-                        self.currents.push((*operand, result, expr.span));
+                        self.currents.push((id, *operand, result));
                         result
                     }
                 }
@@ -287,7 +318,8 @@ impl<'u> Inference<'u> {
                 .help("`when` binds before other operators: `(a - b) when c`")
                 .fix(fix);
         }
-        self.places[end.0 as usize]
+        // Which of both was meant is not known: what reads the whole fits.
+        self.terms.open()
     }
 
     /// What is sampled has the clock of the flow that decides, or a faster one from which that is sampled.
@@ -351,37 +383,6 @@ impl<'u> Inference<'u> {
         place
     }
 
-    fn equation(&mut self, equation: &Equation) {
-        if self.lifts(equation) {
-            return;
-        }
-        let mut parts = match self.values[equation.value.0 as usize].clone() {
-            Of::One(term) => vec![(term, usize::MAX)],
-            Of::Each(parts) => parts,
-        }
-        .into_iter();
-        let (mut part, mut left) = parts.next().unwrap_or((Terms::BASE, usize::MAX));
-        for target in &equation.targets {
-            let wanted = match target.place {
-                Place::Flow { flow, .. } => of(&self.flows, flow),
-                Place::Port { .. } | Place::Nowhere => self.terms.open(),
-            };
-            let mut leaves = target.ty.leaf_count();
-            loop {
-                self.meet(part, wanted, self.unit.expr(equation.value).span);
-                if leaves < left {
-                    left -= leaves;
-                    break;
-                }
-                leaves -= left;
-                (part, left) = parts.next().unwrap_or((part, usize::MAX));
-                if leaves == 0 {
-                    break;
-                }
-            }
-        }
-    }
-
     /// Makes two clocks the same, or reports that they are not, which is false.
     pub(super) fn meet(&mut self, found: Term, wanted: Term, span: Span) -> bool {
         let meet = self.terms.unify(found, wanted);
@@ -405,32 +406,38 @@ impl<'u> Inference<'u> {
 
     fn report_at(&mut self, span: Span, text: String) {
         if self.reported.insert(span) {
-            self.findings.push(
-                Finding::new(Code::RPI3007, "two clocks do not meet")
-                    .at(span, text)
-                    .help(
-                        "sample the faster flow (`x when c`), or hold the slower one (`current x`)",
-                    ),
-            );
+            let finding = Finding::new(Code::RPI3007, APART).at(span, text);
+            self.findings.push(finding.help(SAMPLE_OR_HOLD));
         }
     }
 
     /// `current` of what is there in all cycles, maybe because values of different clocks meet in it.
-    fn not_sampled(&mut self, operand: ExprId, span: Span) {
+    fn not_sampled(&mut self, id: ExprId, operand: ExprId) {
+        let span = self.unit.expr(id).span;
+        if !self.reported.insert(span) {
+            return;
+        }
+        let told = "`current` of a flow that is not sampled";
+        let mut finding = Finding::new(Code::RPI3007, APART).at(span, told);
         let mut parts = Vec::new();
         let kind = &self.unit.expr(operand).kind;
         kind.operands(&mut |part| parts.push(part));
-        self.report_at(span, "`current` of a flow that is not sampled".to_owned());
+        parts.retain(|part| self.lifted.contains_key(part));
         for part in parts {
-            if !self.lifted.contains_key(&part) {
-                continue;
-            }
             let clock = self.one(part);
             let text = format!("this is {}", self.words(clock));
-            if let Some(told) = self.findings.last_mut().filter(|told| told.span() == span) {
-                *told = told.clone().also(self.unit.expr(part).span, text);
-            }
+            finding = finding.also(self.unit.expr(part).span, text);
         }
+        self.findings.push(match self.sampled_currents.get(&id) {
+            Some(whole) => finding
+                .help("`current` binds before `when`: `current (x when c)` holds what is sampled")
+                .fix(
+                    Fix::maybe("hold what is sampled")
+                        .insert_before(self.unit.expr(operand).span, "(")
+                        .insert_after(*whole, ")"),
+                ),
+            None => finding.help(SAMPLE_OR_HOLD),
+        });
     }
 
     /// The equation of which an expression is the whole right side.
@@ -444,7 +451,9 @@ impl<'u> Inference<'u> {
 
     /// What `current` leads back to, then all clocks as they are.
     fn finish(mut self) -> (Clocks, Vec<Finding>) {
-        for (operand, result, span) in std::mem::take(&mut self.currents) {
+        let told = Covered::by(&self.reported);
+        for (id, operand, result) in std::mem::take(&mut self.currents) {
+            let span = self.unit.expr(id).span;
             let inner = self.one(operand);
             match self.terms.parent(inner) {
                 Some((parent, _)) => {
@@ -452,11 +461,20 @@ impl<'u> Inference<'u> {
                 }
                 None if self.terms.is_open(inner) => {}
                 // What is around it has been told not to fit.
-                None if self.reported.iter().any(|told| told.contains(span)) => {}
-                None => self.not_sampled(operand, span),
+                None if told.contain(span) => {}
+                None => self.not_sampled(id, operand),
             }
         }
         let path = |term: &Term| self.terms.path(*term);
+        let of_lift = |lift: &Lift| Lifted {
+            leaves: lift.leaves.clone(),
+            own: path(&lift.own),
+            outer: path(&lift.read).len(),
+        };
+        let of_lifts = |(id, lifts): (&ExprId, &Vec<Lift>)| {
+            let lifts = lifts.iter().map(of_lift);
+            (*id, lifts.collect())
+        };
         let clocks = Clocks {
             exprs: self.places.iter().map(path).collect(),
             values: self
@@ -465,11 +483,7 @@ impl<'u> Inference<'u> {
                 .map(|value| path(&value.first()))
                 .collect(),
             flows: self.flows.iter().map(path).collect(),
-            lifted: self
-                .lifted
-                .iter()
-                .map(|(id, read)| (*id, path(read).len()))
-                .collect(),
+            lifted: self.lifted.iter().map(of_lifts).collect(),
         };
         (clocks, self.findings)
     }

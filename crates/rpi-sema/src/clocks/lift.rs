@@ -3,8 +3,17 @@
 //! Only outside Lustre, which has no optional flows: there clocks that do not meet are an error.
 
 use super::infer::{Inference, Of};
-use super::terms::{Term, Terms, of};
-use crate::typed::{ClockOn, Equation, ExprId, Optional, Place};
+use super::terms::{Term, Terms};
+use crate::typed::{ClockOn, ExprId};
+use std::ops::Range;
+
+/// Leaves of a value that are read by another clock than theirs, which leads to it.
+#[derive(Clone, Debug)]
+pub(super) struct Lift {
+    pub(super) leaves: Range<usize>,
+    pub(super) own: Term,
+    pub(super) read: Term,
+}
 
 impl Inference<'_> {
     /// The clock at which values of different clocks meet: the slowest that all of theirs are sampled from. None where all
@@ -30,45 +39,11 @@ impl Inference<'_> {
         let place = self.terms.outer(first, common);
         for (operand, path) in operands.iter().zip(&paths) {
             match is_slower(path) {
-                true => _ = self.lifted.insert(*operand, place),
+                true => self.lift(*operand, place),
                 false => _ = self.all(*operand, place),
             }
         }
         Some(place)
-    }
-
-    /// Whether an equation gives a value of a slower clock to ports, or to flows that are declared to be optional, and so
-    /// it is lifted.
-    pub(super) fn lifts(&mut self, equation: &Equation) -> bool {
-        let Some(found) = self.known(equation.value).filter(|_| !self.unit.is_lustre) else {
-            return false;
-        };
-        let mut targets = equation.targets.iter();
-        let Some(wanted) = targets.next().and_then(|t| self.optional(&t.place)) else {
-            return false;
-        };
-        let is_alike = targets.all(|target| {
-            let other = self.optional(&target.place);
-            other.is_some_and(|other| self.terms.are_same(other, wanted))
-        });
-        let (found, outer) = (self.terms.path(found), self.terms.path(wanted));
-        let lifts = is_alike && found.len() > outer.len() && found.starts_with(&outer);
-        if lifts {
-            self.lifted.insert(equation.value, wanted);
-        }
-        lifts
-    }
-
-    /// The clock of what a value becomes, if that is optional.
-    fn optional(&self, place: &Place) -> Option<Term> {
-        match place {
-            Place::Flow { flow, .. } => {
-                let optional = self.unit.flow(*flow).optional == Optional::Declared(true);
-                optional.then(|| of(&self.flows, *flow))
-            }
-            Place::Port { .. } => Some(Terms::BASE),
-            Place::Nowhere => None,
-        }
     }
 
     /// What decides, and what is published, is read in all cycles. In Lustre a claim holds where its clock does not tick.
@@ -77,12 +52,19 @@ impl Inference<'_> {
         if self.unit.is_lustre && !is_claim {
             self.all(id, Terms::BASE);
         } else if self.known(id).is_some_and(is_sampled) {
-            self.lifted.insert(id, Terms::BASE);
+            self.lift(id, Terms::BASE);
         }
     }
 
+    /// All of a value is read by another clock.
+    fn lift(&mut self, id: ExprId, read: Term) {
+        let own = self.values[id.0 as usize].first();
+        let leaves = 0..self.unit.expr(id).ty.leaf_count();
+        self.lifted.insert(id, vec![Lift { leaves, own, read }]);
+    }
+
     /// The clock of a value, if it has one and that is known.
-    fn known(&self, id: ExprId) -> Option<Term> {
+    pub(super) fn known(&self, id: ExprId) -> Option<Term> {
         let term = match &self.values[id.0 as usize] {
             Of::One(term) => *term,
             Of::Each(parts) => {
@@ -97,7 +79,7 @@ impl Inference<'_> {
 }
 
 /// How many samplings all clocks have in common.
-fn in_common(paths: &[Option<Vec<ClockOn>>]) -> usize {
+pub(super) fn in_common(paths: &[Option<Vec<ClockOn>>]) -> usize {
     let mut paths = paths.iter().flatten();
     let first = paths.next().map_or(&[][..], Vec::as_slice);
     paths.fold(first.len(), |common, path| {

@@ -13,17 +13,22 @@
 //! | `lift.rs` | operands of other clocks, which may be absent |
 //! | `order.rs` | equations behind those that they read |
 //! | `calls.rs` | clocks of ports seen by the caller |
+//! | `targets.rs` | what equations give their clocks to |
+//! | `covered.rs` | whether something around a place has been told |
 
 mod calls;
+mod covered;
 mod infer;
 mod lift;
 mod order;
+mod targets;
 mod terms;
 
-use crate::hash::Map;
 use crate::typed::{ClockOn, ExprId, FlowId, Kind, Unit};
 use rpi_diag::Finding;
+use std::collections::BTreeMap;
 use std::fmt::Write as _;
+use std::ops::Range;
 
 /// The clocks of a unit. Empty where nothing is sampled.
 #[derive(Clone, Debug, Default)]
@@ -31,8 +36,33 @@ pub struct Clocks {
     exprs: Vec<Vec<ClockOn>>,
     values: Vec<Vec<ClockOn>>,
     flows: Vec<Vec<ClockOn>>,
-    /// Of the expressions whose reader has a faster clock, how many samplings that has.
-    lifted: Map<ExprId, usize>,
+    /// Expressions of which leaves are read by a faster clock.
+    lifted: BTreeMap<ExprId, Vec<Lifted>>,
+}
+
+/// Leaves of a value that are read by a faster clock than theirs, and so are optional there.
+#[derive(Clone, Debug)]
+pub struct Lifted {
+    /// Which leaves.
+    pub leaves: Range<usize>,
+    /// Their clock.
+    own: Vec<ClockOn>,
+    /// How many of its samplings the reader's clock has, too.
+    outer: usize,
+}
+
+impl Lifted {
+    /// The clock of the reader.
+    #[must_use]
+    pub fn outer(&self) -> &[ClockOn] {
+        &self.own[..self.outer]
+    }
+
+    /// What the leaves are sampled by beyond that.
+    #[must_use]
+    pub fn beyond(&self) -> &[ClockOn] {
+        &self.own[self.outer..]
+    }
 }
 
 impl Clocks {
@@ -62,10 +92,10 @@ impl Clocks {
         &own[common.count()..]
     }
 
-    /// The clock by which an expression is read that is optional there, and what its own is sampled by beyond that.
+    /// The leaves of an expression that are read by a faster clock.
     #[must_use]
-    pub fn lifted(&self, id: ExprId) -> Option<(&[ClockOn], &[ClockOn])> {
-        self.of_value(id).split_at_checked(*self.lifted.get(&id)?)
+    pub fn lifted(&self, id: ExprId) -> &[Lifted] {
+        self.lifted.get(&id).map_or(&[], Vec::as_slice)
     }
 
     /// The clock of a flow.

@@ -264,16 +264,28 @@ impl<'u> Elab<'u> {
         self.absent_beside(scope, clock, (&wire, scalars), at, span)
     }
 
-    /// A value whose reader has a faster clock: absent where its own does not tick.
+    /// A value whose reader has a faster clock, or parts of it: absent where its own does not tick.
     pub(super) fn lifted(&mut self, scope: &mut Scope<'u>, id: ExprId, wire: Wire, at: At) -> Wire {
         let facts = self.facts_of(scope);
-        let Some((outer, beyond)) = facts.and_then(|facts| facts.clocks.lifted(id)) else {
+        let lifts = facts.map_or(&[][..], |facts| facts.clocks.lifted(id));
+        if lifts.is_empty() {
             return wire;
-        };
+        }
         let expr = scope.unit.expr(id);
-        let at = At::fragment(self.clocked(scope, outer, at, expr.span));
         let scalars = super::expr::leaf_scalars(&expr.ty);
-        self.absent_beside(scope, beyond, (&wire, &scalars), at, expr.span)
+        let mut signals = wire.to_vec();
+        for lift in lifts {
+            let at = At::fragment(self.clocked(scope, lift.outer(), at, expr.span));
+            let [start, end] = [lift.leaves.start, lift.leaves.end].map(|at| at.min(signals.len()));
+            let leaves = start..end;
+            let part: Wire = signals[leaves.clone()].iter().cloned().collect();
+            let scalars = scalars.get(leaves.clone()).unwrap_or_default();
+            let part = self.absent_beside(scope, lift.beyond(), (&part, scalars), at, expr.span);
+            for (signal, lifted) in signals[leaves].iter_mut().zip(part.iter()) {
+                *signal = lifted.clone();
+            }
+        }
+        signals.into()
     }
 
     /// A value, absent where one of these clocks, each within the one before, does not tick.

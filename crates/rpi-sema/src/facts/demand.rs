@@ -126,14 +126,18 @@ fn conditions(inference: &Inference<'_>, findings: &mut Vec<Finding>) {
         let transitions = states.flat_map(|state| state.unless.iter().chain(&state.until));
         let transitions = transitions
             .filter_map(|t| Some((t.condition?, "a transition is taken or not, never neither")));
-        for (id, why) in when.chain(ends).chain(claims).chain(transitions) {
+        let decisions = when.chain(ends).chain(transitions);
+        let decisions = decisions.map(|(id, why)| (id, why, "false"));
+        // What can not be asked is no fault.
+        let claims = claims.map(|(id, why)| (id, why, "true"));
+        for (id, why, otherwise) in decisions.chain(claims) {
             if inference.exprs[id.0 as usize].any() {
                 let finding = inference.absent_here(id, why);
                 findings.push(match block.when == Some(id) && reads_flow_of(unit, id, k) {
                     true => finding.help(
                         "it can not be decided by what it computes itself; by what that was before it can: `pre F.x ?? 0`",
                     ),
-                    false => finding.fix(inference.coalesced(id, "false")),
+                    false => finding.fix(inference.coalesced(id, otherwise)),
                 });
             }
         }
@@ -203,8 +207,8 @@ pub(super) fn origin(inference: &Inference<'_>, id: ExprId) -> Option<(Span, Str
     let mut at = id;
     loop {
         let expr = unit.expr(at);
-        if let Some((_, beyond)) = inference.clocks.lifted(at).filter(|_| at != id) {
-            let clock = crate::clocks::print(unit, beyond);
+        if let Some(lift) = inference.clocks.lifted(at).first().filter(|_| at != id) {
+            let clock = crate::clocks::print(unit, lift.beyond());
             return Some((expr.span, format!("this is there only `{clock}`")));
         }
         match &expr.kind {

@@ -52,6 +52,7 @@ pub fn find(units: &[Unit], sound: &[bool]) -> (Vec<Facts>, Vec<Finding>) {
             facts.push(Facts::default());
             continue;
         }
+        let before = findings.len();
         let (clocks, apart) = clocks::find(units, unit);
         findings.extend(apart.iter().cloned());
         let mut inference = Inference::new(units, unit, &clocks);
@@ -76,6 +77,7 @@ pub fn find(units: &[Unit], sound: &[bool]) -> (Vec<Facts>, Vec<Finding>) {
                 ..Facts::default()
             });
         }
+        findings[before..].sort_by_key(Finding::span);
     }
     (facts, findings)
 }
@@ -263,9 +265,15 @@ impl<'u> Inference<'u> {
     }
 
     fn expr(&self, id: ExprId, reads: &Reads<'_>) -> Absence {
-        if self.clocks.lifted(id).is_some() {
-            return Absence::MAYBE;
-        }
+        let count = self.count(id);
+        let own = self.computed(id, reads);
+        self.clocks.lifted(id).iter().fold(own, |absence, lift| {
+            let leaves = lift.leaves.start..lift.leaves.end.min(count);
+            absence.replaced(count, leaves.start, &Absence::MAYBE, leaves.len())
+        })
+    }
+
+    fn computed(&self, id: ExprId, reads: &Reads<'_>) -> Absence {
         let expr = self.unit.expr(id);
         let count = expr.ty.leaf_count();
         match &expr.kind {

@@ -1,0 +1,53 @@
+//! Whether a place lies in one of many others, asked often: so that a thousand faults are told in a thousand steps.
+
+use rpi_diag::Span;
+use std::collections::BTreeSet;
+
+/// Places in the text.
+pub(super) struct Covered {
+    /// In the order of their starts; the end is the last of all in that file up to there.
+    spans: Vec<Span>,
+}
+
+impl Covered {
+    pub(super) fn by(places: &BTreeSet<Span>) -> Self {
+        let mut spans: Vec<Span> = places.iter().copied().collect();
+        for k in 1..spans.len() {
+            if spans[k].file == spans[k - 1].file {
+                spans[k].end = spans[k].end.max(spans[k - 1].end);
+            }
+        }
+        Covered { spans }
+    }
+
+    /// Whether one of the places contains another.
+    pub(super) fn contain(&self, place: Span) -> bool {
+        let starts = |span: &Span| (span.file, span.start) <= (place.file, place.start);
+        let before = self.spans.partition_point(starts);
+        let last = self.spans[..before].last();
+        last.is_some_and(|span| span.file == place.file && span.end >= place.end)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use rpi_diag::FileId;
+
+    fn span(file: u32, start: u32, end: u32) -> Span {
+        let file = FileId(file);
+        Span { file, start, end }
+    }
+
+    #[test]
+    fn what_lies_in_one_of_them_is_covered() {
+        let places = [span(0, 2, 20), span(0, 4, 6), span(1, 0, 5)].into();
+        let covered = Covered::by(&places);
+        for inside in [span(0, 2, 20), span(0, 8, 9), span(1, 3, 5)] {
+            assert!(covered.contain(inside), "{inside:?}");
+        }
+        for beside in [span(0, 1, 3), span(0, 19, 21), span(1, 4, 6), span(2, 0, 1)] {
+            assert!(!covered.contain(beside), "{beside:?}");
+        }
+    }
+}
