@@ -23,7 +23,7 @@ pub(crate) struct Ended {
 }
 
 impl Tools {
-    /// Builds `rpi` and `rpic` beside this tool.
+    /// Builds `rpi` and `rpic` beside this tool, by its profile.
     pub(crate) fn build() -> Result<Tools, String> {
         let cargo = std::env::var("CARGO").unwrap_or_else(|_| "cargo".to_owned());
         let args = [
@@ -35,7 +35,8 @@ impl Tools {
             "--bin",
             "rpic",
         ];
-        let status = Command::new(cargo).args(args).status();
+        let profile = (!cfg!(debug_assertions)).then_some("--release");
+        let status = Command::new(cargo).args(args).args(profile).status();
         if !status.is_ok_and(|status| status.success()) {
             return Err("the tools do not build".to_owned());
         }
