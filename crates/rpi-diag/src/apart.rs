@@ -47,7 +47,7 @@ fn joined(marks: Vec<Mark>) -> Vec<Mark> {
     for mark in marks {
         match all.iter_mut().find(|known| known.range == mark.range) {
             Some(known) if known.text.is_empty() => known.text = mark.text,
-            Some(known) if !mark.text.is_empty() && known.text != mark.text => {
+            Some(known) if !mark.text.is_empty() && !says(&known.text, &mark.text) => {
                 known.text.push_str("; ");
                 known.text.push_str(&mark.text);
             }
@@ -56,6 +56,11 @@ fn joined(marks: Vec<Mark>) -> Vec<Mark> {
         }
     }
     all
+}
+
+/// Whether a label says something already.
+fn says(label: &str, text: &str) -> bool {
+    label.split("; ").any(|said| said == text) || label == text
 }
 
 /// The longest part of a range that holds something and in which no range lies that is within the whole.

@@ -97,14 +97,16 @@ impl Exprs<'_> {
         }
     }
 
-    /// `merge` and `current`: parts that tick by a flow.
-    fn sampled(&mut self, scope: &Scope, ty: Ty, depth: usize) -> Option<Tree> {
+    /// The name of a flow that others can be sampled by.
+    pub(crate) fn deciding(&mut self, scope: &Scope) -> Option<String> {
         let deciding = named(&scope.known, Kind::Bool.total());
         let plain: Vec<&&Flow> = deciding.iter().filter(|f| !f.name.contains('.')).collect();
-        if plain.is_empty() || !ty.kind.is_scalar() {
-            return None;
-        }
-        let clock = self.random.pick(&plain).name.clone();
+        (!plain.is_empty()).then(|| self.random.pick(&plain).name.clone())
+    }
+
+    /// `merge` and `current`: parts that tick by a flow.
+    fn sampled(&mut self, scope: &Scope, ty: Ty, depth: usize) -> Option<Tree> {
+        let clock = self.deciding(scope).filter(|_| ty.kind.is_scalar())?;
         let on = |value: bool| Scope {
             clock: Some((clock.clone(), value)),
             ..scope.clone()

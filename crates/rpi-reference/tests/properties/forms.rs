@@ -194,6 +194,7 @@ pub(crate) const CALLED: &str = "\
 node Count (x: int) returns (n: int)\nlet\n  n = (0 -> pre n) mod 1000 + x mod 50;\ntel\n\
 function Step (so_far, x: int) returns (next: int)\nlet\n  next = (so_far mod 100) * 2 - x;\ntel\n\
 function Sum <<const n: int>> (a: int^n) returns (s: int)\nlet\n  s = with n = 1 then a[0] else a[n - 1] + Sum<<n - 1>>(a[0 .. n - 2]);\ntel\n\
+node Sampling (c: bool; x: int) returns (often: int; rare: int when c)\nlet\n  often = x mod 1000 + 1;\n  rare = ((x mod 1000) when c) - 2 * (often when c);\ntel\n\
 node Both (x: int; on: bool) returns (sum: int; changed: bool)\nlet\n  sum = (if on then x else 0) -> if on then (pre sum) div 2 + x else pre sum;\n  changed = false -> sum <> pre sum;\ntel\n\
 fragment Above (x, limit: int) returns (over: int) when x > limit\nlet\n  over = (0 -> pre over) mod 100 + 1;\ntel\n\
 function Total <<const n: int>> (a: int^n) returns (s: int)\nlet\n  s = red<<+, n>>(0, a);\ntel\n\

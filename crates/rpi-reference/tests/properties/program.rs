@@ -30,6 +30,8 @@ pub(crate) const STATEMENTS: &[&str] = &[
     "automaton, strong",
     "automaton, continue",
     "automaton, partial",
+    "none in a state",
+    "clocked output",
     "last",
     "tuple",
     "instance",
@@ -301,7 +303,7 @@ impl Writer<'_> {
                 known,
                 ..scope.clone()
             };
-            tree.push(self.state(scope, &total, (k == 1).then_some(&partial), nesting));
+            tree.push(self.state(scope, &total, (&partial, k == 1), nesting));
             tree.push(self.weak(&inner, &states));
         }
         tree.text("  end\n");
@@ -315,10 +317,11 @@ impl Writer<'_> {
         &mut self,
         scope: &Scope,
         total: &Flow,
-        partial: Option<&Flow>,
+        (partial, is_there): (&Flow, bool),
         nesting: usize,
     ) -> Tree {
-        let wanted: Vec<Flow> = std::iter::once(total).chain(partial).cloned().collect();
+        let there = is_there.then_some(partial);
+        let wanted: Vec<Flow> = std::iter::once(total).chain(there).cloned().collect();
         let wanted: Vec<Flow> = wanted
             .into_iter()
             .map(|flow| Flow {
@@ -335,11 +338,33 @@ impl Writer<'_> {
             body.statements
                 .push(Tree::form(Role::Item(0), &form, vec![start]));
         }
+        if !is_there {
+            // What is defined behind the automaton would make a ring through it.
+            let scope = Scope {
+                delayed: scope.known.clone(),
+                ..scope.clone()
+            };
+            body.statements.push(self.partial(&scope, partial));
+        }
         Tree::form(
             Role::Rest,
             "    @let\n@    tel\n",
             vec![body.declared, body.statements],
         )
+    }
+
+    /// What a state makes of a flow that another one defines: nothing, `none`, what may be absent.
+    fn partial(&mut self, scope: &Scope, flow: &Flow) -> Tree {
+        let value = match self.exprs.random.below(3) {
+            0 => return Tree::new(Role::Rest),
+            1 => {
+                self.exprs.counts.add("none in a state");
+                Tree::form(Role::Rest, "none", Vec::new())
+            }
+            _ => self.exprs.expr(scope, flow.ty, 2),
+        };
+        let form = format!("  {} = @;\n", flow.name);
+        Tree::form(Role::Item(0), &form, vec![value])
     }
 
     fn strong(&mut self, scope: &Scope, states: &[String]) -> Tree {
@@ -375,6 +400,11 @@ impl Writer<'_> {
 
     /// A call with several out-ports: bound to several names, or to one.
     fn several(&mut self, scope: &Scope, known: &mut Vec<Flow>) -> Tree {
+        if self.exprs.random.one_in(3)
+            && let Some(tree) = self.clocked(scope, known)
+        {
+            return tree;
+        }
         let x = self.exprs.expr(scope, Kind::Int.total(), 2);
         let on = self.exprs.expr(scope, Kind::Bool.total(), 2);
         let (one, two) = (self.name("v"), self.name("w"));
@@ -396,6 +426,20 @@ impl Writer<'_> {
             });
         }
         Tree::form(Role::Item(0), &form, vec![x, on])
+    }
+
+    /// A call with out-ports of different clocks, bound to one name.
+    fn clocked(&mut self, scope: &Scope, known: &mut Vec<Flow>) -> Option<Tree> {
+        let deciding = self.exprs.deciding(scope)?;
+        self.exprs.counts.add("clocked output");
+        let x = self.exprs.expr(scope, Kind::Int.total(), 2);
+        let name = self.name("v");
+        for (port, ty) in [("often", Kind::Int.total()), ("rare", Kind::Int.optional())] {
+            let name = format!("{name}.{port}");
+            known.push(Flow { name, ty });
+        }
+        let form = format!("  {name} = Sampling({deciding}, @);\n");
+        Some(Tree::form(Role::Item(0), &form, vec![x]))
     }
 }
 

@@ -26,11 +26,15 @@ impl<'u> Elab<'u> {
         match (each, operands) {
             (Each::If, [condition, yes, no]) => self.choice(scope, *condition, [*yes, *no], id, at),
             (Each::Pre, [x]) => self.pre(scope, *x, id, at),
-            (Each::Last, [x]) => {
-                let level = self.level(scope, *x, at.fragment);
-                let level = level.map_or(at, At::fragment);
-                self.pre(scope, *x, id, level)
-            }
+            (Each::Last, [x]) => match self.level(scope, *x, at.fragment) {
+                None => self.pre(scope, *x, id, at),
+                Some(level) => {
+                    let around = std::mem::replace(&mut scope.base, level);
+                    let wire = self.pre(scope, *x, id, At::fragment(level));
+                    scope.base = around;
+                    wire
+                }
+            },
             (Each::Arrow, [a, b]) => self.arrow(scope, *a, *b, id, at),
             (Each::Coalesce, [a, b]) => {
                 let scalars = leaf_scalars(ty);

@@ -77,11 +77,12 @@ pub fn elaborate(
     Job::new(units, facts, id, args, claims).net()
 }
 
-/// The net of a unit with a node for every equation, so that a dependency cycle through it names each step.
+/// The net of a unit with a node for every equation, so that a dependency cycle through it names each step. What is
+/// sampled is apart as far as it can be: no fragment of a clock makes a cycle that the flows do not have.
 #[must_use]
 pub fn elaborate_steps(units: &[Unit], facts: &[Facts], id: UnitId, args: &[Argument]) -> Net {
     Job::new(units, facts, id, args, Claims::Report)
-        .run(Mode::Steps, Sampled::Together)
+        .run(Mode::Steps, Sampled::DelaysBeside)
         .0
         .net
 }
