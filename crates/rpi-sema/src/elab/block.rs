@@ -8,6 +8,14 @@ use crate::ty::Ty;
 use crate::typed::{BlockId, Equation, Expr, Place, Target, Unit};
 use rpi_net::{self as net, PortRef, Restart};
 
+/// Whether an equation is meant to stay though nobody reads it: so it uses what it reads, even if it only passes that on.
+fn stays(unit: &Unit, equation: &Equation) -> bool {
+    equation.targets.iter().all(|target| match target.place {
+        Place::Flow { flow, .. } => unit.flow(flow).name.starts_with('_'),
+        _ => false,
+    })
+}
+
 impl<'u> Elab<'u> {
     /// Everything that stands in a unit. Blocks come after those around them.
     pub(super) fn body(&mut self, scope: &mut Scope<'u>, at: At) {
@@ -104,7 +112,7 @@ impl<'u> Elab<'u> {
         let taken = equation.targets.iter().map(|t| t.ty.leaf_count());
         let taken = taken.sum::<usize>().max(1);
         let mut wire = self.wide(scope, equation.value, taken, at);
-        if self.mode == Mode::Steps {
+        if self.mode == Mode::Steps || self.mode == Mode::Net && stays(scope.unit, equation) {
             wire = self.steps(&wire, scope.unit.expr(equation.value), at);
         }
         let path = std::mem::take(&mut self.name);
