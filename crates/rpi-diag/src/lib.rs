@@ -32,6 +32,7 @@ mod snippet;
 mod span;
 mod style;
 mod suggest;
+mod tell;
 mod texts;
 
 pub use apply::{apply, sure_edits, sure_fixes};

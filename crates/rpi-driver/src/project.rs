@@ -125,7 +125,8 @@ fn folder_name(root: &Path) -> String {
     name.unwrap_or_else(|| "programs".to_owned())
 }
 
-/// The programs at or below a path; hidden folders and build outputs apart.
+/// The programs at or below a path; hidden folders and build outputs apart. Links are followed to files, not to folders,
+/// which may lie outside, or be those that the links lie in.
 fn programs(path: &Path, files: &mut Vec<PathBuf>) {
     if path.is_file() {
         let kind = Kind::of(path);
@@ -140,8 +141,10 @@ fn programs(path: &Path, files: &mut Vec<PathBuf>) {
     for entry in entries.flatten() {
         let name = entry.file_name();
         let name = name.to_string_lossy();
-        if !name.starts_with('.') && name != "target" {
-            programs(&entry.path(), files);
+        let path = entry.path();
+        let is_link = entry.file_type().is_ok_and(|kind| kind.is_symlink());
+        if !name.starts_with('.') && name != "target" && !(is_link && path.is_dir()) {
+            programs(&path, files);
         }
     }
 }
@@ -167,6 +170,15 @@ mod tests {
         put(MANIFEST, "name = \"cell\"\nsources = [\"b.rpi\"]\n");
         let project = Project::open(&dir.path().join(MANIFEST)).unwrap();
         assert_eq!((project.name.as_str(), project.files.len()), ("cell", 1));
+    }
+
+    #[cfg(unix)]
+    #[test]
+    fn a_folder_that_holds_a_link_to_itself_is_looked_at_once() {
+        let dir = tempfile::tempdir().unwrap();
+        std::fs::write(dir.path().join("a.rpi"), "").unwrap();
+        std::os::unix::fs::symlink(dir.path(), dir.path().join("again")).unwrap();
+        assert_eq!(Project::open(dir.path()).unwrap().files.len(), 1);
     }
 
     #[test]

@@ -38,7 +38,7 @@ fn main() -> ExitCode {
         Task::Man { folder } => shell::man(&folder),
     };
     done.unwrap_or_else(|error| {
-        eprintln!("error: {error}");
+        rpi_diag::tell_line!("error: {error}");
         Exit::BadInput
     })
     .into()

@@ -9,18 +9,19 @@ use rpi_driver::{Kind, NodeCompiled};
 use rpi_host::node::{NodeRun, Reader, Row, header, line};
 use rpi_net::Column;
 
-use crate::args::RunArgs;
+use crate::args::{NodeArgs, RunArgs};
 use crate::exit::{Exit, Outcome};
 use crate::random::Random;
 use crate::target::PERIOD;
 
 /// Compiles the node and runs it row by row.
 pub(crate) fn run(args: &RunArgs) -> Outcome {
+    only_for_nodes(args)?;
     let input = rpi_driver::read(&args.program)?;
     let name = args.node.node.as_deref();
     let compiled = rpi_driver::compile_node(&input, name, args.contracts.into(), args.node.locals)?;
     let style = Style::of(&std::io::stderr());
-    eprint!("{}", render(&compiled.findings, &compiled.sources, style));
+    rpi_diag::tell!("{}", render(&compiled.findings, &compiled.sources, style));
     let NodeCompiled { sources, node, .. } = compiled;
     let Some(mut node) = node else {
         return Err(format!("{} does not compile", args.program.display()).into());
@@ -34,7 +35,7 @@ pub(crate) fn run(args: &RunArgs) -> Outcome {
     let mut session = Session {
         run: NodeRun::load(image, &node.inputs, &shown, &node.net.claims)?,
         shown,
-        out: output(args.node.outputs.as_deref())?,
+        out: output(&args.node)?,
         sources,
         style,
         holds: input.kind == Kind::Lustre,
@@ -42,7 +43,7 @@ pub(crate) fn run(args: &RunArgs) -> Outcome {
     };
     session.header()?;
     let exit = match (&args.node.inputs, args.node.step) {
-        (Some(path), _) => session.table(path, &node.inputs),
+        (Some(path), _) => session.table(path, &node.inputs, args.target.cycles),
         (None, true) => session.steps(&node.inputs),
         (None, false) => {
             let random = args.node.random.map(Random::new);
@@ -50,15 +51,51 @@ pub(crate) fn run(args: &RunArgs) -> Outcome {
         }
     };
     session.out.flush()?;
-    eprint!("{}", session.run.summary());
+    rpi_diag::tell!("{}", session.run.summary());
     exit
 }
 
-fn output(path: Option<&Path>) -> std::io::Result<Box<dyn Write>> {
-    Ok(match path {
-        Some(path) if path != Path::new("-") => Box::new(BufWriter::new(File::create(path)?)),
-        _ => Box::new(BufWriter::new(stdout())),
-    })
+/// Refuses what has no meaning for a node that runs by itself.
+fn only_for_nodes(args: &RunArgs) -> Result<(), String> {
+    let target = &args.target;
+    let given = [
+        ("--cell", target.cell.is_some()),
+        ("--command", target.command.is_some()),
+        ("--time", target.time.is_some()),
+        ("--set", !target.settings.is_empty()),
+        ("--real-time", args.clock.real_time),
+        ("--planning-time", args.planning_time.is_some()),
+        ("--record", args.record.is_some()),
+        ("--digest", args.digest),
+        ("--plot", args.plot.is_some()),
+        ("--json", args.json),
+    ];
+    match given.iter().find(|(_, is_given)| *is_given) {
+        Some((option, _)) => Err(format!(
+            "{option} is for commands and tasks; a node by itself takes --inputs or --step, --outputs, --locals and --cycles"
+        )),
+        None => Ok(()),
+    }
+}
+
+fn output(args: &NodeArgs) -> Result<Box<dyn Write>, String> {
+    let Some(path) = args
+        .outputs
+        .as_deref()
+        .filter(|path| *path != Path::new("-"))
+    else {
+        return Ok(Box::new(BufWriter::new(stdout())));
+    };
+    let name = path.display();
+    let real = |path: &Path| path.canonicalize().ok();
+    let inputs = args.inputs.as_deref().and_then(real);
+    if inputs.is_some() && inputs == real(path) {
+        return Err(format!(
+            "{name} holds the inputs: the outputs would replace them while they are read; name another file"
+        ));
+    }
+    let file = File::create(path).map_err(|error| format!("{name}: {error}"))?;
+    Ok(Box::new(BufWriter::new(file)))
 }
 
 /// A node being run, and where its flows go.
@@ -87,7 +124,7 @@ impl Session {
             writeln!(self.out, "{}", line(&columns, &row))?;
         }
         if !cycle.findings.is_empty() {
-            eprint!("{}", render(&cycle.findings, &self.sources, self.style));
+            rpi_diag::tell!("{}", render(&cycle.findings, &self.sources, self.style));
         }
         let mut severities = cycle.findings.iter().map(|finding| finding.severity());
         Ok(!severities.any(|severity| severity == Severity::Error))
@@ -105,7 +142,7 @@ impl Session {
         self.last.clone()
     }
 
-    fn table(&mut self, path: &Path, columns: &[Column]) -> Outcome {
+    fn table(&mut self, path: &Path, columns: &[Column], most: Option<u64>) -> Outcome {
         let name = path.display();
         let source: Box<dyn BufRead> = match path == Path::new("-") {
             true => Box::new(stdin().lock()),
@@ -116,11 +153,16 @@ impl Session {
         let mut lines = source.lines();
         let first = lines.next().transpose()?.unwrap_or_default();
         let reader = Reader::new(columns, &first).map_err(|e| format!("{name}:{e}"))?;
+        let mut left = most.unwrap_or(u64::MAX);
         for (number, line) in (2..).zip(lines) {
+            if left == 0 {
+                break;
+            }
             let line = line.map_err(|e| format!("{name}:{number}: {e}"))?;
             if line.trim().is_empty() && !columns.is_empty() && !reader.takes_empty_lines() {
                 continue;
             }
+            left -= 1;
             let given = reader.row(number, &line);
             if !self.cycle(&given.map_err(|e| format!("{name}:{e}"))?)? {
                 return Ok(Exit::Fault);
@@ -134,8 +176,8 @@ impl Session {
         let names = header(columns.iter());
         let reader = Reader::new(columns, &names).map_err(|e| e.to_string())?;
         match reader.takes_empty_lines() {
-            true => eprintln!("input: {names}; an empty line where it is absent"),
-            false => eprintln!(
+            true => rpi_diag::tell_line!("input: {names}; an empty line where it is absent"),
+            false => rpi_diag::tell_line!(
                 "inputs, separated by commas: {names}; an empty line for those of the last cycle"
             ),
         }
@@ -146,7 +188,7 @@ impl Session {
                 match reader.row(number, &line) {
                     Ok(row) => given = Some(row),
                     Err(error) => {
-                        eprintln!("{}", error.message);
+                        rpi_diag::tell_line!("{}", error.message);
                         continue;
                     }
                 }

@@ -13,7 +13,7 @@ pub(crate) fn load(
 ) -> Result<Compiled, Box<dyn std::error::Error>> {
     let compiled = rpi_driver::compile_with(&rpi_driver::read(path)?, asked)?;
     let style = Style::of(&std::io::stderr());
-    eprint!("{}", render(&compiled.findings, &compiled.sources, style));
+    rpi_diag::tell!("{}", render(&compiled.findings, &compiled.sources, style));
     if compiled.has_errors() {
         return Err(format!("{} does not compile", path.display()).into());
     }

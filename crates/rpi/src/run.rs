@@ -67,7 +67,7 @@ pub(crate) fn run(args: &RunArgs) -> exit::Outcome {
         findings.extend(outcome.find_faults(&compiled.sources));
     }
     let style = Style::of(&std::io::stderr());
-    eprint!("{}{summary}", render(&findings, &compiled.sources, style));
+    rpi_diag::tell!("{}{summary}", render(&findings, &compiled.sources, style));
     let file = record.unwrap_or(Path::new("")).display();
     let recorded = match (rows, &outcome.unrecorded) {
         (Some(rows), _) => rows.finish().map_err(|e| format!("{file}: {e}")),
@@ -229,13 +229,13 @@ struct ProgressLine {
 impl ProgressLine {
     fn show(&mut self, command: &CommandEnd, elapsed: Duration) {
         self.shown = true;
-        eprint!("\r\x1b[2K{}  {:.1} s", command.name, elapsed.as_secs_f64());
+        rpi_diag::tell!("\r\x1b[2K{}  {:.1} s", command.name, elapsed.as_secs_f64());
         let _ = std::io::stderr().flush();
     }
 
     fn clear(&self) {
         if self.shown {
-            eprint!("\r\x1b[2K");
+            rpi_diag::tell!("\r\x1b[2K");
         }
     }
 }

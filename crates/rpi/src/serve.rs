@@ -42,23 +42,23 @@ pub(crate) fn serve(args: &ServeArgs) -> exit::Outcome {
     server
         .grants()
         .iter()
-        .for_each(|grant| eprintln!("{grant}"));
+        .for_each(|grant| rpi_diag::tell_line!("{grant}"));
     let scheme = args.tls_cert.as_ref().map_or("ws", |_| "wss");
-    eprintln!("serving at {scheme}://{}", server.address());
+    rpi_diag::tell_line!("serving at {scheme}://{}", server.address());
     while server.runs() && !interrupted.load(Ordering::Relaxed) {
         if emergency.swap(false, Ordering::Relaxed) {
             server.emergency_stop("SIGQUIT");
-            eprintln!("EMERGENCY STOP; `emergency.reset` of JSON-RPC releases it");
+            rpi_diag::tell_line!("EMERGENCY STOP; `emergency.reset` of JSON-RPC releases it");
         }
         for warning in server.warnings() {
-            eprintln!("{warning}");
+            rpi_diag::tell_line!("{warning}");
         }
         std::thread::sleep(LOOK);
     }
     let file = args.record.as_deref().unwrap_or(Path::new("")).display();
     if let Some(written) = server.close().map_err(|e| format!("{file}: {e}"))? {
         let ticks = counted(written.ticks, "tick");
-        eprintln!("recorded {ticks}, {} lost", written.lost);
+        rpi_diag::tell_line!("recorded {ticks}, {} lost", written.lost);
     }
     Ok(Exit::Good)
 }

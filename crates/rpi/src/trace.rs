@@ -60,7 +60,7 @@ fn record(args: &TraceArgs) -> Outcome {
         progress: None,
     })?;
     traced.finish()?;
-    eprint!("{outcome}");
+    rpi_diag::tell!("{outcome}");
     pick(args, &String::from_utf8_lossy(&text))
 }
 
@@ -76,7 +76,7 @@ fn pick(args: &TraceArgs, text: &str) -> Outcome {
     let rows = copy(text, &filter, &mut out);
     let rows = output::quietly(rows.and_then(|rows| out.flush().map(|()| rows)))?;
     if rows == Some(0) && !args.flow.is_empty() {
-        eprintln!("no row fits");
+        rpi_diag::tell_line!("no row fits");
     }
     Ok(Exit::Good)
 }

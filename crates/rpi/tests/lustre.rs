@@ -298,3 +298,27 @@ command Watch () let n = 0 -> pre n + 1; assert n < 100; y = Half(n); finish don
     assert_eq!(assumed.count(), 1, "{text}");
     assert_eq!(text.matches("--%PROPERTY").count(), 1, "{text}");
 }
+
+#[test]
+fn a_table_is_not_replaced_while_it_is_read_and_ends_where_told() {
+    let dir = tempfile::tempdir().expect("a folder");
+    let put = |name: &str, text: &str| {
+        let path = dir.path().join(name);
+        std::fs::write(&path, text).expect("it is written");
+        path.display().to_string()
+    };
+    let node = put("n.lus", "node n(x: int) returns (y: int); let y = x; tel");
+    let table = put("t.csv", "x\n1\n2\n3\n");
+    let run = ["run", &node, "--inputs", &table];
+    let refused = rpi(&[&run[..], &["--outputs", &table]].concat());
+    assert_eq!(refused.status.code(), Some(2));
+    assert_eq!(
+        std::fs::read_to_string(&table).expect("it is there"),
+        "x\n1\n2\n3\n"
+    );
+    let two = rpi(&[&run[..], &["--cycles", "2"]].concat());
+    assert_eq!(text(&two.stdout), "y\n1\n2\n");
+    let json = rpi(&[&run[..], &["--json"]].concat());
+    assert_eq!(json.status.code(), Some(2));
+    assert!(text(&json.stderr).contains("--json is for commands"));
+}

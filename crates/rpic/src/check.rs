@@ -14,10 +14,21 @@ use crate::outcome::{Exit, Outcome, put};
 /// Checks each file; the worst of them decides.
 pub(crate) fn check(args: &CheckArgs) -> Outcome {
     let mut report = Report::default();
+    let mut unread = None;
     for file in &rpi_driver::files_of(&args.files)? {
         let compiled = match args.fix {
-            true => mend(file, args.explain_analysis)?,
-            false => compile(file, args.explain_analysis)?,
+            true => mend(file, args.explain_analysis),
+            false => compile(file, args.explain_analysis),
+        };
+        let compiled = match compiled {
+            Ok(compiled) => compiled,
+            // What is wrong with the others is told all the same.
+            Err(error) => {
+                if let Some(before) = unread.replace(error) {
+                    rpi_diag::tell_line!("error: {before}");
+                }
+                continue;
+            }
         };
         if args.explain_analysis {
             explain(&compiled)?;
@@ -25,6 +36,9 @@ pub(crate) fn check(args: &CheckArgs) -> Outcome {
         report.add(compiled);
     }
     show(args.format, &report.findings, &report.sources)?;
+    if let Some(error) = unread {
+        return Err(error);
+    }
     Ok(match has_errors(&report.findings) {
         true => Exit::Found,
         false => Exit::Good,
@@ -81,12 +95,12 @@ pub(crate) fn show(
     match format {
         Format::Human if findings.is_empty() => {
             if std::io::stderr().is_terminal() {
-                eprintln!("nothing found");
+                rpi_diag::tell_line!("nothing found");
             }
             Ok(())
         }
         Format::Human => {
-            eprint!("{text}");
+            rpi_diag::tell!("{text}");
             Ok(())
         }
         _ => put(None, text.as_bytes()),

@@ -96,7 +96,7 @@ fn write_image(net: &Net, input: &Input, args: &CompileArgs) -> Outcome {
     let image = rpi_driver::lower_to_run(net, args.period)?;
     let path = args.output.clone().unwrap_or_else(|| beside(input, "rpib"));
     put_result(&args.file, Some(&path), &image.to_bytes())?;
-    eprintln!("wrote {}", path.display());
+    rpi_diag::tell_line!("wrote {}", path.display());
     Ok(Exit::Good)
 }
 

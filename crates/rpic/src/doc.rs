@@ -35,7 +35,7 @@ pub(crate) fn doc(args: &DocArgs) -> Outcome {
     write(&args.out, &site)?;
     let index = args.out.join("index.html");
     let pages = rpi_diag::counted(modules.len() + 1, "page");
-    eprintln!("wrote {pages}: {}", index.display());
+    rpi_diag::tell_line!("wrote {pages}: {}", index.display());
     if args.open {
         open(&index)?;
     }

@@ -44,7 +44,7 @@ fn stdin(name: &str) -> Outcome {
 
 /// Shows what formatting would change.
 fn not_formatted(file: &Path, old: &str, new: &str) -> Outcome {
-    eprintln!("{}: not formatted", file.display());
+    rpi_diag::tell_line!("{}: not formatted", file.display());
     let name = file.display().to_string();
     let changes = TextDiff::from_lines(old, new);
     let changes = changes.unified_diff().header(&name, &name).to_string();

@@ -39,7 +39,7 @@ pub(crate) fn machine(args: &MachineArgs) -> Outcome {
     let cycle = cold_cycle_ns(lower_to_run(net, PERIOD)?, CYCLES)?;
     let measured = cycle as f64 / operations as f64;
     let ns = MARGIN * measured;
-    eprintln!(
+    rpi_diag::tell_line!(
         "a cycle of {operations} operations took {cycle} ns with cold caches: {measured:.2} ns each, written down as {ns:.2}"
     );
     put(args.output.as_deref(), machine_text(ns).as_bytes())?;

@@ -85,7 +85,7 @@ fn tell(fixes: &[&Fix], sources: &SourceMap) {
         if let Some(edit) = fix.edits.first() {
             let name = sources.name(edit.span.file);
             let at = sources.line_col(edit.span);
-            eprintln!("{name}:{at}: fixed: {}", fix.title);
+            rpi_diag::tell_line!("{name}:{at}: fixed: {}", fix.title);
         }
     }
 }

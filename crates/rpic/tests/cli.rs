@@ -260,3 +260,22 @@ fn what_is_not_there_is_told() {
         );
     }
 }
+
+#[cfg(target_os = "linux")]
+#[test]
+fn who_can_not_be_told_does_not_end_it() {
+    let (_dir, path) = file("ring.rpi", WRONG);
+    let full = std::fs::OpenOptions::new().write(true).open("/dev/full");
+    let mut check = Command::new(env!("CARGO_BIN_EXE_rpic"));
+    check.args(["check", &path]).stderr(full.unwrap());
+    assert_eq!(check.status().unwrap().code(), Some(1));
+}
+
+#[test]
+fn a_file_that_is_not_there_hides_nothing_of_the_others() {
+    let (_dir, path) = file("ring.rpi", WRONG);
+    let output = rpic(&["check", "nowhere.rpi", &path]);
+    assert_eq!(output.status.code(), Some(2));
+    assert!(err(&output).contains("RPI4001"), "{}", err(&output));
+    assert!(err(&output).contains("nowhere.rpi"), "{}", err(&output));
+}

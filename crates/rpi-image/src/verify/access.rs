@@ -48,11 +48,8 @@ impl<'a> Check<'a> {
             let Some(scope) = self.scopes.get(at as usize) else {
                 return false;
             };
-            // Only state may change between two skips of one guard.
-            let layout = self.image.layout;
-            let stays = !(layout.external..layout.state).contains(&scope.guard);
             let holds = self.holds.get(scope.guard as usize).is_some_and(|&n| n > 0);
-            if !(stays && holds || self.is_open(at)) {
+            if !(scope.is_final && holds || self.is_open(at)) {
                 return false;
             }
             at = scope.outer;

@@ -88,6 +88,8 @@ const UNWRITTEN: u32 = u32::MAX;
 struct Scope {
     outer: u32,
     guard: u32,
+    /// Whether no later step of the phase changes the guard.
+    is_final: bool,
 }
 
 /// The image, what was found so far, and what is known of each cell.
@@ -119,6 +121,7 @@ impl<'a> Check<'a> {
             scopes: vec![Scope {
                 outer: 0,
                 guard: TRUE,
+                is_final: true,
             }],
             scope: 0,
             holds: Vec::new(),

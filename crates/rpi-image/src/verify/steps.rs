@@ -95,12 +95,25 @@ impl Check<'_> {
             *count += 1;
         }
         let outer = core::mem::replace(&mut self.scope, self.scopes.len() as u32);
-        self.scopes.push(Scope { outer, guard });
+        let is_final = self.is_final(guard);
+        self.scopes.push(Scope {
+            outer,
+            guard,
+            is_final,
+        });
+    }
+
+    /// Whether no later step changes a cell: only state may change, and one step alone writes each cell of it.
+    fn is_final(&self, cell: u32) -> bool {
+        let layout = self.image.layout;
+        let state = (layout.external..layout.state).contains(&cell);
+        let place = cell.checked_sub(layout.external).map(|at| at as usize);
+        !state || place.is_some_and(|at| self.owned.get(at).is_some_and(|owned| *owned))
     }
 
     fn close(&mut self, ends: &mut Vec<usize>, pc: usize) {
         while ends.pop_if(|end| *end <= pc).is_some() {
-            let Scope { outer, guard } = self.scopes[self.scope as usize];
+            let Scope { outer, guard, .. } = self.scopes[self.scope as usize];
             if let Some(count) = self.holds.get_mut(guard as usize) {
                 *count -= 1;
             }

@@ -26,6 +26,7 @@ impl<'a> Body<'_, 'a> {
         span: Span,
         later: &mut Vec<(BlockId, Later<'a>)>,
     ) {
+        self.has_state(span);
         let mut states = Vec::new();
         for state in &automaton.states {
             let block = self.add_block(&state.name.name, state.name.span);
@@ -73,9 +74,13 @@ impl<'a> Body<'_, 'a> {
                 continue;
             }
             let flow = match self.find_in(self.block, &name.name) {
-                Some(Local::Flow(flow)) => flow,
+                Some(Local::Flow(flow)) if self.unit.flow(flow).role.has_equation() => flow,
+                // What no equation may define, one in a state may not, either.
                 Some(_) => continue,
-                None => self.introduce_flow(name),
+                None => {
+                    self.hides_no_constant(name);
+                    self.introduce_flow(name)
+                }
             };
             places.insert(name.name.clone(), flows.len());
             flows.push(Shared {

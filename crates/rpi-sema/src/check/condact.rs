@@ -29,6 +29,7 @@ impl<'a> Body<'_, 'a> {
         let Some(callable) = self.static_callee(callee) else {
             return self.fault(span);
         };
+        self.has_state(span);
         self.expect(every.value, &Ty::Bool, &Wanted::Here);
         let default = self.expr(default);
         let rest = given.collect();
@@ -53,7 +54,6 @@ impl<'a> Body<'_, 'a> {
         [every, default]: [ExprId; 2],
         span: Span,
     ) -> ExprId {
-        self.has_state(span);
         let value = self.apply(callable, given, Activation::Always, span);
         let ty = self.ty_of(value).clone();
         self.expect(default, &ty, &Wanted::Here);

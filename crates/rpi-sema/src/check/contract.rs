@@ -20,7 +20,10 @@ impl<'a> Body<'_, 'a> {
         self.within(block, |body| {
             for section in &contract.locals {
                 match section {
-                    Locals::Var(vars) => vars.iter().for_each(|var| body.declare_var(var)),
+                    Locals::Var(vars) => vars.iter().for_each(|var| {
+                        var.names.iter().for_each(|name| body.hides_no_port(name));
+                        body.declare_var(var);
+                    }),
                     Locals::Const(defs) => defs.iter().for_each(|def| body.declare_const(def)),
                 }
             }
@@ -34,20 +37,31 @@ impl<'a> Body<'_, 'a> {
         block
     }
 
+    /// What a contract defines for itself is not called like what it speaks of: that would be hidden from its claims.
+    fn hides_no_port(&mut self, name: &ast::Ident) {
+        let is_twice_here = self.find_in(self.block, &name.name).is_some();
+        if let Some(port) = self.port_called(&name.name).filter(|_| !is_twice_here) {
+            let finding = crate::program::twice(&name.name, name.span, port);
+            self.report(finding);
+        }
+    }
+
+    /// The place of the flow around a contract that bears a name. The ports of a contract by itself are those of whoever
+    /// takes it up.
+    fn port_called(&self, name: &Name) -> Option<Span> {
+        let flow = self.local_flow(name).map(|flow| self.unit.flow(flow));
+        let flow = flow.filter(|flow| !self.is_contract || flow.role != FlowRole::Input);
+        flow.map(|flow| flow.span)
+    }
+
     /// The names of modes are like those of flows.
     fn name_modes(&mut self, contract: &'a Contract) {
-        // The ports of a contract by itself are those of whoever takes it up.
-        let by_itself = self.is_contract;
         for (k, mode) in contract.modes.iter().enumerate() {
             let name = &mode.name;
             let twin = contract.modes[..k]
                 .iter()
                 .find(|m| m.name.name == name.name);
-            let flow = self
-                .local_flow(&name.name)
-                .map(|flow| self.unit.flow(flow))
-                .filter(|flow| !by_itself || flow.role != FlowRole::Input)
-                .map(|flow| flow.span);
+            let flow = self.port_called(&name.name);
             if let Some(first) = twin.map(|twin| twin.name.span).or(flow) {
                 let finding = crate::program::twice(&name.name, name.span, first);
                 self.report(finding);

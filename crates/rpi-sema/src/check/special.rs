@@ -190,7 +190,18 @@ impl<'a> Body<'_, 'a> {
         let ExprKind::Call(inner) = &called.value.unparen().kind else {
             return self.condact_form(called.value.span);
         };
+        self.has_state(span);
         let every = self.condition(&every.value, "an activation");
+        let restart = match &inner.activation {
+            ast::Activation::Always => None,
+            ast::Activation::Restart { every: restart } => {
+                let restart = self.condition(restart, "a restart");
+                // Only what is active starts afresh.
+                let both = [every, restart];
+                Some(self.prim_typed(prim!("Core::BooleanAnd"), &both, Ty::Bool, span))
+            }
+            ast::Activation::Activate { .. } => return self.condact_form(called.value.span),
+        };
         let defaults: Vec<ExprId> = defaults.iter().map(|arg| self.expr(&arg.value)).collect();
         let default = match defaults[..] {
             [] => None,
@@ -203,7 +214,7 @@ impl<'a> Body<'_, 'a> {
         let activation = Activation::Condact {
             every,
             default,
-            restart: None,
+            restart,
         };
         self.call_activated(inner, activation, called.value.span)
     }

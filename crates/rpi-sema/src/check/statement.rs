@@ -208,7 +208,7 @@ impl<'a> Body<'_, 'a> {
     }
 
     /// A constant of this very file is not hidden by an equation that seems to define it.
-    fn hides_no_constant(&mut self, name: &Ident) {
+    pub(super) fn hides_no_constant(&mut self, name: &Ident) {
         let Some(id) = self.c.program.own(self.module, &name.name) else {
             return;
         };
@@ -238,8 +238,11 @@ impl<'a> Body<'_, 'a> {
         if self.find_in(self.block, &name.name).is_some() {
             return true;
         }
-        let around = self.local_flow(&name.name);
-        around.is_some_and(|flow| !self.unit.flow(flow).role.has_equation())
+        match self.find_local(&name.name) {
+            Some(Local::Flow(flow)) => !self.unit.flow(flow).role.has_equation(),
+            Some(Local::Constant(_)) => true,
+            _ => false,
+        }
     }
 
     fn declare_fragment(&mut self, decl: &'a FragmentDecl, later: &mut Vec<(BlockId, Later<'a>)>) {

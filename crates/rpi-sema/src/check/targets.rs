@@ -145,6 +145,14 @@ impl<'a> Body<'_, 'a> {
         }
     }
 
+    /// The type of a flow; what several states define has one type in all of them.
+    fn shared_type(&self, flow: FlowId) -> &Ty {
+        let all = self.shared_around(flow).chain([flow]);
+        let mut types = all.map(|flow| &self.unit.flow(flow).ty);
+        let told = types.find(|ty| !ty.has_unknown());
+        told.unwrap_or(&self.unit.flow(flow).ty)
+    }
+
     fn place_in_flow(&mut self, flow: FlowId, target: &'a ast::Target) -> (Place, Ty) {
         if let Some(device) = self.unit.device(flow).cloned() {
             return self.actuator(flow, &device, target);
@@ -154,7 +162,7 @@ impl<'a> Body<'_, 'a> {
             FlowRole::Param => Some("a parameter"),
             FlowRole::Output | FlowRole::Local => None,
         };
-        let ty = self.unit.flow(flow).ty.clone();
+        let ty = self.shared_type(flow).clone();
         if what.is_some() && self.broken.contains(&flow) {
             return (Place::Nowhere, Ty::Unknown);
         }

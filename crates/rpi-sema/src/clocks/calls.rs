@@ -4,6 +4,7 @@
 use super::infer::{Inference, Of, flow_of};
 use super::terms::Term;
 use crate::typed::{Call, ClockOn, ExprId, FlowId, Place, Unit};
+use rpi_diag::Span;
 
 impl Inference<'_> {
     /// A call: clocks of arguments and results.
@@ -35,6 +36,7 @@ impl Inference<'_> {
         }
         let mut results = Vec::with_capacity(callee.outputs.len());
         for output in &callee.outputs {
+            self.has_named_clock(callee, *output, &names, self.unit.expr(id).span);
             let term = self.seen(callee, *output, base, &names);
             results.push((term, callee.flow(*output).ty.leaf_count()));
         }
@@ -58,6 +60,31 @@ impl Inference<'_> {
             }
         }
         names
+    }
+
+    /// Reports an out-port that ticks by what the caller has no name for: whether it does could not be asked. In Lustre
+    /// such a clock is one by itself.
+    fn has_named_clock(
+        &mut self,
+        callee: &Unit,
+        port: FlowId,
+        names: &[(FlowId, FlowId)],
+        span: Span,
+    ) {
+        let Some(on) = callee.flow(port).clock.filter(|_| !self.unit.is_lustre) else {
+            return;
+        };
+        if names.iter().any(|(formal, _)| *formal == on.flow) {
+            return;
+        }
+        let [name, clock] = [port, on.flow].map(|flow| &callee.flow(flow).name);
+        self.report_at(
+            span,
+            format!(
+                "`{name}` of `{}` ticks by `{clock}`, which has no name here",
+                callee.name
+            ),
+        );
     }
 
     /// The clock of a port.

@@ -191,6 +191,9 @@ impl<'u> Inference<'u> {
 
     fn expr(&mut self, id: ExprId) -> Of {
         let expr = self.unit.expr(id);
+        if let Kind::Present(_) | Kind::Each(..) = expr.kind {
+            expr.kind.operands(&mut |operand| self.as_one(operand));
+        }
         let place = match &expr.kind {
             Kind::Fault
             | Kind::Const(_)
@@ -404,7 +407,7 @@ impl<'u> Inference<'u> {
         }
     }
 
-    fn report_at(&mut self, span: Span, text: String) {
+    pub(super) fn report_at(&mut self, span: Span, text: String) {
         if self.reported.insert(span) {
             let finding = Finding::new(Code::RPI3007, APART).at(span, text);
             self.findings.push(finding.help(SAMPLE_OR_HOLD));

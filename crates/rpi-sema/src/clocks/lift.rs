@@ -46,6 +46,38 @@ impl Inference<'_> {
         Some(place)
     }
 
+    /// A value of which parts have clocks of their own, for who reads it as one: they are optional beyond the clock that
+    /// is common to them.
+    pub(super) fn as_one(&mut self, id: ExprId) {
+        let Of::Each(parts) = &self.values[id.0 as usize] else {
+            return;
+        };
+        if self.unit.is_lustre || self.known(id).is_some() {
+            return;
+        }
+        let parts = super::targets::in_a_row(parts);
+        let known = |term: Term| (!self.terms.is_open(term)).then_some(term);
+        let paths: Vec<_> = parts
+            .iter()
+            .map(|(_, term)| Some(self.terms.path(known(*term)?)))
+            .collect();
+        let Some(first) = parts.iter().find_map(|(_, term)| known(*term)) else {
+            return;
+        };
+        let common = in_common(&paths);
+        let read = self.terms.outer(first, common);
+        for ((leaves, own), path) in parts.into_iter().zip(paths) {
+            match path {
+                Some(path) if path.len() > common => {
+                    let lifts = self.lifted.entry(id).or_default();
+                    lifts.push(Lift { leaves, own, read });
+                }
+                _ => _ = self.terms.unify(own, read),
+            }
+        }
+        self.values[id.0 as usize] = Of::One(read);
+    }
+
     /// What decides, and what is published, is read in all cycles. In Lustre a claim holds where its clock does not tick.
     pub(super) fn read_always(&mut self, id: ExprId, is_claim: bool) {
         let is_sampled = |term| self.terms.parent(term).is_some();
@@ -60,7 +92,8 @@ impl Inference<'_> {
     fn lift(&mut self, id: ExprId, read: Term) {
         let own = self.values[id.0 as usize].first();
         let leaves = 0..self.unit.expr(id).ty.leaf_count();
-        self.lifted.insert(id, vec![Lift { leaves, own, read }]);
+        let lifts = self.lifted.entry(id).or_default();
+        lifts.push(Lift { leaves, own, read });
     }
 
     /// The clock of a value, if it has one and that is known.

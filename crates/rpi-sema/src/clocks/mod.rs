@@ -139,13 +139,15 @@ pub fn print(unit: &Unit, clock: &[ClockOn]) -> String {
 /// The condition of a sampling: `c`, `not c`, `Value(c)`.
 fn condition(unit: &Unit, on: ClockOn) -> String {
     let flow = unit.flow(on.flow);
+    // What the compiler made of an argument is called like the port that it is for.
+    let name = flow.name.split('#').next().unwrap_or_default();
     let value = usize::try_from(on.value).unwrap_or(usize::MAX);
     match &flow.ty {
         crate::ty::Ty::Enum(e) => match e.values.get(value) {
-            Some(value) => format!("{value}({})", flow.name),
-            None => flow.name.to_string(),
+            Some(value) => format!("{value}({name})"),
+            None => name.to_owned(),
         },
-        _ if on.value == 0 => format!("not {}", flow.name),
-        _ => flow.name.to_string(),
+        _ if on.value == 0 => format!("not {name}"),
+        _ => name.to_owned(),
     }
 }

@@ -90,7 +90,7 @@ impl Inference<'_> {
     }
 }
 
-fn in_a_row(parts: &[(Term, usize)]) -> Vec<Part> {
+pub(super) fn in_a_row(parts: &[(Term, usize)]) -> Vec<Part> {
     let mut at = 0;
     let mut row = Vec::with_capacity(parts.len());
     for (term, leaves) in parts {

@@ -2,11 +2,11 @@
 
 use super::families::Family;
 use super::scope::Scope;
-use super::signal::{Signal, Wire};
+use super::signal::{Signal, Wire, alias_of};
 use super::{At, Elab, Mode, Sampled};
 use crate::typed::{ClockOn, ExprId, FlowId};
 use rpi_diag::Span;
-use rpi_image::{Scalar, Value};
+use rpi_image::{Scalar, Type, Value};
 use rpi_net::prim;
 use rpi_net::{FragmentId, PortRef, Restart};
 
@@ -73,7 +73,7 @@ impl<'u> Elab<'u> {
     ) -> FragmentId {
         let wire = self.flow(scope, on.flow, span);
         let deciding = match wire.first() {
-            Some(Signal::Port(port)) => Some(Deciding::Flow(*port)),
+            Some(Signal::Port(port)) => Some(Deciding::Flow(self.first_name(*port))),
             Some(Signal::Const(value)) => {
                 let value = value.as_bool().map(i64::from).or(value.as_int());
                 value.map(Deciding::Constant)
@@ -123,19 +123,75 @@ impl<'u> Elab<'u> {
         let (on, outer) = clock.split_last()?;
         let span = scope.unit.expr(id).span;
         let beside = At::fragment(self.clocked(scope, outer, at, span));
-        let wire = self.expr(scope, operand, at);
-        let scalars = super::expr::leaf_scalars(&scope.unit.expr(id).ty);
+        // Not where it is read: there it would be part of the ring.
+        let wire = self.expr(scope, operand, beside);
+        let (scalars, absence) = (
+            super::expr::leaf_scalars(&scope.unit.expr(id).ty),
+            self.absence(scope, operand),
+        );
         let ticks = self.ticks(scope, *on, beside, span);
-        let leaves = wire.iter().zip(scalars);
-        let before = leaves.map(|(signal, scalar)| {
-            let held = self.new_alias(scalar);
-            let before = self.delay(Family::Pre, scalar, &Signal::Port(held), beside, span);
-            let inputs = [ticks.clone(), signal.clone(), before.clone()];
-            let next = self.family(Family::Conditional, scalar, &inputs, beside, span);
-            self.bind_alias(held, &next);
-            before
-        });
-        Some(before.collect())
+        let mut leaves = Vec::with_capacity(scalars.len());
+        for (k, (signal, scalar)) in wire.iter().zip(scalars).enumerate() {
+            let latch = (signal, scalar, &ticks);
+            leaves.push(match absence.leaf(k) {
+                true => self.latch(latch, None, beside, span),
+                false => {
+                    let none = Signal::Const(Value::neutral(Type::One(scalar)));
+                    let latest = self.latch(latch, Some(&none), beside, span);
+                    self.behind_first_tick(&latest, (&none, scalar), at.unguarded(), span)
+                }
+            });
+        }
+        Some(leaves.into())
+    }
+
+    /// By what a flow was known when something was sampled by it first: maybe before its equation was reached.
+    fn first_name(&self, port: PortRef) -> PortRef {
+        let mut name = port;
+        while let Some(before) = self.names_before.get(&name)
+            && alias_of(name).is_none_or(|alias| alias_of(*before) < Some(alias))
+        {
+            name = *before;
+        }
+        name
+    }
+
+    /// What a signal was when its clock ticked last before this cycle; until then `before`, or absent.
+    fn latch(
+        &mut self,
+        (signal, scalar, ticks): (&Signal, Scalar, &Signal),
+        before: Option<&Signal>,
+        at: At,
+        span: Span,
+    ) -> Signal {
+        let held = self.new_alias(scalar);
+        let family = match before {
+            Some(_) => Family::Pre,
+            None => Family::OptionalPre,
+        };
+        let mut latest = self.delay(family, scalar, &Signal::Port(held), at, span);
+        if let Some(before) = before {
+            let first = self.first(at.fragment, span);
+            let inputs = [first, before.clone(), latest];
+            latest = self.family(Family::Conditional, scalar, &inputs, at, span);
+        }
+        let inputs = [ticks.clone(), signal.clone(), latest.clone()];
+        let next = self.family(Family::Conditional, scalar, &inputs, at, span);
+        self.bind_alias(held, &next);
+        latest
+    }
+
+    /// A value that is there from the second tick of a fragment on: at the first it is that of a delay, which has none.
+    fn behind_first_tick(
+        &mut self,
+        latest: &Signal,
+        (any, scalar): (&Signal, Scalar),
+        at: At,
+        span: Span,
+    ) -> Signal {
+        let undefined = self.delay(Family::Pre, scalar, any, at, span);
+        let inputs = [self.first(at.fragment, span), undefined, latest.clone()];
+        self.family(Family::Conditional, scalar, &inputs, at, span)
     }
 
     /// Whether the flow that decides has the value.

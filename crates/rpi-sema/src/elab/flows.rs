@@ -86,9 +86,13 @@ impl<'u> Elab<'u> {
             return;
         }
         let wire = self.flow(scope, flow, scope.unit.flow(flow).span);
+        let has_clocks = self.facts_of(scope).is_some_and(|facts| facts.clocks.any());
         for (k, signal) in part.iter().enumerate() {
             if let Some(Signal::Port(port)) = wire.get(at + k) {
                 self.bind(*port, signal);
+                if let (Signal::Port(name), true) = (signal, has_clocks) {
+                    self.names_before.entry(*name).or_insert(*port);
+                }
             }
         }
         if part.len() == whole {

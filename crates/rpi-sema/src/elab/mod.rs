@@ -189,6 +189,8 @@ struct Elab<'u> {
     of_cycle: Map<(FragmentId, PrimId), signal::Wire>,
     /// The fragments of clocks.
     clocks: Map<clocks::ClockKey, Vec<FragmentId>>,
+    /// By what flows were known before their equations were reached, where something is sampled.
+    names_before: Map<PortRef, PortRef>,
     /// How what ticks by one clock lies in fragments.
     sampled: Sampled,
     /// Elements that have been taken out of array ports.
@@ -243,6 +245,7 @@ impl<'u> Elab<'u> {
             firsts: Map::default(),
             of_cycle: Map::default(),
             clocks: Map::default(),
+            names_before: Map::default(),
             sampled: Sampled::Together,
             elements: Map::default(),
             sensors: Map::default(),

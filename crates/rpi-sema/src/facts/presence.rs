@@ -143,6 +143,7 @@ impl<'u> Inference<'u> {
             _ => false,
         };
         self.gated.iter().any(|gated| *gated)
+            || self.clocks.any()
             || self.flows.iter().any(Absence::any)
             || self.unit.exprs.iter().any(|expr| of_expr(&expr.kind))
     }

@@ -21,35 +21,35 @@ impl Printer<'_> {
         concat([Doc::Hard, word("let"), parts, Doc::Hard, word("tel")])
     }
 
+    /// Its parts as they stand in the text, so that comments stay with them; without a text, kind by kind.
     fn contract_parts(&mut self, contract: &Contract) -> Doc {
-        let locals = contract
-            .locals
-            .iter()
-            .flat_map(|l| self.contract_locals(l))
-            .collect::<Vec<_>>();
-        let together = contract
-            .together
-            .iter()
-            .flat_map(|together| [Doc::Hard, self.together(together)])
-            .collect::<Vec<_>>();
-        let claims = self.claims(&contract.claims);
-        let modes = contract
-            .modes
-            .iter()
-            .flat_map(|m| [Doc::Hard, self.mode(m)])
-            .collect::<Vec<_>>();
-        let imports = contract
-            .imports
-            .iter()
-            .flat_map(|import| [Doc::Hard, self.contract_import(import)])
-            .collect::<Vec<_>>();
-        indent(concat([
-            concat(locals),
-            concat(together),
-            concat(imports),
-            claims,
-            concat(modes),
-        ]))
+        let mut parts: Vec<(Span, Doc)> = Vec::new();
+        for locals in &contract.locals {
+            self.contract_locals(locals, &mut parts);
+        }
+        for together in &contract.together {
+            parts.push((together.span, self.together(together)));
+        }
+        for import in &contract.imports {
+            parts.push((import.call.span, self.contract_import(import)));
+        }
+        for claim in &contract.claims {
+            let doc = concat([self.claim(claim), word(";")]);
+            parts.push((claim_span(claim), doc));
+        }
+        for mode in &contract.modes {
+            parts.push((mode.name.span, self.mode(mode)));
+        }
+        if parts.is_empty() {
+            return nothing();
+        }
+        parts.sort_by_key(|(span, _)| span.start);
+        let lines = self.lines(
+            &parts,
+            |(span, _)| *span,
+            |_, _, (_, doc)| (doc.clone(), false),
+        );
+        indent(concat([Doc::Hard, lines]))
     }
 
     /// `var x: int, y: bool = e;`
@@ -82,40 +82,33 @@ impl Printer<'_> {
     }
 
     /// Each with its word before it: in a contract, a section has one declaration.
-    fn contract_locals(&mut self, locals: &Locals) -> Vec<Doc> {
-        let line = |head, doc| [Doc::Hard, word(head), doc, word(";")];
+    fn contract_locals(&mut self, locals: &Locals, parts: &mut Vec<(Span, Doc)>) {
+        let line = |head, doc| concat([word(head), doc, word(";")]);
         match locals {
-            Locals::Var(vars) => vars
-                .iter()
-                .flat_map(|v| line("var ", self.var_decl(v)))
-                .collect(),
-            Locals::Const(defs) => defs
-                .iter()
-                .flat_map(|d| line("const ", self.const_def(d)))
-                .collect(),
+            Locals::Var(vars) => {
+                parts.extend(
+                    vars.iter()
+                        .map(|v| (v.span, line("var ", self.var_decl(v)))),
+                );
+            }
+            Locals::Const(defs) => {
+                parts.extend(
+                    defs.iter()
+                        .map(|d| (d.span, line("const ", self.const_def(d)))),
+                );
+            }
         }
-    }
-
-    fn claims(&mut self, claims: &[Claim]) -> Doc {
-        if claims.is_empty() {
-            return nothing();
-        }
-        let lines = self.lines(claims, claim_span, |p, _, claim| {
-            (concat([p.claim(claim), word(";")]), false)
-        });
-        concat([Doc::Hard, lines])
     }
 
     fn mode(&mut self, mode: &ContractMode) -> Doc {
-        let require = |p: &mut Self, claim: &Claim, head: &'static str| {
-            concat([Doc::Line, word(head), p.condition(claim), word(";")])
+        let requires = mode.requires.iter().map(|claim| ("require ", claim));
+        let ensures = mode.ensures.iter().map(|claim| ("ensure ", claim));
+        let mut claims: Vec<(&'static str, &Claim)> = requires.chain(ensures).collect();
+        claims.sort_by_key(|(_, claim)| claim_span(claim).start);
+        let claim = |(head, claim): (&'static str, &Claim)| {
+            concat([Doc::Line, word(head), self.condition(claim), word(";")])
         };
-        let mut parts: Vec<Doc> = mode
-            .requires
-            .iter()
-            .map(|c| require(self, c, "require "))
-            .collect();
-        parts.extend(mode.ensures.iter().map(|c| require(self, c, "ensure ")));
+        let parts: Vec<Doc> = claims.into_iter().map(claim).collect();
         let head = text(format!("mode {} (", mode.name.name));
         group(concat([head, indent(concat(parts)), Doc::Line, word(");")]))
     }

@@ -140,6 +140,8 @@ struct Layout {
     lines: Vec<Line>,
     line: String,
     suffix: Option<String>,
+    /// Whether the last comment of `suffix` ends with its line.
+    suffix_takes_line: bool,
     /// Characters in `line`.
     column: usize,
     /// Columns to be left free before the next text.
@@ -235,12 +237,19 @@ impl Layout {
 
     fn suffix(&mut self, comment: &str) {
         match &mut self.suffix {
+            // In the line of one that ends with its line it would be part of that, at least up to the end of the line.
+            Some(_) if self.suffix_takes_line && !ends_with_line(comment) => {
+                self.end_line();
+                self.text(comment);
+                return;
+            }
             Some(suffix) => {
                 suffix.push(' ');
                 suffix.push_str(comment);
             }
             None => self.suffix = Some(comment.to_owned()),
         }
+        self.suffix_takes_line = ends_with_line(comment);
     }
 
     fn break_line(&mut self, margin: usize) {
@@ -256,6 +265,11 @@ impl Layout {
             suffix: self.suffix.take(),
         });
     }
+}
+
+/// Whether a comment has no sign at its end: it goes on to the end of its line.
+fn ends_with_line(comment: &str) -> bool {
+    comment.starts_with("--") || comment.starts_with("//")
 }
 
 /// Sets the suffixes of adjacent lines in one column, two columns after the longest of them.
