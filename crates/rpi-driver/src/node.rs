@@ -102,7 +102,7 @@ fn chosen(
         .checked
         .runnable
         .iter()
-        .filter(|(decl, _)| !is_contract(front.program.decl(*decl).kind))
+        .filter(|(decl, _)| !is_apart(front.program.decl(*decl).kind))
         .map(|(decl, unit)| (front.program.decl(*decl).name.as_str(), *unit))
         .collect();
     let named = |name: &str| nodes.iter().find(|node| node.0 == name).map(|node| node.1);
@@ -144,8 +144,13 @@ fn last(front: &Front<'_>) -> Option<UnitId> {
 /// The text itself is read first.
 const OWN: FileId = FileId(0);
 
-fn is_contract(kind: DeclKind<'_>) -> bool {
-    matches!(kind, DeclKind::Node(node) if node.kind == NodeKind::Contract)
+/// Whether something is checked as nodes are, and is none.
+fn is_apart(kind: DeclKind<'_>) -> bool {
+    match kind {
+        DeclKind::Node(node) => node.kind == NodeKind::Contract,
+        DeclKind::Test(_) => true,
+        _ => false,
+    }
 }
 
 fn missing(front: &Front<'_>, name: &str, nodes: &[(&str, UnitId)]) -> String {

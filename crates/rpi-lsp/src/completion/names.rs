@@ -215,9 +215,10 @@ impl<'s> Names<'s> {
         let of = |id: DefId| {
             let parent = index.def(id).parent.map(|parent| index.def(parent).kind);
             let is_top = parent.is_none_or(|kind| kind == DefKind::Module);
-            let is_primitive = index.def(id).kind == DefKind::Primitive;
+            // Nor is a test named anywhere.
+            let is_unnamed = matches!(index.def(id).kind, DefKind::Primitive | DefKind::Test);
             let group = if is_top { Group::Declared } else { Group::Near };
-            (!is_primitive).then(|| self.of_def(group, id))
+            (!is_unnamed).then(|| self.of_def(group, id))
         };
         visible.into_iter().filter_map(of).collect()
     }

@@ -184,11 +184,7 @@ impl<'a> Body<'_, 'a> {
                 default,
             } => Activation::Condact {
                 every: self.condition(every, "an activation"),
-                default: default.as_ref().map(|default| {
-                    // Between the activations it is what it was at the last.
-                    self.has_state(default.span);
-                    self.expr(default)
-                }),
+                default: default.as_ref().map(|default| self.held_before(default)),
                 restart: restart
                     .as_ref()
                     .map(|restart| self.condition(restart, "a restart")),

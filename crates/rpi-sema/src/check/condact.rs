@@ -8,7 +8,7 @@ use super::report::Wanted;
 use crate::ty::Ty;
 use crate::typed::{Activation, Each, ExprId, Kind};
 use rpi_diag::{Code, Finding, Span};
-use rpi_syntax::ast::{Call, StaticValue};
+use rpi_syntax::ast::{Call, Expr, StaticValue};
 
 impl<'a> Body<'_, 'a> {
     /// A call of `condact`.
@@ -44,6 +44,12 @@ impl<'a> Body<'_, 'a> {
             }
             _ => self.held(&callable, rest, [every.value, default], span),
         }
+    }
+
+    /// The value before the first activation; between them it is that of the last.
+    pub(super) fn held_before(&mut self, default: &'a Expr) -> ExprId {
+        self.has_state(default.span);
+        self.expr(default)
     }
 
     /// An operator has no state: its value is there when the condition holds, and held else.

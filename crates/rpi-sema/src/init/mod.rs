@@ -30,12 +30,12 @@ use crate::hash::{Map, Set};
 use known::Known;
 use phases::PHASES;
 use rpi_diag::{Code, Finding, Fix, Span};
-use rpi_image::Role;
+use rpi_image::{Role, State};
 use rpi_net::claim::is_for_claim;
 use rpi_net::passes::Users;
 use rpi_net::prim;
 use rpi_net::without_calls;
-use rpi_net::{Activation, Driver, FragmentId, Input, Net, NodeId, PortRef};
+use rpi_net::{Activation, Driver, FragmentId, Input, Net, Node, NodeId, PortRef};
 use rpi_prims::PrimId;
 use rules::{Rule, rule};
 use solve::Solution;
@@ -242,7 +242,18 @@ fn sinks(net: &Net) -> impl Iterator<Item = (PortRef, FragmentId)> + '_ {
         let ports = node.inputs.iter().filter_map(Input::port);
         ports.map(move |port| (port, node.fragment))
     });
-    exports.chain(results).chain(activations).chain(leaving)
+    // What remembers a value that is not there yet may give it later.
+    let remembers = |n: &&Node| {
+        let state = n.desc().state;
+        n.desc().role == Role::Compute && !matches!(state, State::None)
+    };
+    let remembering = net.nodes.iter().filter(remembers);
+    let remembering = remembering.flat_map(|node| {
+        let ports = node.inputs.iter().filter_map(Input::port);
+        ports.map(move |port| (port, node.fragment))
+    });
+    let sinks = exports.chain(results).chain(activations).chain(leaving);
+    sinks.chain(remembering)
 }
 
 /// The delays without a first value in the equation of one flow.
