@@ -37,6 +37,7 @@ impl Column {
         let named = self.values.iter().position(|value| value == text);
         match named.and_then(|place| i64::try_from(place).ok()) {
             Some(place) => Some(place),
+            // Also one beyond the last value: traces of Lustre V6 have such.
             None => text.parse().ok(),
         }
     }

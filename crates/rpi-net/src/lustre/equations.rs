@@ -1,7 +1,7 @@
 //! Equations, one primitive at a time.
 
 use super::flows::{Is, Seen, Writer};
-use super::operators::{Check, check, filled, guarded, operator};
+use super::operators::{Check, check, filled, guarded, is_partial, operator};
 use super::value::{literal, neutral, type_name};
 use crate::net::{Input, NodeId, PortRef};
 use crate::passes::Sureness;
@@ -166,9 +166,9 @@ impl Writer<'_> {
             return self.strict(id, scalar, &template);
         }
         match plain {
-            "BooleanAnd" => self.kleene(id, "and", ""),
-            "BooleanOr" => self.kleene(id, "or", "not "),
-            "BooleanImplies" => self.strict(id, scalar, "{0} => {1}"),
+            "BooleanAnd" => self.kleene(id, "and", ["", ""]),
+            "BooleanOr" => self.kleene(id, "or", ["not ", ""]),
+            "BooleanImplies" => self.kleene(id, "or", ["not ", "not "]),
             "IntEquals" | "DoubleEquals" => self.equals(id),
             _ if plain.ends_with("Conditional") => self.conditional(id),
             _ if plain.ends_with("Coalesce") => self.coalesce(id),
@@ -178,30 +178,47 @@ impl Writer<'_> {
         }
     }
 
-    /// There where all operands are. What can fault is computed only there.
+    /// There where all operands are. What can fault is computed only there; what has no value for some operands, like a
+    /// quotient, only where its fragment is active, too.
     fn strict(&mut self, id: NodeId, scalar: Scalar, template: &str) -> Option<Result> {
         let seen = self.operands(id)?;
         let is = seen.iter().fold(Is::Always, |is, seen| is.and(&seen.is));
         let values: Vec<String> = seen.into_iter().filter_map(|seen| seen.value).collect();
         let value = filled(template, &values);
-        let desc = self.net().node(id).desc();
-        let value = match (&is, desc.may_fault) {
+        let node = self.net().node(id);
+        let computed = match is_partial(node.desc().name) {
+            true => self.active(node.fragment).and(&is),
+            false => is.clone(),
+        };
+        let value = match (&computed, node.desc().may_fault) {
             (Is::While(_), true) => {
-                format!("if {} then {value} else {}", is.text(), neutral(scalar)?)
+                format!(
+                    "if {} then {value} else {}",
+                    computed.text(),
+                    neutral(scalar)?
+                )
             }
             _ => value,
         };
         Some(Result { value, is })
     }
 
-    /// `and`, `or` after Kleene: one operand that decides is enough.
-    fn kleene(&mut self, id: NodeId, op: &str, deciding: &str) -> Option<Result> {
+    /// `and`, `or` and `=>`, which is `not a or b`, after Kleene: one operand that decides is enough.
+    fn kleene(&mut self, id: NodeId, op: &str, [deciding, first]: [&str; 2]) -> Option<Result> {
         let seen = self.operands(id)?;
         let [a, b] = &seen[..] else {
             return None;
         };
         let (x, y) = (a.value.clone()?, b.value.clone()?);
         let both = a.is.and(&b.is);
+        if both == Is::Always && !first.is_empty() {
+            let value = format!("{x} => {y}");
+            return Some(Result { value, is: both });
+        }
+        let x = match first.is_empty() {
+            true => x,
+            false => format!("({first}{x})"),
+        };
         if both == Is::Always {
             let value = format!("{x} {op} {y}");
             return Some(Result { value, is: both });

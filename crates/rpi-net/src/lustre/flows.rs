@@ -345,12 +345,16 @@ impl<'n> Writer<'n> {
         before
     }
 
+    /// When a fragment is active.
+    pub(super) fn active(&self, fragment: FragmentId) -> Is {
+        let on = self.fragments[fragment.index()].on.clone();
+        on.map_or(Is::Always, |on| Is::While(vec![on]))
+    }
+
     /// That a condition holds wherever it is there and its fragment is active.
     pub(super) fn claimed(&self, fragment: FragmentId, condition: &Seen) -> Option<String> {
         let value = condition.value.clone()?;
-        let on = self.fragments[fragment.index()].on.clone();
-        let on = on.map_or(Is::Always, |on| Is::While(vec![on]));
-        Some(match on.and(&condition.is) {
+        Some(match self.active(fragment).and(&condition.is) {
             Is::Always => value,
             is => format!("({} => {value})", is.text()),
         })

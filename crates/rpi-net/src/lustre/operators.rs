@@ -12,6 +12,12 @@ pub(super) fn guarded(prim: &str) -> Option<(&'static str, &'static str)> {
     row.map(|row| (row.1, row.2))
 }
 
+/// Whether a primitive has no value for some operands, in Lustre as here.
+pub(super) fn is_partial(prim: &str) -> bool {
+    let ends = ["IntDivide", "IntModulo", "IntFromDouble"];
+    ends.iter().any(|end| prim.ends_with(end))
+}
+
 /// What a model checker makes of a check.
 #[derive(Clone, Copy)]
 pub(super) enum Check {
