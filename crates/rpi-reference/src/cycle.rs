@@ -155,10 +155,23 @@ impl<'p> Reference<'p> {
         let mut operands = Vec::new();
         expr.kind.operands(&mut |operand| operands.push(operand));
         for (k, operand) in operands.into_iter().enumerate() {
-            let there = self.operand(here, id, k)?;
-            self.visit(there, operand)?;
+            if self.is_text(here, id, k)? {
+                let there = self.operand(here, id, k)?;
+                self.visit(there, operand)?;
+            }
         }
         Ok(())
+    }
+
+    /// Whether the operand of this number is part of the text: not the branch that static parameters rule out (M5.4).
+    fn is_text(&mut self, here: Here, id: ExprId, number: usize) -> Result<bool, Stop> {
+        let unit = self.instances[here.instance].unit;
+        Ok(match &unit.expr(id).kind {
+            Kind::Each(Each::If, operands) if number > 0 && unit.chosen.contains(&operands[0]) => {
+                self.truth(here, operands[0])? == Some(number == 1)
+            }
+            _ => true,
+        })
     }
 
     /// Where the operand of this number is evaluated.

@@ -105,6 +105,17 @@ pub(crate) fn call(callee: Callee, activation: Activation, args: Vec<Arg>) -> Bo
     })
 }
 
+pub(crate) fn activate(
+    every: Expr,
+    (default, restart): (Option<Expr>, Option<Expr>),
+) -> Activation {
+    Activation::Activate {
+        every,
+        restart,
+        default,
+    }
+}
+
 pub(crate) fn run(
     label: Option<Ident>,
     callee: Callee,

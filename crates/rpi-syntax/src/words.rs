@@ -22,6 +22,7 @@ pub(crate) fn settle(lexemes: &mut [Lexeme], mode: Mode) {
             && !word.is_reserved_in(mode)
             && !Around::new(lexemes, at).makes_keyword(word)
             && !begins_claim(lexemes, at, in_contract, has_own_check)
+            && !is_before_restart(lexemes, at)
             && (has_own_last || !is_last_of(lexemes, at))
             && matched.binary_search(&at).is_err()
         {
@@ -39,6 +40,14 @@ pub(crate) fn settle(lexemes: &mut [Lexeme], mode: Mode) {
 fn is_last_of(lexemes: &[Lexeme], at: usize) -> bool {
     let around = Around::new(lexemes, at);
     lexemes[at].token == Token::Last && around.after == Some(Token::LParen) && !around.is_field()
+}
+
+/// `(activate (restart N every r) every c)`: no call of something that is called `activate`.
+fn is_before_restart(lexemes: &[Lexeme], at: usize) -> bool {
+    let token = |behind: usize| lexemes.get(at + behind).map(|lexeme| lexeme.token);
+    lexemes[at].token == Token::Activate
+        && [token(1), token(2)] == [Some(Token::LParen), Some(Token::Restart)]
+        && token(3).is_some_and(is_name)
 }
 
 /// The words `match` before a value in parentheses, `match (o) with A: 1 end`, in text order: what is called so is not followed

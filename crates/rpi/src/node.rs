@@ -1,5 +1,6 @@
 //! `rpi run --inputs`, `rpi run --step`: a node by itself, against a table or what is typed.
 
+use std::error::Error;
 use std::fs::File;
 use std::io::{BufRead, BufReader, BufWriter, Write, stdin, stdout};
 use std::path::Path;
@@ -11,6 +12,7 @@ use rpi_net::Column;
 
 use crate::args::{NodeArgs, RunArgs};
 use crate::exit::{Exit, Outcome};
+use crate::output::create;
 use crate::random::Random;
 use crate::target::PERIOD;
 
@@ -78,7 +80,7 @@ fn only_for_nodes(args: &RunArgs) -> Result<(), String> {
     }
 }
 
-fn output(args: &NodeArgs) -> Result<Box<dyn Write>, String> {
+fn output(args: &NodeArgs) -> Result<Box<dyn Write>, Box<dyn Error>> {
     let Some(path) = args
         .outputs
         .as_deref()
@@ -86,15 +88,10 @@ fn output(args: &NodeArgs) -> Result<Box<dyn Write>, String> {
     else {
         return Ok(Box::new(BufWriter::new(stdout())));
     };
-    let name = path.display();
-    let real = |path: &Path| path.canonicalize().ok();
-    let inputs = args.inputs.as_deref().and_then(real);
-    if inputs.is_some() && inputs == real(path) {
-        return Err(format!(
-            "{name} holds the inputs: the outputs would replace them while they are read; name another file"
-        ));
-    }
-    let file = File::create(path).map_err(|error| format!("{name}: {error}"))?;
+    let file = match &args.inputs {
+        Some(inputs) => create(path, inputs)?,
+        None => File::create(path).map_err(|error| format!("{}: {error}", path.display()))?,
+    };
     Ok(Box::new(BufWriter::new(file)))
 }
 

@@ -67,6 +67,23 @@ fn a_fault_ends_the_run_and_is_told_with_code_cycle_and_place() {
     assert!(err.contains("a.lus:1:46"), "{err}");
 }
 
+/// M6.6: the same whether the condition changes or is a constant.
+#[test]
+fn state_in_a_branch_that_is_never_chosen_faults_like_any() {
+    let callee = "node Power (x: int) returns (p: int) let p = x -> pre p * x; tel\n";
+    for condition in ["c", "false"] {
+        let caller = "node main (x: int; c: bool) returns (y: int) let";
+        let program = format!("{callee}{caller} y = if {condition} then Power(x) else 1; tel\n");
+        let table = "x,c\n4611686018427387904,false\n4611686018427387904,false\n";
+        let (out, err, status) = run_as("a.rpi", &program, table, &["--node", "main"]);
+        assert_eq!((out.as_str(), status), ("y\n1\n", Some(3)), "{err}");
+        assert!(
+            err.contains("RPI9011") && err.contains("a.rpi:1:51"),
+            "{err}"
+        );
+    }
+}
+
 #[test]
 fn a_claim_that_does_not_hold_is_told_and_the_run_goes_on() {
     let program = "node a (x: int) returns (y: int); let assert x > 0; y = x; tel\n";

@@ -14,7 +14,7 @@ use crate::outcome::{Exit, Outcome, put};
 /// Checks each file; the worst of them decides.
 pub(crate) fn check(args: &CheckArgs) -> Outcome {
     let mut report = Report::default();
-    let mut unread = None;
+    let mut all_read = true;
     for file in &rpi_driver::files_of(&args.files)? {
         let compiled = match args.fix {
             true => mend(file, args.explain_analysis),
@@ -24,9 +24,8 @@ pub(crate) fn check(args: &CheckArgs) -> Outcome {
             Ok(compiled) => compiled,
             // What is wrong with the others is told all the same.
             Err(error) => {
-                if let Some(before) = unread.replace(error) {
-                    rpi_diag::tell_line!("error: {before}");
-                }
+                rpi_diag::tell_line!("error: {error}");
+                all_read = false;
                 continue;
             }
         };
@@ -36,12 +35,10 @@ pub(crate) fn check(args: &CheckArgs) -> Outcome {
         report.add(compiled);
     }
     show(args.format, &report.findings, &report.sources)?;
-    if let Some(error) = unread {
-        return Err(error);
-    }
-    Ok(match has_errors(&report.findings) {
-        true => Exit::Found,
-        false => Exit::Good,
+    Ok(match (all_read, has_errors(&report.findings)) {
+        (false, _) => Exit::BadInput,
+        (true, true) => Exit::Found,
+        (true, false) => Exit::Good,
     })
 }
 

@@ -166,9 +166,9 @@ impl Writer<'_> {
             return self.strict(id, scalar, &template);
         }
         match plain {
-            "BooleanAnd" => self.kleene(id, "and", ["", ""]),
-            "BooleanOr" => self.kleene(id, "or", ["not ", ""]),
-            "BooleanImplies" => self.kleene(id, "or", ["not ", "not "]),
+            "BooleanAnd" => self.kleene(id, "and"),
+            "BooleanOr" => self.kleene(id, "or"),
+            "BooleanImplies" => self.kleene(id, "=>"),
             "IntEquals" | "DoubleEquals" => self.equals(id),
             _ if plain.ends_with("Conditional") => self.conditional(id),
             _ if plain.ends_with("Coalesce") => self.coalesce(id),
@@ -204,41 +204,33 @@ impl Writer<'_> {
     }
 
     /// `and`, `or` and `=>`, which is `not a or b`, after Kleene: one operand that decides is enough.
-    fn kleene(&mut self, id: NodeId, op: &str, [deciding, first]: [&str; 2]) -> Option<Result> {
+    fn kleene(&mut self, id: NodeId, op: &str) -> Option<Result> {
         let seen = self.operands(id)?;
         let [a, b] = &seen[..] else {
             return None;
         };
         let (x, y) = (a.value.clone()?, b.value.clone()?);
         let both = a.is.and(&b.is);
-        if both == Is::Always && !first.is_empty() {
-            let value = format!("{x} => {y}");
-            return Some(Result { value, is: both });
-        }
-        let x = match first.is_empty() {
-            true => x,
-            false => format!("({first}{x})"),
-        };
         if both == Is::Always {
             let value = format!("{x} {op} {y}");
             return Some(Result { value, is: both });
         }
+        let (x, op) = match op {
+            "=>" => (format!("(not {x})"), "or"),
+            _ => (x, op),
+        };
         // What is absent counts as the value that does not decide.
-        let neutral = |value: &str, is: &Is| match deciding.is_empty() {
-            true => format!("(not {} or {value})", is.text()),
-            false => format!("({} and {value})", is.text()),
+        let neutral = |value: &str, is: &Is| match op {
+            "and" => format!("(not {} or {value})", is.text()),
+            _ => format!("({} and {value})", is.text()),
+        };
+        let decides = |value: &str, is: &Is| match op {
+            "and" => format!("({} and not {value})", is.text()),
+            _ => format!("({} and {value})", is.text()),
         };
         let value = format!("{} {op} {}", neutral(&x, &a.is), neutral(&y, &b.is));
-        let decides = |value: &str, is: &Is| match deciding.is_empty() {
-            true => format!("({} and not {value})", is.text()),
-            false => format!("({} and {value})", is.text()),
-        };
-        let any = format!(
-            "({} or {} or {})",
-            both.text(),
-            decides(&x, &a.is),
-            decides(&y, &b.is)
-        );
+        let [by_x, by_y] = [decides(&x, &a.is), decides(&y, &b.is)];
+        let any = format!("({} or {by_x} or {by_y})", both.text());
         let is = Is::While(vec![any]);
         Some(Result { value, is })
     }

@@ -361,7 +361,13 @@ impl Writer<'_> {
                 self.exprs.counts.add("none in a state");
                 Tree::form(Role::Rest, "none", Vec::new())
             }
-            _ => self.exprs.expr(scope, flow.ty, 2),
+            // Which is absent in some cycles, or else the flow of all states would not be optional.
+            _ => {
+                let condition = self.exprs.expr(scope, Kind::Bool.total(), 1);
+                let value = self.exprs.expr(scope, flow.ty, 2);
+                let form = "if @ then @ else none";
+                Tree::form(Role::Rest, form, vec![condition, value])
+            }
         };
         let form = format!("  {} = @;\n", flow.name);
         Tree::form(Role::Item(0), &form, vec![value])

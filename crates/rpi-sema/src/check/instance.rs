@@ -21,6 +21,11 @@ pub(super) fn key(id: DeclId, statics: &Statics) -> String {
 
 fn write_key(value: &Static, key: &mut String) {
     match value {
+        // Not the same as a type that is called so, like that for which a generic node of Kind 2 is checked by itself.
+        Static::Ty(Ty::Generic(name)) => {
+            key.push('?');
+            key.push_str(name);
+        }
         Static::Ty(ty) => key.push_str(&ty.to_string()),
         Static::Opaque => key.push('?'),
         Static::Callee(callable, _) => callable.write_key(key),

@@ -193,8 +193,8 @@ impl<'a> Body<'_, 'a> {
             };
             let around: Vec<FlowId> = self.shared_around(flow).collect();
             let told = around.iter().map(|outer| &self.unit.flow(*outer).ty);
-            let told = std::iter::once(&ty).chain(told);
-            let told = told.into_iter().find(|ty| !ty.has_unknown());
+            let mut told = std::iter::once(&ty).chain(told);
+            let told = told.find(|ty| !ty.has_unknown());
             let ty = told.unwrap_or(&ty).clone();
             for flow in std::iter::once(flow).chain(around) {
                 let known = &mut self.unit.flows[flow.0 as usize].ty;
@@ -208,16 +208,7 @@ impl<'a> Body<'_, 'a> {
     /// Of a flow of which one state only says that it is absent, `v = none`, another one may tell the type.
     fn ask_other_states(&mut self, index: usize) {
         for flow in self.pending[index].introduces.clone().into_iter().flatten() {
-            let outer = self.shared_around(flow);
-            let versions = outer.filter_map(|outer| self.versions.get(&outer));
-            let equations = versions
-                .flatten()
-                .filter_map(|other| self.defined_by[other.0 as usize]);
-            let is_open = |other: &usize| self.pending[*other].state == State::Open;
-            let open = equations
-                .into_iter()
-                .find(|other| *other != index && is_open(other));
-            if let Some(equation) = open {
+            if let Some(equation) = self.open_in_other_state(flow, index) {
                 let span = self.pending[index].span;
                 self.missing.push(Missing {
                     equation,
@@ -226,6 +217,16 @@ impl<'a> Body<'_, 'a> {
                 });
             }
         }
+    }
+
+    /// An equation that is still open and defines in another state what this one does in its own.
+    fn open_in_other_state(&self, flow: FlowId, index: usize) -> Option<usize> {
+        let outer = self.shared_around(flow);
+        let versions = outer.filter_map(|outer| self.versions.get(&outer));
+        let mut equations = versions
+            .flatten()
+            .filter_map(|other| self.defined_by[other.0 as usize]);
+        equations.find(|other| *other != index && self.pending[*other].state == State::Open)
     }
 
     /// Looks once more at what could only be guessed; true if something became known by it.

@@ -51,7 +51,9 @@ impl Inference<'_> {
         let given = callee.inputs.iter().zip(&call.args);
         let given = given.filter_map(|(formal, arg)| Some((*formal, flow_of(self.unit, (*arg)?)?)));
         let mut names: Vec<(FlowId, FlowId)> = given.collect();
-        if let Some(equation) = self.is_bound_to(id) {
+        // A name for all results together is one for none of them.
+        let bound = self.is_bound_to(id);
+        if let Some(equation) = bound.filter(|e| e.targets.len() == callee.outputs.len()) {
             let targets = equation.targets.iter().map(|target| target.place.clone());
             for (formal, place) in callee.outputs.iter().zip(targets) {
                 if let Place::Flow { flow, at: 0 } = place {
@@ -77,14 +79,20 @@ impl Inference<'_> {
         if names.iter().any(|(formal, _)| *formal == on.flow) {
             return;
         }
-        let [name, clock] = [port, on.flow].map(|flow| &callee.flow(flow).name);
-        self.report_at(
-            span,
-            format!(
-                "`{name}` of `{}` ticks by `{clock}`, which has no name here",
-                callee.name
-            ),
-        );
+        let name_of = |flow: &FlowId| callee.flow(*flow).name.as_str();
+        let [name, clock] = [port, on.flow].map(|flow| name_of(&flow));
+        let callee_name = &callee.name;
+        let text =
+            format!("`{name}` of `{callee_name}` ticks by `{clock}`, which has no name here");
+        let help = match callee.inputs.contains(&on.flow) {
+            true => format!("give `{clock}` a flow that has a name"),
+            false => {
+                let names: Vec<&str> = callee.outputs.iter().map(name_of).collect();
+                let names = names.join(", ");
+                format!("name the results one by one: `let ({names}) = {callee_name}(...)`")
+            }
+        };
+        self.report_with(span, text, help);
     }
 
     /// The clock of a port.

@@ -407,10 +407,14 @@ impl<'u> Inference<'u> {
         }
     }
 
-    pub(super) fn report_at(&mut self, span: Span, text: String) {
+    fn report_at(&mut self, span: Span, text: String) {
+        self.report_with(span, text, SAMPLE_OR_HOLD.to_owned());
+    }
+
+    pub(super) fn report_with(&mut self, span: Span, text: String, help: String) {
         if self.reported.insert(span) {
             let finding = Finding::new(Code::RPI3007, APART).at(span, text);
-            self.findings.push(finding.help(SAMPLE_OR_HOLD));
+            self.findings.push(finding.help(help));
         }
     }
 

@@ -4,7 +4,7 @@
 
 use super::infer::{Inference, Of};
 use super::terms::{Term, Terms};
-use crate::typed::{ClockOn, ExprId};
+use crate::typed::ExprId;
 use std::ops::Range;
 
 /// Leaves of a value that are read by another clock than theirs, which leads to it.
@@ -22,24 +22,16 @@ impl Inference<'_> {
         if self.unit.is_lustre {
             return None;
         }
-        let mut known = operands.iter().filter_map(|id| self.known(*id));
-        let first = known.next()?;
-        if known.all(|term| self.terms.are_same(first, term)) {
+        let clocks: Vec<Option<Term>> = operands.iter().map(|id| self.known(*id)).collect();
+        let place = self.common(clocks.iter().flatten().copied())?;
+        let slower = |clock: &Option<Term>| clock.is_some_and(|own| self.is_slower(own, place));
+        let slower: Vec<bool> = clocks.iter().map(slower).collect();
+        if !slower.contains(&true) {
             return None;
         }
-        let paths: Vec<Option<Vec<ClockOn>>> = operands
-            .iter()
-            .map(|id| Some(self.terms.path(self.known(*id)?)))
-            .collect();
-        let common = in_common(&paths);
-        let is_slower = |path: &Option<Vec<ClockOn>>| path.as_ref().map_or(0, Vec::len) > common;
-        if !paths.iter().any(is_slower) {
-            return None;
-        }
-        let place = self.terms.outer(first, common);
-        for (operand, path) in operands.iter().zip(&paths) {
-            match is_slower(path) {
-                true => self.lift(*operand, place),
+        for (operand, is_slower) in operands.iter().zip(slower) {
+            match is_slower {
+                true => self.lift_all(*operand, place),
                 false => _ = self.all(*operand, place),
             }
         }
@@ -56,26 +48,31 @@ impl Inference<'_> {
             return;
         }
         let parts = super::targets::in_a_row(parts);
-        let known = |term: Term| (!self.terms.is_open(term)).then_some(term);
-        let paths: Vec<_> = parts
-            .iter()
-            .map(|(_, term)| Some(self.terms.path(known(*term)?)))
-            .collect();
-        let Some(first) = parts.iter().find_map(|(_, term)| known(*term)) else {
+        let Some(read) = self.common(parts.iter().map(|(_, clock)| *clock)) else {
             return;
         };
-        let common = in_common(&paths);
-        let read = self.terms.outer(first, common);
-        for ((leaves, own), path) in parts.into_iter().zip(paths) {
-            match path {
-                Some(path) if path.len() > common => {
-                    let lifts = self.lifted.entry(id).or_default();
-                    lifts.push(Lift { leaves, own, read });
-                }
-                _ => _ = self.terms.unify(own, read),
+        for (leaves, own) in parts {
+            match self.is_slower(own, read) {
+                true => self.lift(id, Lift { leaves, own, read }),
+                false => _ = self.terms.unify(own, read),
             }
         }
         self.values[id.0 as usize] = Of::One(read);
+    }
+
+    /// The slowest clock that all of these are sampled from, as far as they are known.
+    pub(super) fn common(&self, clocks: impl Iterator<Item = Term>) -> Option<Term> {
+        let mut known = clocks.filter(|clock| !self.terms.is_open(*clock));
+        let first = known.next()?;
+        Some(known.fold(first, |common, clock| self.terms.common(common, clock)))
+    }
+
+    pub(super) fn is_slower(&self, clock: Term, than: Term) -> bool {
+        let is_known = |term| !self.terms.is_open(term);
+        is_known(clock)
+            && is_known(than)
+            && self.terms.leads_to(clock, than)
+            && self.terms.path(clock).len() > self.terms.path(than).len()
     }
 
     /// What decides, and what is published, is read in all cycles. In Lustre a claim holds where its clock does not tick.
@@ -84,16 +81,20 @@ impl Inference<'_> {
         if self.unit.is_lustre && !is_claim {
             self.all(id, Terms::BASE);
         } else if self.known(id).is_some_and(is_sampled) {
-            self.lift(id, Terms::BASE);
+            self.lift_all(id, Terms::BASE);
         }
     }
 
     /// All of a value is read by another clock.
-    fn lift(&mut self, id: ExprId, read: Term) {
+    fn lift_all(&mut self, id: ExprId, read: Term) {
         let own = self.values[id.0 as usize].first();
         let leaves = 0..self.unit.expr(id).ty.leaf_count();
-        let lifts = self.lifted.entry(id).or_default();
-        lifts.push(Lift { leaves, own, read });
+        self.lift(id, Lift { leaves, own, read });
+    }
+
+    /// Leaves of a value are read by another clock.
+    pub(super) fn lift(&mut self, id: ExprId, lift: Lift) {
+        self.lifted.entry(id).or_default().push(lift);
     }
 
     /// The clock of a value, if it has one and that is known.
@@ -109,14 +110,4 @@ impl Inference<'_> {
         };
         (!self.terms.is_open(term)).then_some(term)
     }
-}
-
-/// How many samplings all clocks have in common.
-pub(super) fn in_common(paths: &[Option<Vec<ClockOn>>]) -> usize {
-    let mut paths = paths.iter().flatten();
-    let first = paths.next().map_or(&[][..], Vec::as_slice);
-    paths.fold(first.len(), |common, path| {
-        let both = first[..common].iter().zip(path);
-        both.take_while(|(a, b)| a == b).count()
-    })
 }

@@ -45,8 +45,8 @@ pub(super) fn equations(unit: &Unit, is_told: impl Fn(FlowId) -> bool) -> Vec<Ve
     let mut components = kosaraju_scc(&graph);
     components.iter_mut().for_each(|ring| ring.sort_unstable());
     let equation = |node: NodeIndex| equations[node.index()];
-    let rings = components.into_iter();
-    rings
+    components
+        .into_iter()
         .map(|ring| ring.into_iter().map(equation).collect())
         .collect()
 }

@@ -1,7 +1,7 @@
 //! What equations give their clocks to: flows, parts of flows, ports of devices.
 
 use super::infer::{Inference, Of};
-use super::lift::{Lift, in_common};
+use super::lift::Lift;
 use super::terms::{Term, Terms, of};
 use crate::typed::{Equation, ExprId, FlowId, Optional, Place};
 use std::ops::Range;
@@ -19,10 +19,9 @@ impl Inference<'_> {
         for target in &equation.targets {
             let leaves = at..at + target.ty.leaf_count();
             let first = parts.partition_point(|(part, _)| part.end <= leaves.start);
-            let parts = parts[first..]
-                .iter()
-                .map_while(|part| within(part, &leaves));
-            let parts: Vec<Part> = parts.collect();
+            let parts = parts[first..].iter();
+            let parts = parts.take_while(|(part, _)| part.start < leaves.end);
+            let parts: Vec<Part> = parts.filter_map(|part| within(part, &leaves)).collect();
             at = leaves.end;
             let wanted = match target.place {
                 Place::Flow { flow, .. } => {
@@ -42,16 +41,12 @@ impl Inference<'_> {
     /// A flow without declaration that takes values of several clocks has that which is common to them.
     fn of_several(&mut self, flow: FlowId, parts: &[Part]) {
         let term = of(&self.flows, flow);
-        if parts.len() > 1 && self.terms.is_open(term) && !self.unit.is_lustre {
-            let known = |(_, term): &Part| (!self.terms.is_open(*term)).then_some(*term);
-            let paths: Vec<_> = parts
-                .iter()
-                .map(|part| Some(self.terms.path(known(part)?)))
-                .collect();
-            if let Some(first) = parts.iter().find_map(known) {
-                let outer = self.terms.outer(first, in_common(&paths));
-                self.terms.unify(term, outer);
-            }
+        if parts.len() > 1
+            && self.terms.is_open(term)
+            && !self.unit.is_lustre
+            && let Some(common) = self.common(parts.iter().map(|(_, clock)| *clock))
+        {
+            self.terms.unify(term, common);
         }
     }
 
@@ -70,23 +65,11 @@ impl Inference<'_> {
     /// Leaves of a value go where another clock is wanted, or a faster one is and they may be absent.
     fn give(&mut self, value: ExprId, (leaves, own): Part, wanted: Term, optional: bool) {
         if optional && !self.unit.is_lustre && self.is_slower(own, wanted) {
-            let lifts = self.lifted.entry(value).or_default();
-            lifts.push(Lift {
-                leaves,
-                own,
-                read: wanted,
-            });
+            let read = wanted;
+            self.lift(value, Lift { leaves, own, read });
         } else {
             self.meet(own, wanted, self.unit.expr(value).span);
         }
-    }
-
-    fn is_slower(&self, clock: Term, than: Term) -> bool {
-        let is_known = |term| !self.terms.is_open(term);
-        is_known(clock)
-            && is_known(than)
-            && self.terms.leads_to(clock, than)
-            && self.terms.path(clock).len() > self.terms.path(than).len()
     }
 }
 

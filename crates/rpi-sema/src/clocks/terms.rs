@@ -77,10 +77,15 @@ impl Terms {
         self.found(a) == self.found(b)
     }
 
-    /// What a clock is sampled from, as far out that so many samplings are left.
-    pub(super) fn outer(&self, clock: Term, left: usize) -> Term {
-        let mut at = clock;
-        for _ in left..self.path(clock).len() {
+    /// The slowest clock that both are sampled from.
+    pub(super) fn common(&self, a: Term, b: Term) -> Term {
+        if self.are_same(a, b) {
+            return a;
+        }
+        let (way, other) = (self.path(a), self.path(b));
+        let both = way.iter().zip(&other).take_while(|(a, b)| a == b).count();
+        let mut at = a;
+        for _ in both..way.len() {
             at = self.parent(at).map_or(at, |(parent, _)| parent);
         }
         at

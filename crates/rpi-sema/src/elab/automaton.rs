@@ -126,7 +126,7 @@ impl<'u> Elab<'u> {
         span: Span,
     ) -> At {
         let mut conditions = transitions.iter().filter_map(|one| one.condition);
-        match conditions.any(|one| self.can_fault(scope.unit, one)) {
+        match conditions.any(|one| self.can_fault(scope, one)) {
             true => self.guarded_by(here.clone(), at, span),
             false => at,
         }

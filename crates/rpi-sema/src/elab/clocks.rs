@@ -125,10 +125,8 @@ impl<'u> Elab<'u> {
         let beside = At::fragment(self.clocked(scope, outer, at, span));
         // Not where it is read: there it would be part of the ring.
         let wire = self.expr(scope, operand, beside);
-        let (scalars, absence) = (
-            super::expr::leaf_scalars(&scope.unit.expr(id).ty),
-            self.absence(scope, operand),
-        );
+        let scalars = super::expr::leaf_scalars(&scope.unit.expr(id).ty);
+        let absence = self.absence(scope, operand);
         let ticks = self.ticks(scope, *on, beside, span);
         let mut leaves = Vec::with_capacity(scalars.len());
         for (k, (signal, scalar)) in wire.iter().zip(scalars).enumerate() {

@@ -93,7 +93,7 @@ impl<'u> Elab<'u> {
         let condition = self.one(scope, condition, at);
         let sides = self.choice_here(&condition, at, span);
         if let Signal::Const(value) = &condition
-            && self.chooses(scope.unit, id, value)
+            && self.chooses(scope, id, value)
         {
             let [in_yes, in_no] = sides.map(|side| At { side, ..at });
             return match value.as_bool() == Some(true) {
@@ -121,15 +121,16 @@ impl<'u> Elab<'u> {
     }
 
     /// Whether a constant condition leaves out a branch. What depends on what is a matter of the text, of which there is one
-    /// for each choice of static parameters: of a condition without these both branches count (M5).
-    fn chooses(&mut self, unit: &Unit, id: ExprId, value: &Value) -> bool {
+    /// for each choice of static parameters: of a condition without these both branches count (M5.4), and state in them
+    /// goes on, which may fault (M6.6).
+    fn chooses(&mut self, scope: &Scope<'u>, id: ExprId, value: &Value) -> bool {
+        let unit = scope.unit;
         let Kind::Each(_, operands) = &unit.expr(id).kind else {
             return true;
         };
         let is_of_instance = unit.chosen.binary_search(&operands[0]).is_ok();
         let left_out = operands[if value.as_bool() == Some(true) { 2 } else { 1 }];
-        let reads = !is_of_instance && reads_flows(unit, left_out);
-        is_of_instance || self.drops(reads)
+        is_of_instance || !self.goes_on(scope, left_out) && self.drops(reads_flows(unit, left_out))
     }
 
     /// For each branch the condition under which it counts, if something in it can fault.
@@ -143,7 +144,7 @@ impl<'u> Elab<'u> {
     ) -> [Option<PortRef>; 2] {
         let mut guards = [at.guard; 2];
         for (k, branch) in branches.into_iter().enumerate() {
-            if !self.can_fault(scope.unit, branch) {
+            if !self.can_fault(scope, branch) {
                 continue;
             }
             let here = match k {

@@ -3,8 +3,10 @@
 //! faults on the way to it.
 
 use super::Elab;
+use super::scope::Scope;
 use crate::typed::{Each, ExprId, Kind, Unit, UnitId, UnitKind};
 use rpi_prims::PrimId;
+use std::rc::Rc;
 
 /// Primitives that can fault, and their twins.
 const TWINS: &[(&str, &str)] = &[
@@ -28,39 +30,85 @@ pub(super) fn twin(prim: PrimId) -> Option<PrimId> {
     PrimId::of(row.1)
 }
 
-impl Elab<'_> {
+/// What is so of an expression because of itself or of something in it.
+#[derive(Clone, Copy, Default)]
+pub(super) struct Within {
+    /// Something can fault that a guard would keep from it.
+    can_fault: bool,
+    /// Something has state, which goes on whatever chooses it.
+    goes_on: bool,
+}
+
+impl<'u> Elab<'u> {
     /// Whether something in an expression can fault that a guard would keep from it.
-    pub(super) fn can_fault(&mut self, unit: &Unit, id: ExprId) -> bool {
-        let mut parts = unit.parts(id);
-        while let Some((id, expr)) = parts.next() {
-            match &expr.kind {
-                Kind::Select { .. } => return true,
-                Kind::Prim(call) if call.prim.desc().may_fault => return true,
-                // On the way to a state.
-                Kind::Each(Each::Pre | Each::Last | Each::Hold, _) | Kind::Current(_) => continue,
-                Kind::Call(call) if !self.is_function(call.unit) => continue,
-                Kind::Call(call) if self.call_can_fault(call.unit) => return true,
-                _ => {}
-            }
-            parts.enter(id);
+    pub(super) fn can_fault(&mut self, scope: &Scope<'u>, id: ExprId) -> bool {
+        self.within(scope, id).can_fault
+    }
+
+    /// Whether something in an expression has state, which goes on whatever chooses it.
+    pub(super) fn goes_on(&mut self, scope: &Scope<'u>, id: ExprId) -> bool {
+        self.within(scope, id).goes_on
+    }
+
+    fn within(&mut self, scope: &Scope<'u>, id: ExprId) -> Within {
+        let of_unit = match scope.id {
+            Some(unit) => self.within_unit(unit),
+            None => self.within_each(scope.unit),
+        };
+        of_unit[id.0 as usize]
+    }
+
+    fn within_unit(&mut self, id: UnitId) -> Rc<[Within]> {
+        if let Some(known) = self.within.get(&id) {
+            return known.clone();
         }
-        false
+        let of_unit = self.within_each(&self.units[id.0 as usize]);
+        self.within.insert(id, of_unit.clone());
+        of_unit
+    }
+
+    /// Of all expressions of a unit at once: their operands come before them.
+    fn within_each(&mut self, unit: &'u Unit) -> Rc<[Within]> {
+        let mut all: Vec<Within> = Vec::with_capacity(unit.exprs.len());
+        for expr in &unit.exprs {
+            let mut within = self.by_itself(&expr.kind);
+            if !within.goes_on {
+                expr.kind.operands(&mut |operand| {
+                    let operand = all[operand.0 as usize];
+                    within.can_fault |= operand.can_fault;
+                    within.goes_on |= operand.goes_on;
+                });
+            }
+            all.push(within);
+        }
+        all.into()
+    }
+
+    /// What an expression tells without its operands. On the way to a state nothing is guarded.
+    fn by_itself(&mut self, kind: &Kind) -> Within {
+        let goes_on = match kind {
+            Kind::Each(Each::Pre | Each::Last | Each::Hold, _) | Kind::Current(_) => true,
+            Kind::Call(call) => !self.is_function(call.unit),
+            _ => false,
+        };
+        let can_fault = match kind {
+            Kind::Select { .. } => true,
+            Kind::Prim(call) => call.prim.desc().may_fault,
+            Kind::Call(call) => !goes_on && self.call_can_fault(call.unit),
+            _ => false,
+        };
+        Within { can_fault, goes_on }
     }
 
     fn is_function(&self, unit: UnitId) -> bool {
         self.units[unit.0 as usize].kind == UnitKind::Function
     }
 
-    /// Likewise of what a function computes.
+    /// Whether something can fault in what a function computes.
     fn call_can_fault(&mut self, id: UnitId) -> bool {
-        if let Some(known) = self.can_fault.get(&id) {
-            return *known;
-        }
-        let units = self.units;
-        let callee = &units[id.0 as usize];
+        let callee = &self.units[id.0 as usize];
+        let within = self.within_unit(id);
         let mut values = callee.blocks.iter().flat_map(|block| &block.equations);
-        let can = values.any(|equation| self.can_fault(callee, equation.value));
-        self.can_fault.insert(id, can);
-        can
+        values.any(|equation| within[equation.value.0 as usize].can_fault)
     }
 }

@@ -197,8 +197,8 @@ struct Elab<'u> {
     elements: Map<(PortRef, u32), PortRef>,
     /// Sensor ports that have been read.
     sensors: Map<(String, String, u32), PortRef>,
-    /// The functions in which something can fault, or nothing.
-    can_fault: Map<UnitId, bool>,
+    /// Of the expressions of units in which that was asked for, what is in them.
+    within: Map<UnitId, Rc<[guarded::Within]>>,
     /// Why the constant is none.
     failure: Option<NotConstant>,
     /// Name of the flow that is being defined, with the path of calls that leads to it.
@@ -249,7 +249,7 @@ impl<'u> Elab<'u> {
             sampled: Sampled::Together,
             elements: Map::default(),
             sensors: Map::default(),
-            can_fault: Map::default(),
+            within: Map::default(),
             failure: None,
             name: String::new(),
             serial: 0,

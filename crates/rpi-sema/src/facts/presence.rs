@@ -11,7 +11,7 @@ use crate::typed::{
     Activation, BlockId, Call, Each, ExprId, FlowId, Kind, Optional, Place, PrimCall, Unit,
     UnitKind,
 };
-use rpi_diag::{Code, Finding, Fix, Span};
+use rpi_diag::{Code, Finding, Fix, Severity, Span};
 use rpi_image::{Need, Presence, Role};
 use std::collections::BTreeSet;
 
@@ -64,6 +64,10 @@ pub fn find(units: &[Unit], sound: &[bool]) -> (Vec<Facts>, Vec<Finding>) {
             let mut absent = Vec::new();
             super::demand::demand(&inference, &reads, &mut absent);
             absent.retain(|finding| !told.contains(&finding.span()));
+            // Where clocks do not meet, what is needlessly asked to be present can not be told.
+            if !apart.is_empty() {
+                absent.retain(|finding| finding.severity() == Severity::Error);
+            }
             findings.append(&mut absent);
             let (exprs, flows) = (inference.exprs, inference.flows);
             facts.push(Facts {

@@ -1,6 +1,6 @@
 //! Whether a value of one type can stand where another is wanted, and what two have in common.
 
-use super::{Geometry, Member, Ty};
+use super::{Geometry, Member, StructTy, Ty};
 use crate::units::Dim;
 use rpi_syntax::Name;
 use std::collections::BTreeMap;
@@ -85,13 +85,19 @@ pub fn fit(expected: &Ty, found: &Ty, subst: &mut Subst) -> Result<(), Misfit> {
             }),
         },
         (Ty::Tuple(expected), Ty::Tuple(found)) => fit_members(expected, found, subst),
-        (Ty::Struct(a), Ty::Struct(b)) if a.name == b.name => {
+        (Ty::Struct(a), Ty::Struct(b)) if a.name == b.name || is_instance(b, a) => {
             fit_members(&a.fields, &b.fields, subst)
         }
         (Ty::Device(a), Ty::Device(b)) if a.name == b.name => Ok(()),
         _ if expected == found => Ok(()),
         _ => Err(Misfit::Kind),
     }
+}
+
+/// Whether a type is made of the same declaration as another one whose parameters are still open.
+fn is_instance(closed: &StructTy, open: &StructTy) -> bool {
+    let declared = |of: &StructTy| of.name.split("<<").next().map(str::to_owned);
+    open.fields.iter().any(|field| field.ty.is_open()) && declared(closed) == declared(open)
 }
 
 fn fit_generic(name: &Name, found: &Ty, subst: &mut Subst) -> Result<(), Misfit> {

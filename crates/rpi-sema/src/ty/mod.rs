@@ -178,6 +178,16 @@ impl Ty {
         }
     }
 
+    /// Whether a type parameter stands in it.
+    #[must_use]
+    pub fn is_open(&self) -> bool {
+        match self {
+            Ty::Generic(_) => true,
+            Ty::Array(element, _) => element.is_open(),
+            _ => self.members().iter().any(|member| member.ty.is_open()),
+        }
+    }
+
     /// Fields of a struct, elements of a tuple.
     #[must_use]
     pub fn members(&self) -> &[Member] {

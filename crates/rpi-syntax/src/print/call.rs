@@ -48,11 +48,11 @@ impl Printer<'_> {
                     word(" every "),
                     self.expr(every),
                 ];
-                if let Some(restart) = restart {
-                    parts.extend([word(" restart every "), self.expr(restart)]);
-                }
                 if let Some(default) = default {
                     parts.extend([word(" initial default "), self.expr(default)]);
+                }
+                if let Some(restart) = restart {
+                    parts.extend([word(" restart every "), self.expr(restart)]);
                 }
                 parts.push(word(")"));
                 concat(parts)

@@ -6,6 +6,10 @@
 /// The longest line, in characters, where it can be helped.
 pub(super) const WIDTH: usize = 100;
 
+/// The widest margin: what nests more deeply is not set in any further, so that the text grows with the program and not with
+/// its square.
+const FARTHEST: usize = 80;
+
 /// A text that may be laid out in several ways.
 #[derive(Clone, Debug)]
 pub(super) enum Doc {
@@ -164,7 +168,7 @@ impl Layout {
                 Doc::Concat(parts) => {
                     todo.extend(parts.iter().rev().map(|part| (margin, mode, part)))
                 }
-                Doc::Indent(by, doc) => todo.push((margin + by, mode, doc)),
+                Doc::Indent(by, doc) => todo.push(((margin + by).min(FARTHEST), mode, doc)),
                 Doc::Hang(doc) => todo.push((margin, mode, doc)),
                 Doc::Flat(doc) => todo.push((margin, Mode::Flat, doc)),
                 Doc::Group(doc) => {
