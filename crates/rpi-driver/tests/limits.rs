@@ -53,15 +53,15 @@ fn constants_in_order_may_be_many() {
 #[test]
 fn expressions_may_nest_as_deeply_as_they_may() {
     let node = |of: &str, y: &str| format!("node N(x: {of}) returns (y: {of})\nlet y = {y}; tel\n");
-    let sum = node("real", &format!("x{}", " + x".repeat(9_990)));
+    let sum = node("real", &format!("x{}", " + x".repeat(4_990)));
     let brackets = node(
         "real",
-        &format!("{}x{}", "(".repeat(4_990), " + 1.0)".repeat(4_990)),
+        &format!("{}x{}", "(".repeat(2_490), " + 1.0)".repeat(2_490)),
     );
-    let choice = (0..3_320).fold(String::new(), |text, k| {
+    let choice = (0..1_660).fold(String::new(), |text, k| {
         format!("{text}if x = {k} then {k} else ")
     });
-    let delays = format!("{}x{}", "0 -> pre (".repeat(3_320), ")".repeat(3_320));
+    let delays = format!("{}x{}", "0 -> pre (".repeat(1_660), ")".repeat(1_660));
     for text in [
         sum,
         brackets,
@@ -75,7 +75,7 @@ fn expressions_may_nest_as_deeply_as_they_may() {
         assert!(size < 100 * text.len(), "{size} bytes");
     }
     is_said(
-        &node("real", &format!("x{}", " + x".repeat(10_010))),
+        &node("real", &format!("x{}", " + x".repeat(5_010))),
         Code::RPI0011,
     );
 }

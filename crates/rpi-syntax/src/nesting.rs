@@ -9,7 +9,7 @@ use crate::token::Token;
 use rpi_diag::{Code, Finding};
 
 /// The deepest nesting that is accepted; every walk over the tree may recurse so far, see [`with_stack`](crate::with_stack).
-pub(crate) const MAX_DEPTH: u32 = 10_000;
+pub(crate) const MAX_DEPTH: u32 = 5_000;
 
 /// One open bracket or body.
 #[derive(Clone, Copy, Default)]

@@ -2,7 +2,7 @@
 
 /// What a walk may need: about 3 kB for each level that [`nesting`](crate::nesting) accepts, and five times as much for
 /// builds that spare no stack.
-const NEEDED: usize = 160 << 20;
+const NEEDED: usize = 80 << 20;
 const SIZE: usize = 2 * NEEDED;
 
 /// Runs something that walks over syntax trees, or over what is made of them, on a stack that bears the deepest nesting

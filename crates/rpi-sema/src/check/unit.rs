@@ -10,7 +10,7 @@ use crate::program::{DeclId, DeclKind};
 use crate::typed::{ExprId, Kind, Unit, UnitId, UnitKind};
 use rpi_diag::{Code, Finding, Severity, Span};
 use rpi_syntax::ast::{
-    self, CommandDecl, Contract, FragmentDecl, Modifier, NodeDecl, NodeDef, NodeKind,
+    self, CommandDecl, Contract, FragmentDecl, Modifier, NodeDecl, NodeDef, NodeKind, Outside,
 };
 use std::rc::Rc;
 
@@ -287,9 +287,21 @@ impl<'a> Body<'_, 'a> {
         }
     }
 
-    /// What callers are to see of a node must be there.
+    /// What callers are to see of a node must be there, and nothing that is said to be elsewhere.
     fn check_modifier(&mut self, node: &NodeDecl) {
         let has_body = matches!(node.definition, NodeDef::Body(_));
+        let outside = match node.outside {
+            Outside::Extern => "extern",
+            Outside::Imported => "imported",
+            Outside::NoBody => "",
+        };
+        if has_body && !outside.is_empty() {
+            let name = &node.signature.name;
+            let message = format!("`{}` is defined outside, and has a body here", name.name);
+            let finding = Finding::new(Code::RPI1014, message);
+            let finding = finding.at(name.span, format!("`{outside}`, so without a body"));
+            self.report(finding.help(format!("leave out `{outside}`, or the body")));
+        }
         let lacks = match node.modifier {
             Modifier::Opaque if node.contract.is_none() => {
                 "a contract, for callers know nothing else of it"

@@ -6,6 +6,7 @@
 mod absence;
 mod demand;
 mod exclusive;
+mod handed;
 mod presence;
 mod reads;
 

@@ -59,11 +59,11 @@ pub fn find(units: &[Unit], sound: &[bool]) -> (Vec<Facts>, Vec<Finding>) {
         if inference.has_source() {
             let reads = Reads::new(unit);
             inference.solve(&reads);
-            // Of what has been told to have another clock it follows that it is absent in some cycles.
+            // Of what has been told to have another clock, or has it in itself, it follows that it is absent in some cycles.
             let told: BTreeSet<Span> = apart.iter().map(Finding::span).collect();
             let mut absent = Vec::new();
             super::demand::demand(&inference, &reads, &mut absent);
-            absent.retain(|finding| !told.contains(&finding.span()));
+            absent.retain(|finding| !has_in_itself(&told, finding.span()));
             // Where clocks do not meet, what is needlessly asked to be present can not be told.
             if !apart.is_empty() {
                 absent.retain(|finding| finding.severity() == Severity::Error);
@@ -83,7 +83,19 @@ pub fn find(units: &[Unit], sound: &[bool]) -> (Vec<Facts>, Vec<Finding>) {
         }
         findings[before..].sort_by_key(Finding::span);
     }
+    for task in units {
+        super::handed::handed(units, &facts, task, &mut findings);
+    }
     (facts, findings)
+}
+
+/// Whether a place is one of these, or contains one.
+fn has_in_itself(places: &BTreeSet<Span>, place: Span) -> bool {
+    let start = Span { end: 0, ..place };
+    let within = places.range(start..).take_while(|at| at.file == place.file);
+    within
+        .take_while(|at| at.start < place.end)
+        .any(|at| at.end <= place.end)
 }
 
 /// The solution on its way.

@@ -12,7 +12,7 @@ mod verify;
 
 pub use flow::{ClockOn, Flow, FlowRole, Optional};
 pub use print::print;
-pub use task::TaskStep;
+pub use task::{Handed, TaskStep};
 pub use verify::verify;
 
 use crate::ty::{DeviceTy, Ty};

@@ -87,10 +87,10 @@ impl Printer<'_> {
     }
 
     fn node(&mut self, node: &NodeDecl) -> Doc {
-        let (before, after) = match (&node.definition, node.outside) {
-            (NodeDef::Extern, Outside::Extern) => ("extern ", " "),
-            (NodeDef::Extern, Outside::Imported) => ("", " imported "),
-            _ => ("", " "),
+        let (before, after) = match node.outside {
+            Outside::Extern => ("extern ", " "),
+            Outside::Imported => ("", " imported "),
+            Outside::NoBody => ("", " "),
         };
         let head = concat([
             word(node.modifier.word().unwrap_or_default()),

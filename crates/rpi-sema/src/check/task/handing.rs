@@ -4,8 +4,9 @@ use super::{Labels, Then};
 use crate::check::body::Body;
 use crate::program::DeclKind;
 use crate::ty::{Misfit, Subst, Ty, fit};
-use crate::typed::{BlockId, FlowRole, UnitId, UnitKind};
+use crate::typed::{BlockId, FlowId, FlowRole, Handed, UnitId, UnitKind};
 use rpi_diag::{Code, Finding, Span};
+use rpi_syntax::Name;
 use rpi_syntax::ast::{Next, Run};
 
 /// What runs before a step.
@@ -40,116 +41,153 @@ pub(super) fn followers<'a>(
     all.map(|follower| (Before::Run(run), follower)).collect()
 }
 
+/// What a command takes over and has no default for.
+struct Taken {
+    flow: FlowId,
+    name: Name,
+    ty: Ty,
+    declared: Span,
+}
+
 impl<'a> Body<'_, 'a> {
-    /// Checks that all that commands take over is there: a missing value is reported once for a step.
+    /// Checks that all that commands take over is there: a missing value is reported once for a step. What is there may
+    /// still be absent, which is known later.
     pub(super) fn hand_over(&mut self, follows: &[Follows<'a>]) {
-        let mut told: Vec<(Span, String)> = Vec::new();
+        let mut told: Vec<(Span, Name)> = Vec::new();
         for (before, run) in follows {
-            let Some(unit) = self.command_of(run) else {
+            let Some(step) = self.step_of(run).filter(|step| self.is_command(*step)) else {
                 continue;
             };
-            for (name, ty, declared) in self.taken_over(unit) {
-                let key = (run.callee.span, name.clone());
+            for taken in self.taken_over(self.unit.steps[step].unit) {
+                let key = (run.callee.span, taken.name.clone());
                 if told.contains(&key) {
                     continue;
                 }
-                if let Some(finding) = self.not_there((&name, &ty, declared), before, run) {
-                    self.report(finding);
-                    told.push(key);
+                match self.handed(&taken, before, run) {
+                    Ok(handed) => self.unit.steps[step].handed.extend(handed),
+                    Err(finding) => {
+                        self.report(*finding);
+                        told.push(key);
+                    }
                 }
             }
         }
     }
 
-    /// What is wrong with a value that a step takes over from those before it, if something is.
-    fn not_there(
+    /// Where a value comes from that a step takes over from those before it; or what is wrong with that.
+    fn handed(
         &mut self,
-        value: (&str, &Ty, Span),
+        taken: &Taken,
         before: &Before<'a>,
         run: &Run,
-    ) -> Option<Finding> {
+    ) -> Result<Vec<Handed>, Box<Finding>> {
         match before {
-            Before::Nothing => self.not_handed(value, None, run),
-            Before::Run(before) => self.not_handed_by(value, before, run),
+            Before::Nothing => Err(Box::new(
+                not_handed(taken, run)
+                    .help("no command runs before it; make it a parameter of the command"),
+            )),
+            Before::Run(before) => self.handed_by_all(taken, &[before], run),
             Before::Strands(strands) => {
                 let mut wrong = None;
                 for ends in strands.iter().filter(|ends| !ends.is_empty()) {
-                    let mut ends = ends.iter();
-                    match ends.find_map(|end| self.not_handed_by(value, end, run)) {
-                        Some(finding) => wrong = wrong.or(Some(finding)),
-                        None => return None,
+                    match self.handed_by_all(taken, ends, run) {
+                        Ok(handed) => return Ok(handed),
+                        Err(finding) => wrong = wrong.or(Some(finding)),
                     }
                 }
-                wrong
+                wrong.map_or(Ok(Vec::new()), Err)
             }
         }
     }
 
-    /// As [`Body::not_handed`]; what an inner task ends with is its own business.
-    fn not_handed_by(
+    /// Each of several commands hands a value over; what an inner task ends with is its own business.
+    fn handed_by_all(
         &mut self,
-        value: (&str, &Ty, Span),
-        before: &Run,
+        taken: &Taken,
+        before: &[&Run],
         run: &Run,
-    ) -> Option<Finding> {
-        let unit = self.command_of(before)?;
-        self.not_handed(value, Some((unit, before.callee.span)), run)
+    ) -> Result<Vec<Handed>, Box<Finding>> {
+        let mut all = Vec::new();
+        for before in before {
+            if let Some(unit) = self.command_of(before) {
+                all.push(self.handed_by(taken, (unit, before.callee.span), run)?);
+            }
+        }
+        Ok(all)
     }
 
     /// The command that a step runs, once its arguments are known.
     pub(super) fn command_of(&self, run: &Run) -> Option<UnitId> {
-        let mut steps = self.unit.steps.iter();
-        let step = steps.find(|step| step.span == run.callee.span)?;
-        let is_command = matches!(self.c.program.decl(step.decl).kind, DeclKind::Command(_));
-        is_command.then_some(step.unit)
+        let step = self.step_of(run).filter(|step| self.is_command(*step))?;
+        Some(self.unit.steps[step].unit)
     }
 
-    /// What a command takes over and has no default: names, types, where they are declared.
-    fn taken_over(&mut self, unit: UnitId) -> Vec<(String, Ty, Span)> {
+    /// The step that is made of a run, once its arguments are known.
+    fn step_of(&self, run: &Run) -> Option<usize> {
+        let mut steps = self.unit.steps.iter();
+        steps.position(|step| step.span == run.callee.span)
+    }
+
+    fn is_command(&self, step: usize) -> bool {
+        let decl = self.c.program.decl(self.unit.steps[step].decl);
+        matches!(decl.kind, DeclKind::Command(_))
+    }
+
+    fn taken_over(&mut self, unit: UnitId) -> Vec<Taken> {
         self.c.check_now(unit);
         let unit = &self.c.units[unit.0 as usize];
-        let flows = unit.inputs.iter().map(|id| unit.flow(*id));
-        let given = flows.filter(|flow| flow.role == FlowRole::Given && flow.default.is_none());
+        let flows = unit.inputs.iter().map(|id| (*id, unit.flow(*id)));
+        let given =
+            flows.filter(|(_, flow)| flow.role == FlowRole::Given && flow.default.is_none());
         given
-            .map(|flow| (flow.name.to_string(), flow.ty.clone(), flow.span))
+            .map(|(id, flow)| Taken {
+                flow: id,
+                name: flow.name.clone(),
+                ty: flow.ty.clone(),
+                declared: flow.span,
+            })
             .collect()
     }
 
-    fn not_handed(
+    fn handed_by(
         &mut self,
-        (name, ty, declared): (&str, &Ty, Span),
-        before: Option<(UnitId, Span)>,
+        taken: &Taken,
+        (before, span): (UnitId, Span),
         run: &Run,
-    ) -> Option<Finding> {
-        let command = &run.callee.name.name;
-        let finding = Finding::new(
-            Code::RPI8004,
-            format!("`{command}` takes `{name}` over, and nothing hands it over"),
-        );
-        let finding = finding
-            .at(run.callee.span, format!("`{name}` has no value here"))
-            .also(declared, "taken over from the predecessor");
-        let Some((before, span)) = before else {
-            return Some(
-                finding.help("no command runs before it; make it a parameter of the command"),
-            );
-        };
+    ) -> Result<Handed, Box<Finding>> {
+        let Taken { flow, name, ty, .. } = taken;
         self.c.check_now(before);
         let unit = &self.c.units[before.0 as usize];
         debug_assert!(unit.kind == UnitKind::Command);
-        let exports = &unit.block(BlockId::ROOT).exports;
-        let Some(export) = exports.iter().find(|export| export.key == name) else {
+        let mut exports = unit.block(BlockId::ROOT).exports.iter().enumerate();
+        let Some((index, export)) = exports.find(|(_, export)| export.key == name.as_str()) else {
             let help = format!("write `export {name};` in `{}`", unit.name);
-            return Some(finding.also(span, "this runs before it").help(help));
+            let finding = not_handed(taken, run).also(span, "this runs before it");
+            return Err(Box::new(finding.help(help)));
         };
         let found = &unit.expr(export.value).ty;
         match fit(ty, found, &mut Subst::default()) {
             // Frames are named after the parameters of each command.
-            Ok(()) | Err(Misfit::Frame { .. }) => None,
+            Ok(()) | Err(Misfit::Frame { .. }) => Ok(Handed {
+                flow: *flow,
+                by: before,
+                export: index,
+                span,
+            }),
             Err(_) => {
                 let text = format!("this `{name}` is `{found}`, `{ty}` is wanted");
-                Some(finding.also(export.span, text))
+                Err(Box::new(not_handed(taken, run).also(export.span, text)))
             }
         }
     }
+}
+
+fn not_handed(taken: &Taken, run: &Run) -> Finding {
+    let (name, command) = (&taken.name, &run.callee.name.name);
+    Finding::new(
+        Code::RPI8004,
+        format!("`{command}` takes `{name}` over, and nothing hands it over"),
+    )
+    .at(run.callee.span, format!("`{name}` has no value here"))
+    .also(taken.declared, "taken over from the predecessor")
 }

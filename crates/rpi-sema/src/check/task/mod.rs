@@ -226,6 +226,7 @@ impl<'a> Body<'_, 'a> {
                 decl: id,
                 unit,
                 args,
+                handed: Vec::new(),
             });
         }
     }
