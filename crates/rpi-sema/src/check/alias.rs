@@ -10,7 +10,7 @@ use super::statics::{Param, Statics, missing};
 use super::types::PortTy;
 use crate::program::DeclId;
 use crate::ty::Ty;
-use crate::typed::{Activation, Equation, FlowId, FlowRole, Place, Target};
+use crate::typed::{Activation, ClockOn, Equation, FlowId, FlowRole, Place, Target};
 use rpi_diag::Span;
 use rpi_syntax::Name;
 use rpi_syntax::ast::{Callee, Ident};
@@ -26,6 +26,8 @@ pub(super) struct Ports {
 pub(super) struct Named {
     pub(super) name: Name,
     pub(super) ty: Ty,
+    clock: Option<(Name, u32)>,
+    optional: bool,
     span: Span,
 }
 
@@ -34,6 +36,8 @@ impl Named {
         Named {
             name: name.into(),
             ty,
+            clock: None,
+            optional: false,
             span,
         }
     }
@@ -44,6 +48,8 @@ impl From<&Port> for Named {
         Named {
             name: port.name.clone(),
             ty: port.ty.clone(),
+            clock: port.clock.clone(),
+            optional: port.optional,
             span: port.span,
         }
     }
@@ -95,26 +101,47 @@ impl<'a> Body<'_, 'a> {
         let Some(ports) = ports else {
             return;
         };
-        for port in ports.inputs {
+        for port in &ports.inputs {
             let flow = self.declare_like(port, FlowRole::Input);
             self.unit.inputs.push(flow);
         }
-        for port in ports.outputs {
+        for port in &ports.outputs {
             let flow = self.declare_like(port, FlowRole::Output);
             self.unit.outputs.push(flow);
         }
+        self.clocks_like(&ports);
     }
 
-    fn declare_like(&mut self, port: Named, role: FlowRole) -> FlowId {
+    fn declare_like(&mut self, port: &Named, role: FlowRole) -> FlowId {
         let name = Ident {
-            name: port.name,
+            name: port.name.clone(),
             span: port.span,
         };
         let ty = PortTy {
-            ty: port.ty,
-            optional: false,
+            ty: port.ty.clone(),
+            optional: port.optional,
         };
         self.declare_flow(&name, &ty, role)
+    }
+
+    /// The ports, now declared, are sampled by one another as theirs are.
+    fn clocks_like(&mut self, ports: &Ports) {
+        let flows = self.unit.inputs.iter().chain(&self.unit.outputs);
+        let flows: Vec<FlowId> = flows.copied().collect();
+        for (flow, port) in flows.iter().zip(ports.inputs.iter().chain(&ports.outputs)) {
+            let Some((name, value)) = &port.clock else {
+                continue;
+            };
+            let is_called = |id: &&FlowId| self.unit.flow(**id).name == *name;
+            if let Some(deciding) = flows.iter().find(is_called).copied() {
+                let value = *value;
+                self.unit.has_clocks = true;
+                self.unit.flows[flow.0 as usize].clock = Some(ClockOn {
+                    flow: deciding,
+                    value,
+                });
+            }
+        }
     }
 
     /// The ports of something to call; none where they depend on what it is called with.

@@ -64,6 +64,10 @@ pub(super) struct Port {
     pub(super) is_static: bool,
     /// Whether it decides about the clock of another port.
     pub(super) decides: bool,
+    /// The port that its clock is sampled by, and for which value.
+    pub(super) clock: Option<(Name, u32)>,
+    /// Whether it is declared with `?`.
+    pub(super) optional: bool,
     pub(super) span: Span,
 }
 
@@ -158,6 +162,8 @@ fn wanted_port(name: &Ident, ty: Ty, role: FlowRole, has_default: bool) -> Port 
         has_default,
         is_static: false,
         decides: false,
+        clock: None,
+        optional: false,
         span: name.span,
     }
 }
@@ -172,6 +178,10 @@ fn port(unit: &Unit, id: FlowId) -> Port {
         has_default: flow.default.is_some(),
         is_static: false,
         decides: false,
+        clock: flow
+            .clock
+            .map(|on| (unit.flow(on.flow).name.clone(), on.value)),
+        optional: flow.optional == Optional::Declared(true),
         span: flow.span,
     }
 }

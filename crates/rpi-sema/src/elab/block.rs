@@ -86,6 +86,7 @@ impl<'u> Elab<'u> {
         let content = unit.block(block);
         let around = std::mem::replace(&mut scope.base, at.fragment);
         for equation in &content.equations {
+            let at = self.apart(at, equation.span);
             self.equation(scope, equation, at);
         }
         for claim in &content.claims {

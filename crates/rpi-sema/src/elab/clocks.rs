@@ -8,7 +8,7 @@ use crate::typed::{ClockOn, ExprId, FlowId};
 use rpi_diag::Span;
 use rpi_image::{Scalar, Type, Value};
 use rpi_net::prim;
-use rpi_net::{FragmentId, PortRef, Restart};
+use rpi_net::{Activation, FragmentId, PortRef, Restart};
 
 /// What a clock's fragments are known by: the fragment around them, the flow that decides, and for which value.
 pub(super) type ClockKey = (FragmentId, Deciding, u32);
@@ -90,6 +90,9 @@ impl<'u> Elab<'u> {
         let name = &scope.unit.flow(on.flow).name;
         let path = format!("{}@{name}#{}", scope.prefix, self.net.fragments.len());
         let fragment = self.fragment(&path, parent, activation, Restart::Never, span);
+        // Its author knows the flows in it, but not that there is a fragment around them.
+        self.net.fragments[fragment.0 as usize].origin.flow = None;
+        self.ticking.insert(fragment);
         if let Some(key) = key {
             self.clocks.entry(key).or_default().push(fragment);
         }
@@ -107,6 +110,33 @@ impl<'u> Elab<'u> {
         }
     }
 
+    /// Where an equation of a node is evaluated that is called on a clock: in a fragment of its own, if all in one would
+    /// make a ring.
+    pub(super) fn apart(&mut self, at: At, span: Span) -> At {
+        match self.sampled == Sampled::DelaysBeside && self.ticking.contains(&at.fragment) {
+            true => At {
+                fragment: self.like(at.fragment, span),
+                ..at
+            },
+            false => at,
+        }
+    }
+
+    /// One more fragment of the same clock.
+    fn like(&mut self, fragment: FragmentId, span: Span) -> FragmentId {
+        let known = &self.net.fragments[fragment.0 as usize];
+        let (activation, parent) = (
+            known.activation.clone(),
+            known.parent.unwrap_or(FragmentId::ROOT),
+        );
+        let start = known.name.split('#').next().unwrap_or_default();
+        let path = format!("{start}#{}", self.net.fragments.len());
+        let like = self.fragment(&path, parent, activation, Restart::Never, span);
+        self.net.fragments[like.0 as usize].origin.flow = None;
+        self.ticking.insert(like);
+        like
+    }
+
     /// `pre x` on a clock beside the fragment of that clock, so that it breaks rings through the fragment: what x was at
     /// the latest tick. None where there is nothing to be gained.
     pub(super) fn pre_beside(
@@ -120,14 +150,30 @@ impl<'u> Elab<'u> {
             return None;
         }
         let clock = self.facts_of(scope)?.clocks.of_expr(id);
-        let (on, outer) = clock.split_last()?;
         let span = scope.unit.expr(id).span;
-        let beside = At::fragment(self.clocked(scope, outer, at, span));
-        // Not where it is read: there it would be part of the ring.
-        let wire = self.expr(scope, operand, beside);
+        // The operand is not evaluated where it is read: there it would be part of the ring.
+        let (wire, ticks, beside) = match clock.split_last() {
+            Some((on, outer)) => {
+                let beside = At::fragment(self.clocked(scope, outer, at, span));
+                let wire = self.expr(scope, operand, beside);
+                (wire, self.ticks(scope, *on, beside, span), beside)
+            }
+            None => {
+                let base = &self.net.fragments[scope.base.0 as usize];
+                let (parent, activation) = (base.parent?, base.activation.clone());
+                let Activation::When { condition, .. } = activation else {
+                    return None;
+                };
+                let own = self.apart(At::fragment(scope.base), span);
+                if own.fragment == scope.base {
+                    return None;
+                }
+                let wire = self.expr(scope, operand, own);
+                (wire, Signal::Port(condition), At::fragment(parent))
+            }
+        };
         let scalars = super::expr::leaf_scalars(&scope.unit.expr(id).ty);
         let absence = self.absence(scope, operand);
-        let ticks = self.ticks(scope, *on, beside, span);
         let mut leaves = Vec::with_capacity(scalars.len());
         for (k, (signal, scalar)) in wire.iter().zip(scalars).enumerate() {
             let latch = (signal, scalar, &ticks);

@@ -71,7 +71,7 @@ impl<'u> Elab<'u> {
     fn within_each(&mut self, unit: &'u Unit) -> Rc<[Within]> {
         let mut all: Vec<Within> = Vec::with_capacity(unit.exprs.len());
         for expr in &unit.exprs {
-            let mut within = self.by_itself(&expr.kind);
+            let mut within = self.alone(&expr.kind);
             if !within.goes_on {
                 expr.kind.operands(&mut |operand| {
                     let operand = all[operand.0 as usize];
@@ -85,7 +85,7 @@ impl<'u> Elab<'u> {
     }
 
     /// What an expression tells without its operands. On the way to a state nothing is guarded.
-    fn by_itself(&mut self, kind: &Kind) -> Within {
+    fn alone(&mut self, kind: &Kind) -> Within {
         let goes_on = match kind {
             Kind::Each(Each::Pre | Each::Last | Each::Hold, _) | Kind::Current(_) => true,
             Kind::Call(call) => !self.is_function(call.unit),

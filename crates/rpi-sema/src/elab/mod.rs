@@ -189,6 +189,8 @@ struct Elab<'u> {
     of_cycle: Map<(FragmentId, PrimId), signal::Wire>,
     /// The fragments of clocks.
     clocks: Map<clocks::ClockKey, Vec<FragmentId>>,
+    /// The fragments of clocks.
+    ticking: Set<FragmentId>,
     /// By what flows were known before their equations were reached, where something is sampled.
     names_before: Map<PortRef, PortRef>,
     /// How what ticks by one clock lies in fragments.
@@ -245,6 +247,7 @@ impl<'u> Elab<'u> {
             firsts: Map::default(),
             of_cycle: Map::default(),
             clocks: Map::default(),
+            ticking: Set::default(),
             names_before: Map::default(),
             sampled: Sampled::Together,
             elements: Map::default(),
