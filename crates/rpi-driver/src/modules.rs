@@ -218,6 +218,10 @@ impl<'a> Loader<'a> {
                 .push(rpi_sema::no_file(include, folder.is_none()));
             return None;
         };
+        let mode = match Mode::of_path(&path) {
+            Mode::Lustre => Mode::Lustre,
+            Mode::Rpi => mode,
+        };
         let file = self.sources.add(path, text.as_str());
         Some(self.parse(file, &text, mode))
     }

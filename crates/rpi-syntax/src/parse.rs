@@ -27,7 +27,7 @@ pub(crate) fn parse_with_tokens(file: FileId, text: &str, mode: Mode) -> (Parse,
     findings.sort_by_key(|finding| finding.span());
     findings.dedup();
     let parse = Parse {
-        file: File { items },
+        file: File { items, mode },
         comments: lexed.comments,
         findings,
     };

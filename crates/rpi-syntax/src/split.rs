@@ -41,6 +41,7 @@ pub(crate) fn split(text: &str, lexemes: &[Lexeme], mode: Mode) -> Vec<Chunk> {
         chunks: Vec::new(),
         lets: 0,
         brackets: 0,
+        statics: 0,
         in_contract: false,
         complete: true,
     };
@@ -58,6 +59,8 @@ struct Splitter<'t> {
     /// Open bodies and brackets in the current chunk.
     lets: u32,
     brackets: u32,
+    /// How many of them are `<<`.
+    statics: u32,
     /// Whether a contract is open in the current chunk.
     in_contract: bool,
     /// Whether the current chunk has had its body, or there is none yet.
@@ -104,7 +107,7 @@ impl Splitter<'_> {
             return self.extend(at);
         }
         self.complete = outside(&head);
-        (self.lets, self.brackets) = (0, 0);
+        (self.lets, self.brackets, self.statics) = (0, 0, 0);
         self.in_contract = false;
         let range = at..at + 1;
         self.chunks.push(Chunk { range, head });
@@ -137,14 +140,19 @@ impl Splitter<'_> {
         match self.lexemes[at].token {
             Con | Noc => self.in_contract = self.lexemes[at].token == Con,
             Let => {
-                (self.lets, self.brackets) = (self.lets + 1, 0);
+                (self.lets, self.brackets, self.statics) = (self.lets + 1, 0, 0);
                 self.in_contract = false;
             }
             Tel => {
                 self.complete |= self.lets <= 1;
                 (self.lets, self.brackets) = (self.lets.saturating_sub(1), 0);
+                self.statics = 0;
             }
-            LParen | LBracket | LBrace | LStatic => self.brackets += 1,
+            LStatic => (self.brackets, self.statics) = (self.brackets + 1, self.statics + 1),
+            RStatic if self.statics > 0 => {
+                (self.brackets, self.statics) = (self.brackets.saturating_sub(1), self.statics - 1);
+            }
+            LParen | LBracket | LBrace => self.brackets += 1,
             RParen | RBracket | RBrace | RStatic => self.brackets = self.brackets.saturating_sub(1),
             _ => {}
         }
@@ -155,6 +163,7 @@ impl Splitter<'_> {
         let outside = self.brackets == 0 || self.begins_line(at);
         begins_declaration(token)
             && outside
+            && !self.is_static(at)
             && !self.continues_prefix(at)
             && !self.is_meant_as_name(at)
             && match token {
@@ -168,6 +177,13 @@ impl Splitter<'_> {
     fn is_meant_as_name(&self, at: usize) -> bool {
         let next = self.token_at(at + 1);
         !self.complete && next.is_some_and(follows_name)
+    }
+
+    /// `<<const n: int; node f (...) returns (...)>>`, however the lines are broken.
+    fn is_static(&self, at: usize) -> bool {
+        use Token::{Comma, LStatic, Semi};
+        let before = at.checked_sub(1).and_then(|i| self.token_at(i));
+        self.statics > 0 && matches!(before, Some(LStatic | Comma | Semi))
     }
 
     /// `node` after `unsafe`, `extern`, `opaque` or `transparent`

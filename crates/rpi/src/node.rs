@@ -37,7 +37,7 @@ pub(crate) fn run(args: &RunArgs) -> Outcome {
     let mut session = Session {
         run: NodeRun::load(image, &node.inputs, &shown, &node.net.claims)?,
         shown,
-        out: output(&args.node)?,
+        out: output(&args.program, &args.node)?,
         sources,
         style,
         holds: input.kind == Kind::Lustre,
@@ -80,7 +80,7 @@ fn only_for_nodes(args: &RunArgs) -> Result<(), String> {
     }
 }
 
-fn output(args: &NodeArgs) -> Result<Box<dyn Write>, Box<dyn Error>> {
+fn output(program: &Path, args: &NodeArgs) -> Result<Box<dyn Write>, Box<dyn Error>> {
     let Some(path) = args
         .outputs
         .as_deref()
@@ -88,10 +88,8 @@ fn output(args: &NodeArgs) -> Result<Box<dyn Write>, Box<dyn Error>> {
     else {
         return Ok(Box::new(BufWriter::new(stdout())));
     };
-    let file = match &args.inputs {
-        Some(inputs) => create(path, inputs)?,
-        None => File::create(path).map_err(|error| format!("{}: {error}", path.display()))?,
-    };
+    let read = std::iter::once(program).chain(args.inputs.as_deref());
+    let file = create(path, &read.collect::<Vec<_>>())?;
     Ok(Box::new(BufWriter::new(file)))
 }
 

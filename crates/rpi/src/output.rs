@@ -18,9 +18,11 @@ pub(crate) fn quietly<T>(written: std::io::Result<T>) -> std::io::Result<Option<
     }
 }
 
-/// Makes a file for results; refuses to overwrite the program they come from.
-pub(crate) fn create(path: &Path, source: &Path) -> Result<File, Box<dyn Error>> {
-    refuse(path, source)?;
+/// Makes a file for results; refuses to overwrite what they come from.
+pub(crate) fn create(path: &Path, sources: &[&Path]) -> Result<File, Box<dyn Error>> {
+    for source in sources {
+        refuse(path, source)?;
+    }
     File::create(path).map_err(|e| format!("{}: {e}", path.display()).into())
 }
 

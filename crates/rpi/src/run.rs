@@ -39,11 +39,9 @@ pub(crate) fn run(args: &RunArgs) -> exit::Outcome {
     }
     let mut rows = record
         .filter(|path| !is_recording(path))
-        .map(|path| recording(path, &args.program))
+        .map(|path| recording(path, args))
         .transpose()?;
-    let mut picture = plot
-        .map(|path| output::create(path, &args.program))
-        .transpose()?;
+    let mut picture = plot.map(|path| create(path, args)).transpose()?;
     let mut motion = args.plot.as_ref().map(|_| Motion::default());
     let mut several = Several::default();
     several
@@ -128,7 +126,7 @@ fn execute(
 ) -> Result<Outcome, Box<dyn Error>> {
     let (cell, text) = target::cell(&args.program, &args.target, script)?;
     let recording = args.record.as_deref().filter(|path| is_recording(path));
-    let recording = recording.map(|path| whole(path, &args.program, text));
+    let recording = recording.map(|path| whole(path, args, text));
     let tick_ns = script.images.first().map_or(1, |image| image.period_ns);
     let mut progress = ProgressLine::default();
     let mut tell = |command: &CommandEnd, elapsed: Duration| progress.show(command, elapsed);
@@ -193,21 +191,27 @@ pub(crate) fn is_recording(path: &Path) -> bool {
 }
 
 /// A recording of everything, which can be run again.
-fn whole(path: &Path, program: &Path, cell: String) -> Result<Recording, Box<dyn Error>> {
-    let name = program.file_name().unwrap_or_default();
+fn whole(path: &Path, args: &RunArgs, cell: String) -> Result<Recording, Box<dyn Error>> {
+    let name = args.program.file_name().unwrap_or_default();
     Ok(Recording {
-        out: Box::new(BufWriter::new(output::create(path, program)?)),
+        out: Box::new(BufWriter::new(create(path, args)?)),
         origin: Origin {
             program: name.to_string_lossy().into_owned(),
-            program_bytes: std::fs::read(program)?,
+            program_bytes: std::fs::read(&args.program)?,
             cell,
         },
     })
 }
 
-fn recording(path: &Path, program: &Path) -> Result<Rows<BufWriter<File>>, Box<dyn Error>> {
+/// Makes a file for results, which is neither the program nor the cell.
+fn create(path: &Path, args: &RunArgs) -> Result<File, Box<dyn Error>> {
+    let cell = target::cell_file(&args.program, &args.target);
+    output::create(path, &[&args.program, &cell])
+}
+
+fn recording(path: &Path, args: &RunArgs) -> Result<Rows<BufWriter<File>>, Box<dyn Error>> {
     let form = Form::of(&path.to_string_lossy());
-    let file = output::create(path, program)?;
+    let file = create(path, args)?;
     Ok(Rows::new(BufWriter::new(file), form))
 }
 

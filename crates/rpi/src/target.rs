@@ -1,6 +1,6 @@
 //! What to run and against what: images, their order, the cell.
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use rpi_driver::{Compiled, Program, Task};
@@ -88,26 +88,30 @@ fn of_image(image: &Image, target: &Target) -> Result<Image, String> {
     }
 }
 
+/// Where the cell is: the one that was named, or one beside the program, if it is there.
+pub(crate) fn cell_file(program: &Path, target: &Target) -> PathBuf {
+    let beside = || program.with_file_name("cell.toml");
+    target.cell.clone().unwrap_or_else(beside)
+}
+
 /// The cell that was named, or the one beside the program, with its text; one without devices for what needs none.
 pub(crate) fn cell(
     program: &Path,
     target: &Target,
     script: &Script,
 ) -> Result<(Cell, String), String> {
-    let beside = program.with_file_name("cell.toml");
-    let path = match &target.cell {
-        Some(path) => path.as_path(),
-        None if beside.is_file() => beside.as_path(),
-        None if !needs_devices(&script.images) => return Ok((Cell::default(), String::new())),
-        None => {
-            return Err(
-                "which cell? There is no cell.toml beside the program; say --cell FILE".into(),
-            );
-        }
-    };
+    let path = cell_file(program, target);
+    if target.cell.is_none() && !path.is_file() {
+        return match needs_devices(&script.images) {
+            false => Ok((Cell::default(), String::new())),
+            true => {
+                Err("which cell? There is no cell.toml beside the program; say --cell FILE".into())
+            }
+        };
+    }
     let name = path.display().to_string();
-    let bytes = std::fs::read(path).map_err(|e| format!("{name}: {e}"))?;
-    let text = rpi_driver::utf8(path, &bytes).map_err(|e| e.to_string())?;
+    let bytes = std::fs::read(&path).map_err(|e| format!("{name}: {e}"))?;
+    let text = rpi_driver::utf8(&path, &bytes).map_err(|e| e.to_string())?;
     let cell = Cell::parse(&name, text);
     let cell = cell.map_err(|errors| format!("the cell is wrong\n{errors}"))?;
     Ok((cell, text.to_owned()))

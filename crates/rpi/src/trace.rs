@@ -70,7 +70,7 @@ fn pick(args: &TraceArgs, text: &str) -> Outcome {
         cycles: args.from..args.to.saturating_add(1),
     };
     let mut out: Box<dyn Write> = match &args.output {
-        Some(path) => Box::new(BufWriter::new(output::create(path, &args.source)?)),
+        Some(path) => Box::new(BufWriter::new(output::create(path, &[&args.source])?)),
         None => Box::new(BufWriter::new(std::io::stdout())),
     };
     let rows = copy(text, &filter, &mut out);

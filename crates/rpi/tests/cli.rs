@@ -218,6 +218,30 @@ fn results_never_replace_the_program() {
 }
 
 #[test]
+fn results_never_replace_the_cell_or_the_text_of_a_node() {
+    let dir = folder();
+    let (program, cell) = (path(&dir, "wait.rpi"), path(&dir, "cell.toml"));
+    let text = "command Wait () let finish done when time > 2[ms]; tel\nnode n (x: int) returns (y: int) let y = x; tel\n";
+    std::fs::write(&program, text).unwrap();
+    std::fs::write(&cell, "name = \"c\"\n").unwrap();
+    let of_node = ["--node", "n", "--random", "1", "--cycles", "2", "--outputs"];
+    let of_node = [&["run", &program][..], &of_node, &[&program]].concat();
+    let plot = ["run", &program, "--plot", &cell];
+    let record = ["run", &program, "--record", &cell];
+    for args in [&of_node[..], &plot, &record] {
+        let output = rpi(args);
+        assert_eq!(output.status.code(), Some(2), "{}", err(&output));
+        assert!(
+            err(&output).contains("this is the input"),
+            "{}",
+            err(&output)
+        );
+    }
+    assert_eq!(std::fs::read_to_string(&program).unwrap(), text);
+    assert_eq!(std::fs::read_to_string(&cell).unwrap(), "name = \"c\"\n");
+}
+
+#[test]
 fn a_file_that_cannot_be_written_is_named() {
     let dir = folder();
     let target = path(&dir, "nowhere/rows.csv");

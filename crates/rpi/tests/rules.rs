@@ -30,7 +30,9 @@ fn end(results: &str) -> serde_json::Value {
 /// M10.1.
 #[test]
 fn an_error_goes_before_other_results_then_the_order_of_the_text() {
-    let of_errors = end("finish a when n = 2;\nfail b when n = 2;\nfail c when n >= 2;\n");
+    let of_errors = end(
+        "finish a when n = 2;\nfail b when n = 2;\nfail c when n >= 2 and n < 9;\nfinish z when n > 9;\n",
+    );
     assert_eq!(of_errors["how"], "error", "{of_errors}");
     assert_eq!(
         [&of_errors["name"], &of_errors["number"]],
@@ -164,7 +166,7 @@ fn what_a_device_refuses_is_no_good_end() {
         "[devices.arm]\nkind = \"arm\"\nmodel = \"kuka-lwr4+\"\n",
     )
     .unwrap();
-    let later = "tel\ncommand Miss\nlet\n  finish found when time > 1[s];\n  fail nothing when time > 5[ms];\n";
+    let later = "tel\ncommand Miss\nlet\n  finish found when time > 1[s];\n  fail nothing when time > 5[ms] and time < 9[s];\n";
     let both = format!(
         "{later}tel\ntask Both (arm: Arm)\nlet\n  Jump(arm);\n  Miss() on fail then end | on any then end;\n"
     );

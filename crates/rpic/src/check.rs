@@ -30,9 +30,9 @@ pub(crate) fn check(args: &CheckArgs) -> Outcome {
             }
         };
         if args.explain_analysis {
-            explain(&compiled)?;
+            say(args.format, &explained(&compiled))?;
         }
-        report.add(compiled);
+        report.add(&compiled.sources, compiled.findings);
     }
     show(args.format, &report.findings, &report.sources)?;
     Ok(match (all_read, has_errors(&report.findings)) {
@@ -57,17 +57,17 @@ pub(crate) fn compile(path: &Path, told: bool) -> Result<Compiled, Box<dyn std::
 
 /// The findings of several files; what they share is told once.
 #[derive(Default)]
-struct Report {
-    findings: Vec<Finding>,
-    sources: SourceMap,
+pub(crate) struct Report {
+    pub(crate) findings: Vec<Finding>,
+    pub(crate) sources: SourceMap,
     /// Where in `findings` those are that are about the same place: there can be a hundred thousand.
     told: BTreeMap<(Code, Span), Vec<usize>>,
 }
 
 impl Report {
-    fn add(&mut self, compiled: Compiled) {
-        let files = self.sources.absorb(&compiled.sources);
-        for finding in compiled.findings {
+    pub(crate) fn add(&mut self, sources: &SourceMap, findings: Vec<Finding>) {
+        let files = self.sources.absorb(sources);
+        for finding in findings {
             self.tell(finding.renumbered(&files));
         }
     }
@@ -104,8 +104,19 @@ pub(crate) fn show(
     }
 }
 
+/// Writes what is for people to standard output, unless that holds one document for programs.
+pub(crate) fn say(format: Format, text: &str) -> Result<(), Box<dyn std::error::Error>> {
+    match format {
+        Format::Human => put(None, text.as_bytes()),
+        _ => {
+            rpi_diag::tell!("{text}");
+            Ok(())
+        }
+    }
+}
+
 /// What each analysis established about each thing that can be run.
-fn explain(compiled: &Compiled) -> Result<(), Box<dyn std::error::Error>> {
+fn explained(compiled: &Compiled) -> String {
     let mut out = String::new();
     for told in &compiled.told {
         out.push_str(&format!("{}\n", told.name));
@@ -113,7 +124,7 @@ fn explain(compiled: &Compiled) -> Result<(), Box<dyn std::error::Error>> {
             out.push_str(&format!("  {pass:<14} {line}\n"));
         }
     }
-    put(None, out.as_bytes())
+    out
 }
 
 /// True if something was found that is an error.

@@ -20,6 +20,9 @@ pub(crate) fn fmt(args: &FmtArgs) -> Outcome {
     for file in &rpi_driver::files_of(&args.files)? {
         let input = rpi_driver::read(file)?;
         let text = input.text()?;
+        if !args.check {
+            is_written_so(file, text)?;
+        }
         exit = match formatted(&file.display().to_string(), text)? {
             Some(new) if new == text => exit,
             Some(new) if args.check => not_formatted(file, text, &new)?,
@@ -31,6 +34,17 @@ pub(crate) fn fmt(args: &FmtArgs) -> Outcome {
         };
     }
     Ok(exit)
+}
+
+/// Refuses a file that holds its text packed or in another encoding: written back it would be another file.
+fn is_written_so(file: &Path, text: &str) -> Result<(), String> {
+    match std::fs::read(file).is_ok_and(|bytes| bytes == text.as_bytes()) {
+        true => Ok(()),
+        false => Err(format!(
+            "{}: only plain files in UTF-8 are formatted in place; unpack it, or convert it (`iconv -f ISO-8859-1 -t UTF-8`)",
+            file.display()
+        )),
+    }
 }
 
 fn stdin(name: &str) -> Outcome {

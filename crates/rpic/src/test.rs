@@ -2,20 +2,24 @@
 
 use std::path::Path;
 
-use rpi_diag::{Code, Finding, Span, counted};
+use rpi_diag::{Code, Finding, Format, SourceMap, Span, counted};
 use rpi_driver::{Asked, Claims, Compiled, Input, Test};
 use rpi_host::testing::{Case, Condition, Ended, Holds, Report, run};
 use rpi_image::image::TextRange;
 use rpi_net::{Claim, ClaimKind};
 
 use crate::args::TestArgs;
-use crate::check::show;
+use crate::check::{Report as Told, say, show};
 use crate::coverage::Seen;
-use crate::outcome::{Exit, Outcome, put};
+use crate::outcome::{Exit, Outcome};
 
 /// Runs the tests of each file; one that fails decides.
 pub(crate) fn test(args: &TestArgs) -> Outcome {
     let (mut exit, mut tally) = (Exit::Good, Tally::default());
+    let mut out = Out {
+        format: args.format,
+        told: Told::default(),
+    };
     for file in &rpi_driver::files_of(&args.files)? {
         let input = rpi_driver::read(file)?;
         let asked = Asked {
@@ -24,23 +28,54 @@ pub(crate) fn test(args: &TestArgs) -> Outcome {
             ..Asked::default()
         };
         let compiled = rpi_driver::compile_with(&input, asked)?;
-        show(args.format, &compiled.findings, &compiled.sources)?;
+        out.findings(&compiled.findings, &compiled.sources)?;
         if compiled.has_errors() {
             exit = Exit::Found;
             continue;
         }
-        let seen = one_file(file, args, &compiled, &mut tally)?;
+        let seen = one_file(file, args, &compiled, (&mut tally, &mut out))?;
         if args.coverage {
-            let text = seen.text(&compiled.marks, &compiled.sources);
-            put(None, text.as_bytes())?;
+            out.say(&seen.text(&compiled.marks, &compiled.sources))?;
         }
-        examples(&input, args, &mut tally)?;
+        examples(&input, args, (&mut tally, &mut out))?;
     }
-    put(None, tally.text().as_bytes())?;
+    out.say(&tally.text())?;
+    out.end()?;
     Ok(match tally.failed {
         0 => exit,
         _ => Exit::Found,
     })
+}
+
+/// Where it goes what is to be said: for people as it happens, for programs in one document at the end.
+struct Out {
+    format: Format,
+    told: Told,
+}
+
+impl Out {
+    fn say(&self, text: &str) -> Result<(), Box<dyn std::error::Error>> {
+        say(self.format, text)
+    }
+
+    fn findings(
+        &mut self,
+        findings: &[Finding],
+        sources: &SourceMap,
+    ) -> Result<(), Box<dyn std::error::Error>> {
+        if self.format == Format::Human {
+            return show(self.format, findings, sources);
+        }
+        self.told.add(sources, findings.to_vec());
+        Ok(())
+    }
+
+    fn end(&self) -> Result<(), Box<dyn std::error::Error>> {
+        match self.format {
+            Format::Human => Ok(()),
+            format => show(format, &self.told.findings, &self.told.sources),
+        }
+    }
 }
 
 /// How many tests went how.
@@ -65,7 +100,7 @@ impl Tally {
 fn examples(
     input: &Input,
     args: &TestArgs,
-    tally: &mut Tally,
+    (tally, out): (&mut Tally, &mut Out),
 ) -> Result<(), Box<dyn std::error::Error>> {
     let (text, path) = (input.text()?, &input.path);
     let mode = rpi_syntax::Mode::of_path(&path.to_string_lossy());
@@ -80,18 +115,15 @@ fn examples(
             continue;
         }
         let compiled = rpi_driver::compile_example(input, &lines)?;
-        show(args.format, &compiled.findings, &compiled.sources)?;
+        out.findings(&compiled.findings, &compiled.sources)?;
         let right = !compiled.has_errors();
         let word = if right { "ok  " } else { "FAIL" };
-        put(
-            None,
-            format!("{word} {}: {title}\n", path.display()).as_bytes(),
-        )?;
+        out.say(&format!("{word} {}: {title}\n", path.display()))?;
         match right {
             true => tally.passed += 1,
             false => tally.failed += 1,
         }
-        one_file(path, args, &compiled, tally)?;
+        one_file(path, args, &compiled, (tally, out))?;
     }
     Ok(())
 }
@@ -101,7 +133,7 @@ fn one_file(
     file: &Path,
     args: &TestArgs,
     compiled: &Compiled,
-    tally: &mut Tally,
+    (tally, out): (&mut Tally, &mut Out),
 ) -> Result<Seen, Box<dyn std::error::Error>> {
     let wanted = |test: &Test| args.filter.as_ref().is_none_or(|f| test.title.contains(f));
     let mut seen = Seen::default();
@@ -114,13 +146,12 @@ fn one_file(
         let passed = report.passed();
         let word = if passed { "ok  " } else { "FAIL" };
         let (title, cycles) = (&test.title, counted(report.cycles, "cycle"));
-        let line = format!("{word} {}: {title} ({cycles})\n", file.display());
-        put(None, line.as_bytes())?;
+        out.say(&format!("{word} {}: {title} ({cycles})\n", file.display()))?;
         match passed {
             true => tally.passed += 1,
             false => tally.failed += 1,
         }
-        show(args.format, &findings(test, &report), &compiled.sources)?;
+        out.findings(&findings(test, &report), &compiled.sources)?;
         report.coverage.iter().for_each(|own| seen.add(own));
     }
     Ok(seen)

@@ -267,3 +267,63 @@ fn frames_of_one_name_are_at_one_place() {
     let parents = said("base", "room");
     assert!(parents.contains("here it is placed in `base`"), "{parents}");
 }
+
+/// Neither module goes before the other.
+#[test]
+fn a_name_of_two_modules_is_told_and_may_be_qualified() {
+    let main = |k: &str| {
+        format!("use a, b;\nnode f (x: int) returns (y: int)\nlet\n  y = x + {k};\ntel\n")
+    };
+    let (a, b) = ("const k: int = 7;\n", "const k: int = 9;\n");
+    let folder = folder(&[
+        ("a.rpi", a),
+        ("b.rpi", b),
+        ("m.rpi", &main("k")),
+        ("n.rpi", &main("a::k + b::k")),
+    ]);
+    let output = rpic(folder.path(), &["check", "m.rpi"]);
+    let told = text(&output.stderr);
+    assert_eq!(output.status.code(), Some(1), "{told}");
+    assert_eq!(
+        (
+            told.matches("RPI1002").count(),
+            told.matches("RPI1016").count()
+        ),
+        (2, 0),
+        "{told}"
+    );
+    let output = rpic(folder.path(), &["check", "n.rpi"]);
+    assert_eq!(output.status.code(), Some(0), "{}", text(&output.stderr));
+}
+
+/// A file is read as its own name says, whoever includes it.
+#[test]
+fn a_program_includes_lustre() {
+    let library = "node rem (x: int) returns (y: int);\nlet y = if x > 0 then x % 3 else 0; tel\n";
+    let main =
+        "include \"lib.lus\"\nnode f (x: int) returns (y: int)\nlet\n  y = rem(x) + 60 % 7;\ntel\n";
+    let right = main.replace(" + 60 % 7", "");
+    let folder = folder(&[
+        ("lib.lus", library),
+        ("wrong.rpi", main),
+        ("right.rpi", &right),
+    ]);
+    let output = rpic(folder.path(), &["check", "wrong.rpi"]);
+    let told = text(&output.stderr);
+    assert!(told.contains("wrong.rpi:4"), "{told}");
+    assert_eq!(told.matches("error RPI0016").count(), 1, "{told}");
+    let output = rpic(folder.path(), &["check", "right.rpi"]);
+    assert_eq!(output.status.code(), Some(0), "{}", text(&output.stderr));
+}
+
+/// What is written back would be another file than the one that was read.
+#[test]
+fn only_plain_files_in_utf_8_are_formatted_in_place() {
+    let folder = folder(&[]);
+    let file = folder.path().join("a.lus");
+    let latin = b"-- \xfcber\nnode f(x:int)returns(y:int);let y=x;tel\n";
+    std::fs::write(&file, latin).expect("it is written");
+    let output = rpic(folder.path(), &["fmt", "a.lus"]);
+    assert_eq!(output.status.code(), Some(2), "{}", text(&output.stderr));
+    assert_eq!(std::fs::read(&file).expect("it is there"), latin);
+}

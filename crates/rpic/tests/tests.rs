@@ -165,3 +165,18 @@ fn what_programs_claim_of_language_and_library_holds() {
     let count = said.lines().filter(|line| line.starts_with("ok ")).count();
     assert!(count >= 20, "only {count} tests");
 }
+
+#[test]
+fn other_forms_are_one_document() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("a.rpi");
+    let test = |title: &str| {
+        format!("test \"{title}\" let assert time < 0[s]; finish done when time > 2[ms]; tel\n")
+    };
+    std::fs::write(&path, test("one") + &test("two")).unwrap();
+    let path = path.to_str().unwrap();
+    let output = rpic(&["test", path, "--format", "json", "--coverage"]);
+    assert_eq!(output.status.code(), Some(1));
+    let document: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
+    assert_eq!(document["findings"].as_array().map(Vec::len), Some(2));
+}

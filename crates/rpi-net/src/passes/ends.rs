@@ -37,12 +37,20 @@ pub(crate) fn check(background: Background<'_>) -> Vec<Finding> {
     // That no `finish` can happen is one fault and has one message.
     let others = those(true).filter(|r| !(is_endless && finishes(r)));
     let mut findings: Vec<Finding> = others.map(unreachable).collect();
-    let alive = (0..results.len()).filter(|k| !dead[*k]);
+    let alive: Vec<usize> = (0..results.len()).filter(|k| !dead[*k]).collect();
     let order = Order::new(results);
-    findings.extend(alive.filter_map(|k| Some(covered(&results[k], order.before(&proofs, k)?))));
+    let before = |k: &usize| Some((&results[*k], order.before(&proofs, *k)?));
+    let mut hidden: Vec<_> = alive.iter().filter_map(before).collect();
+    let hidden_finishes = hidden.iter().filter(|(r, _)| finishes(r)).count();
     if is_endless {
         findings.push(endless(background, results, all));
+    } else if !background.net.is_test && hidden_finishes == those(false).filter(finishes).count() {
+        // One fault again.
+        let first = hidden.iter().find(|(r, _)| finishes(r));
+        findings.extend(first.map(|(r, first)| always_before(background.net, r, first)));
+        hidden.retain(|(r, _)| !finishes(r));
     }
+    findings.extend(hidden.into_iter().map(|(r, first)| covered(r, first)));
     findings
 }
 
@@ -136,7 +144,17 @@ impl<'r> Order<'r> {
 
 fn covered(result: &ResultPort, first: &ResultPort) -> Finding {
     let message = format!("result `{}` can never happen", result.name);
-    Finding::new(Code::RPI6103, message)
+    behind(Finding::new(Code::RPI6103, message), result, first)
+}
+
+/// Before each `finish` another result happens.
+fn always_before(net: &Net, finish: &ResultPort, first: &ResultPort) -> Finding {
+    let message = format!("command `{}` can never finish", net.name);
+    behind(Finding::new(Code::RPI6102, message), finish, first)
+}
+
+fn behind(finding: Finding, result: &ResultPort, first: &ResultPort) -> Finding {
+    finding
         .at(
             result.origin.span,
             format!("whenever this is true, `{}` goes before it", first.name),

@@ -163,7 +163,7 @@ impl Writer<'_> {
         self.exprs.counts.add("fail");
         tree.push(Tree::form(
             Role::Item(0),
-            "  fail bad when @ and n > 3;\n",
+            "  fail bad when @ and n > 3 and n < 9;\n",
             vec![fail],
         ));
         tree.push(Tree::form(

@@ -8,17 +8,19 @@ use super::order::{Guess, Missing, Pending};
 use super::statics::Statics;
 use super::told::Told;
 use crate::hash::{Map, Set};
-use crate::program::ModuleId;
+use crate::program::{DeclId, ModuleId};
 use crate::ty::Ty;
 use crate::typed::{Block, BlockId, Expr, ExprId, FlowId, Kind, Unit, UnitKind};
 use rpi_diag::{Finding, Span};
-use rpi_syntax::Name;
+use rpi_syntax::{Mode, Name};
 use std::rc::Rc;
 
 /// One body while it is checked.
 pub(super) struct Body<'c, 'a> {
     pub(super) c: &'c mut Checker<'a>,
     pub(super) module: ModuleId,
+    /// Which words its file knows.
+    pub(super) mode: Mode,
     pub(super) statics: Rc<Statics>,
     pub(super) unit: Unit,
     /// The block whose text is being read.
@@ -86,13 +88,15 @@ pub(super) struct Body<'c, 'a> {
 impl<'c, 'a> Body<'c, 'a> {
     pub(super) fn new(
         c: &'c mut Checker<'a>,
-        module: ModuleId,
+        decl: DeclId,
         statics: Rc<Statics>,
         unit: Unit,
     ) -> Self {
+        let decl = c.program.decl(decl);
         Body {
+            module: decl.module,
+            mode: decl.mode,
             c,
-            module,
             statics,
             scopes: unit.blocks.iter().map(|_| Scope::default()).collect(),
             unit,
@@ -131,9 +135,9 @@ impl<'c, 'a> Body<'c, 'a> {
     }
 
     /// A body without text of its own, for what stands at the top of a module.
-    pub(super) fn of_module(c: &'c mut Checker<'a>, module: ModuleId) -> Self {
+    pub(super) fn around(c: &'c mut Checker<'a>, decl: DeclId) -> Self {
         let unit = Unit::new(Name::from(""), UnitKind::Constant, Span::NONE);
-        Body::new(c, module, Rc::default(), unit)
+        Body::new(c, decl, Rc::default(), unit)
     }
 
     /// Ends the work on this body: its findings become the program's.

@@ -146,9 +146,8 @@ impl<'a> Body<'_, 'a> {
             return None;
         }
         self.compare_ports(id, &bound.statics);
-        let decl = self.c.program.decl(id);
         self.c.aliases.push(id);
-        let mut body = Body::of_module(self.c, decl.module);
+        let mut body = Body::around(self.c, id);
         body.statics = Rc::new(bound.statics);
         let callable = body.callable(&callee.name.name, &callee.statics, callee.span);
         let callable = callable.and_then(|callable| body.leaves_the_body(callable));

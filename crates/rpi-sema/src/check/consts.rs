@@ -39,7 +39,7 @@ impl<'a> Checker<'a> {
         self.constants.insert(id, Lazy::Busy);
         self.open.push(id);
         let constant = self.nested(|checker| {
-            let mut body = Body::of_module(checker, decl.module);
+            let mut body = Body::around(checker, id);
             let constant = match decl.kind {
                 DeclKind::Const(def) => body.constant_def(def),
                 DeclKind::Frame(frame) => body.pose_of_frame(&decl.name, frame),

@@ -39,9 +39,8 @@ impl<'a> Checker<'a> {
         if let Some(Lazy::Done(Some(ty))) = self.types.get(&key) {
             return ty.clone();
         }
-        let module = self.program.decl(id).module;
         let unit = Unit::new(decl.name.name.clone(), UnitKind::Constant, Span::NONE);
-        let mut body = Body::new(self, module, statics.clone(), unit);
+        let mut body = Body::new(self, id, statics.clone(), unit);
         body.in_signature = true;
         let ports = body.device_ports(decl);
         let frames = body.leave().free_frames;

@@ -108,12 +108,17 @@ pub(super) fn misplaced(
     if is_turned && expected.of.is_some() && expected.in_frame.is_some() {
         return finding.help("`inverse` turns it round");
     }
-    match expected.in_frame.is_none() || is.in_frame.is_none() || expected.in_frame == is.in_frame {
-        true => finding.help(format!(
+    let meet = |a: &Option<Name>, b: &Option<Name>| a.is_none() || b.is_none() || a == b;
+    let same_in = meet(&expected.in_frame, &is.in_frame);
+    let same_of = meet(&expected.of, &is.of);
+    match (same_in, same_of) {
+        (true, _) => finding.help(format!(
             "composed with the pose of `{wanted}` in `{found}` from the right it fits: `x * y`"
         )),
-        false => finding.help(format!(
+        (false, true) => finding.help(format!(
             "composed with the pose of `{found}` in `{wanted}` from the left it fits: `y * x`"
         )),
+        // No one pose makes it fit.
+        (false, false) => finding,
     }
 }

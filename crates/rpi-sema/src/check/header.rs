@@ -123,11 +123,11 @@ impl<'a> Checker<'a> {
 
     fn new_header(&mut self, id: DeclId, statics: Rc<Statics>) -> Option<Header> {
         let decl = self.program.decl(id);
-        let (kind, module, span) = (kind_of(decl.kind)?, decl.module, decl.span);
+        let (kind, span) = (kind_of(decl.kind)?, decl.span);
         let params = self.params_of(id);
         let name = display(self.program, &decl.name, &params, &statics);
         let unit = Unit::new(name.clone(), kind, span);
-        let mut body = Body::new(self, module, statics.clone(), unit);
+        let mut body = Body::new(self, id, statics.clone(), unit);
         body.declare_ports(id);
         let unit = body.leave();
         let params = params.into_iter();

@@ -158,6 +158,7 @@ pub fn check(program: &Program<'_>) -> Checked {
     checker.frames_are_placed();
     checker.check_queued();
     checker.check_samples();
+    checker.findings.extend(program.clashes());
     checker.findings.extend(recursion::check(&checker.units));
     checker.findings.extend(dialect::check(&checker.units));
     unknown::once_for_each_fix(&mut checker.findings);
@@ -293,8 +294,7 @@ impl<'a> Checker<'a> {
     }
 
     fn is_lustre(&self, id: DeclId) -> bool {
-        let module = self.program.decl(id).module;
-        self.program.module(module).mode == rpi_syntax::Mode::Lustre
+        self.program.decl(id).mode == rpi_syntax::Mode::Lustre
     }
 
     /// The nearest of these names, if one is near enough to be meant.

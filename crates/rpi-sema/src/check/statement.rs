@@ -193,7 +193,7 @@ impl<'a> Body<'_, 'a> {
     /// The flow that a target introduces: a plain name that nothing around declares.
     fn introduced(&mut self, target: &ast::Target, index: usize) -> Option<FlowId> {
         self.hides_no_constant(&target.name);
-        let may = target.path.is_empty() && self.mode() == Mode::Rpi && target.name.name != "_";
+        let may = target.path.is_empty() && self.mode == Mode::Rpi && target.name.name != "_";
         let flow = match self.find_in(self.block, &target.name.name) {
             Some(Local::Flow(flow)) if may && self.waits_for_type(flow) => flow,
             _ if !may || self.is_declared(&target.name) => return None,

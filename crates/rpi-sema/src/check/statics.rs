@@ -471,9 +471,8 @@ impl<'a> Checker<'a> {
 
     /// For what stands in the signature of a declaration, with the static parameters known so far.
     fn signature_body(&mut self, id: DeclId, statics: &Rc<Statics>) -> Body<'_, 'a> {
-        let module = self.program.decl(id).module;
         let unit = crate::typed::Unit::new("".into(), crate::typed::UnitKind::Constant, Span::NONE);
-        Body::new(self, module, statics.clone(), unit)
+        Body::new(self, id, statics.clone(), unit)
     }
 
     /// Adds defaults for what is not given. The names that are still open are returned.

@@ -425,11 +425,10 @@ impl<'a> Checker<'a> {
     }
 
     fn type_def(&mut self, id: DeclId, statics: Rc<Statics>) -> Ty {
-        let decl = self.program.decl(id);
-        let (DeclKind::Type(def), module) = (decl.kind, decl.module) else {
+        let DeclKind::Type(def) = self.program.decl(id).kind else {
             return Ty::Unknown;
         };
-        let mut body = Body::of_module(self, module);
+        let mut body = Body::around(self, id);
         body.statics = statics;
         let ty = body.type_meaning(def);
         let is_temporal = body.state_at.is_some();

@@ -202,10 +202,9 @@ impl<'a> Checker<'a> {
         let header = entry.header.clone();
         let called = entry.called;
         let outer = std::mem::replace(&mut self.depth, entry.depth);
-        let module = self.program.decl(header.decl).module;
         let mut unit = Unit::new(header.name.clone(), header.kind, header.span);
-        unit.is_lustre = self.program.module(module).mode == rpi_syntax::Mode::Lustre;
-        let mut body = Body::new(self, module, header.statics.clone(), unit);
+        unit.is_lustre = self.is_lustre(header.decl);
+        let mut body = Body::new(self, header.decl, header.statics.clone(), unit);
         body.check_decl(header.decl);
         body.give_types_to_none();
         if called != header.span && header.is_instance() {
@@ -392,12 +391,7 @@ impl<'a> Body<'_, 'a> {
 
     /// Whether the file knows the words of the robot world.
     pub(super) fn is_rpi(&self) -> bool {
-        self.mode() == rpi_syntax::Mode::Rpi
-    }
-
-    /// Which words the file knows.
-    pub(super) fn mode(&self) -> rpi_syntax::Mode {
-        self.c.program.module(self.module).mode
+        self.mode == rpi_syntax::Mode::Rpi
     }
 }
 

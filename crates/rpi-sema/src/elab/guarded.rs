@@ -4,7 +4,7 @@
 
 use super::Elab;
 use super::scope::Scope;
-use crate::typed::{Each, ExprId, Kind, Unit, UnitId, UnitKind};
+use crate::typed::{Each, Equation, ExprId, Kind, Unit, UnitId, UnitKind};
 use rpi_prims::PrimId;
 use std::rc::Rc;
 
@@ -104,11 +104,12 @@ impl<'u> Elab<'u> {
         self.units[unit.0 as usize].kind == UnitKind::Function
     }
 
-    /// Whether something can fault in what a function computes.
+    /// Whether something can fault in what a function computes, or it claims something.
     fn call_can_fault(&mut self, id: UnitId) -> bool {
         let callee = &self.units[id.0 as usize];
         let within = self.within_unit(id);
-        let mut values = callee.blocks.iter().flat_map(|block| &block.equations);
-        values.any(|equation| within[equation.value.0 as usize].can_fault)
+        let can_fault = |equation: &Equation| within[equation.value.0 as usize].can_fault;
+        let mut blocks = callee.blocks.iter();
+        blocks.any(|block| !block.claims.is_empty() || block.equations.iter().any(can_fault))
     }
 }

@@ -64,10 +64,16 @@ pub fn find(units: &[Unit], sound: &[bool]) -> (Vec<Facts>, Vec<Finding>) {
             let mut absent = Vec::new();
             super::demand::demand(&inference, &reads, &mut absent);
             absent.retain(|finding| !has_in_itself(&told, finding.span()));
-            // Where clocks do not meet, what is needlessly asked to be present can not be told.
-            if !apart.is_empty() {
-                absent.retain(|finding| finding.severity() == Severity::Error);
-            }
+            // Where clocks do not meet, or something in it is absent that must not be, what is needlessly asked to be
+            // present can not be told.
+            let is_error = |finding: &Finding| finding.severity() == Severity::Error;
+            let wrong = absent.iter().filter(|finding| is_error(finding));
+            let wrong: BTreeSet<Span> = wrong.map(Finding::span).collect();
+            absent.retain(|finding| {
+                let mut labels = finding.labels.iter();
+                let is_about_wrong = labels.any(|label| has_in_itself(&wrong, label.span));
+                is_error(finding) || apart.is_empty() && !is_about_wrong
+            });
             findings.append(&mut absent);
             let (exprs, flows) = (inference.exprs, inference.flows);
             facts.push(Facts {

@@ -41,6 +41,7 @@ impl<'a> Program<'a> {
             modules: collector.modules,
             decls: collector.decls,
             implicit: implicit.map(|(id, _)| id).collect(),
+            clashes: Default::default(),
             library,
             extents: collector.extents,
         };
@@ -50,6 +51,8 @@ impl<'a> Program<'a> {
 
 struct Collector<'a> {
     library: Library,
+    /// Which words the file at hand knows.
+    mode: Mode,
     modules: Vec<Module>,
     decls: Vec<Decl<'a>>,
     findings: Vec<Finding>,
@@ -60,6 +63,7 @@ impl<'a> Collector<'a> {
     fn new(library: Library) -> Collector<'a> {
         Collector {
             library,
+            mode: Mode::Rpi,
             modules: Vec::new(),
             decls: Vec::new(),
             findings: Vec::new(),
@@ -78,6 +82,7 @@ impl<'a> Collector<'a> {
             spaces: Default::default(),
         });
         for file in &source.files {
+            self.mode = file.mode;
             for item in &file.items {
                 self.item(item);
             }
@@ -213,6 +218,7 @@ impl<'a> Collector<'a> {
             span: name.span,
             doc,
             module,
+            mode: self.mode,
             kind,
         });
         let id = last_id(&self.decls);

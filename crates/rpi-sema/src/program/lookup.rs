@@ -1,6 +1,6 @@
 //! Finding a declaration by name.
 
-use super::{DeclId, Module, ModuleId, Program, Space, Use};
+use super::{DeclId, DeclKind, Module, ModuleId, Program, Space, Use};
 use rpi_diag::{Code, Finding, Fix, Span};
 use rpi_syntax::{Mode, Name};
 
@@ -41,15 +41,43 @@ impl Program<'_> {
     }
 
     fn imported(&self, module: &Module, name: &Name) -> Lookup {
-        let mut uses = module.uses.iter();
-        let found = uses.find_map(|used| Some((used, self.module(used.module).names.get(name)?)));
-        match found {
-            None => self.implied(module, name),
-            Some((used, id)) => {
-                used.found.set(true);
-                Lookup::Found(*id)
-            }
+        let uses = module.uses.iter();
+        let mut found =
+            uses.filter_map(|used| Some((used, *self.module(used.module).names.get(name)?)));
+        let Some((used, id)) = found.next() else {
+            return self.implied(module, name);
+        };
+        used.found.set(true);
+        // Frames of one name are one, wherever they are declared.
+        let is_other = |(_, other): &(&Use, DeclId)| {
+            let both = [id, *other].map(|id| self.decl(id).kind);
+            *other != id && !matches!(both, [DeclKind::Frame(_), DeclKind::Frame(_)])
+        };
+        if let Some((other, _)) = found.find(is_other) {
+            other.found.set(true);
+            let mut clashes = self.clashes.borrow_mut();
+            clashes
+                .entry((used.name, name.clone()))
+                .or_insert(other.name);
         }
+        Lookup::Found(id)
+    }
+
+    /// An error for each name that a module has found in two of those that it uses: none goes before the other.
+    pub(crate) fn clashes(&self) -> Vec<Finding> {
+        let clashes = self.clashes.borrow();
+        let clash = |((first, name), other): (&(Span, Name), &Span)| {
+            Finding::new(
+                Code::RPI1002,
+                format!("`{name}` is declared in two modules that are used"),
+            )
+            .at(*first, "here")
+            .also(*other, "and here")
+            .help(format!(
+                "say which one is meant, by its module: `module::{name}`"
+            ))
+        };
+        clashes.iter().map(clash).collect()
     }
 
     /// A warning for each module that the first one says to use and in which no name has been found so far.

@@ -18,14 +18,15 @@ use rpi_syntax::ast::{
     ItemKind, NodeDecl, NodeKind, PrimitiveDecl, TaskDecl, TestDecl, TypeDef,
 };
 use rpi_syntax::{Mode, Name};
-use std::cell::Cell;
+use std::cell::{Cell, RefCell};
+use std::collections::BTreeMap;
 
 /// The texts of one module, parsed.
 #[derive(Clone, Debug)]
 pub struct Source<'a> {
     /// The name by which `use` finds it.
     pub name: Name,
-    /// Which words its files know.
+    /// Which words its file knows; one that is included may know others.
     pub mode: Mode,
     /// The file, then those that it includes.
     pub files: Vec<&'a File>,
@@ -52,6 +53,8 @@ pub struct Decl<'a> {
     pub doc: Option<&'a Doc>,
     /// The module it stands in.
     pub module: ModuleId,
+    /// Which words its file knows.
+    pub mode: Mode,
     /// What it is.
     pub kind: DeclKind<'a>,
 }
@@ -185,6 +188,8 @@ pub struct Program<'a> {
     pub decls: Vec<Decl<'a>>,
     /// The modules that every `.rpi` module uses without saying so.
     implicit: Vec<ModuleId>,
+    /// What has been found in two modules: where the first one is named and what it is, and where the other is named.
+    clashes: RefCell<BTreeMap<(Span, Name), Span>>,
     /// What could be used, for what it would have declared.
     pub library: Library,
     /// Where its declarations stand, whole, in the order of the files.

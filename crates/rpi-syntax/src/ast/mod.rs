@@ -36,15 +36,18 @@ pub use task::*;
 pub use ty::*;
 pub use walk::{Visit, Walk};
 
+use crate::Mode;
 pub use crate::name::Name;
 use rpi_diag::Span;
 use std::sync::Arc;
 
 /// One source file.
-#[derive(Clone, PartialEq, Debug, Default)]
+#[derive(Clone, PartialEq, Debug)]
 pub struct File {
     /// Its declarations, in text order.
     pub items: Vec<Item>,
+    /// Which words it knows.
+    pub mode: Mode,
 }
 
 /// A name at a place. It may be qualified (`Core::DoubleAdd`) where it refers to something.

@@ -160,6 +160,28 @@ pub(super) fn no_let(found: &Found<'_, '_>) -> Option<Habit> {
     })
 }
 
+/// `state S let y = x; until c then T;`
+pub(super) fn open_state(found: &Found<'_, '_>) -> Option<Habit> {
+    use Token::{Automaton, End, Initial, Let, State, Tel, Until};
+    let at = found.fault.at;
+    let goes_on = matches!(found.token(at), Some(Until | State | Initial | End));
+    let mut before = (0..at).rev();
+    let open = before.find(|at| matches!(found.token(*at), Some(Let | Tel)))?;
+    let head =
+        before.find(|at| matches!(found.token(*at), Some(State | Let | Tel | End | Automaton)));
+    let is_state = head.is_some_and(|head| found.token(head) == Some(State));
+    if !goes_on || !is_state || found.token(open) != Some(Let) || !found.expects(Tel) {
+        return None;
+    }
+    let last = found.span_at(at - 1);
+    let finding = Finding::new(Code::RPI0004, "this state has no end")
+        .at(found.span_at(open), "no `tel` for this `let`")
+        .also(behind(last), "expected `tel` here")
+        .fix(Fix::sure("insert `tel`").insert_after(last, " tel"));
+    let mend = Mend::Tokens(vec![found.before_token(at, Tel)]);
+    Some(Habit { finding, mend })
+}
+
 /// `automaton ... state S let ... tel tel`
 pub(super) fn no_end(found: &Found<'_, '_>) -> Option<Habit> {
     use Token::{Automaton, End, Eq, Ident, State, Tel};

@@ -245,6 +245,10 @@ fn meant(found: &Found<'_, '_>, at: usize, branches: &[Branch]) -> Option<String
         .iter()
         .filter_map(|branch| branch.condition.clone())
     {
+        // `if () y = 1;`
+        if condition.is_empty() {
+            return None;
+        }
         let place = found.span_of(condition.clone());
         let text = (place.end - place.start) as usize <= MAX_TEXT;
         conditions.push(text.then(|| found.meant_text(condition))?);

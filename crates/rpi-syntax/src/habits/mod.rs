@@ -61,6 +61,7 @@ const HABITS: &[fn(&Found<'_, '_>) -> Option<Habit>] = &[
     automata::entry_twice,
     automata::late_unless,
     automata::no_let,
+    automata::open_state,
     automata::no_end,
     endings::choice_behind,
     endings::end_for_tel,

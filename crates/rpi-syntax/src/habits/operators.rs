@@ -18,7 +18,7 @@ pub(super) fn remainder(found: &Found<'_, '_>) -> Option<Habit> {
             found.span_at(at),
             "a per cent sign stands behind a number: `60%` is 0.6",
         )
-        .fix(Fix::sure("write `mod`").replace(found.span_at(at), "mod"));
+        .fix(Fix::sure("write `mod`").replace(found.span_at(at), word(found, at, "mod")));
     let mend = Mend::Tokens(vec![found.instead(at, &[Token::Mod])]);
     Some(Habit { finding, mend })
 }
@@ -107,13 +107,27 @@ pub(super) fn conditional(found: &Found<'_, '_>) -> Option<Habit> {
     }
     let (start, end) = operand(found, at);
     let level = found.structure.parent(at);
-    let is_colon =
-        |i: &usize| found.token(*i) == Some(Token::Colon) && found.structure.parent(*i) == level;
-    let colon = (at + 1..end).find(is_colon)?;
+    let here = |i: &usize| found.structure.parent(*i) == level;
+    // In a branch of a choice around it the condition is what stands there.
+    let begins = |i: &usize| matches!(found.token(*i), Some(Token::Then | Token::Else));
+    let branch = (start..at).rev().filter(here).find(begins);
+    let start = branch.map_or(start, |branch| branch + 1);
+    let mut inner = 0;
+    let colon = (at + 1..end).filter(here).find(|i| match found.token(*i) {
+        Some(Token::Question) => {
+            inner += 1;
+            false
+        }
+        Some(Token::Colon) if inner > 0 => {
+            inner -= 1;
+            false
+        }
+        token => token == Some(Token::Colon),
+    })?;
     let fix = Fix::sure("write `if ... then ... else ...`")
         .insert_before(found.span_at(start), "if ")
-        .replace(found.span_at(at), "then")
-        .replace(found.span_at(colon), "else");
+        .replace(found.span_at(at), word(found, at, "then"))
+        .replace(found.span_at(colon), word(found, colon, "else"));
     let finding = habit("a choice is written `if c then x else y`")
         .at(found.span_at(at), "`? :` is of another language")
         .fix(fix);
@@ -123,6 +137,11 @@ pub(super) fn conditional(found: &Found<'_, '_>) -> Option<Habit> {
         found.instead(colon, &[Token::Else]),
     ]);
     Some(Habit { finding, mend })
+}
+
+/// What a word is replaced by that stands in place of a sign: with the spaces that it needs.
+fn word(found: &Found<'_, '_>, at: usize, word: &str) -> String {
+    super::signs::apart(found.span_at(at), found.cx.text, word)
 }
 
 /// The element of a list, or the right side of an equation, in which a token stands.

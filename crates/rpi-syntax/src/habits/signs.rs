@@ -70,7 +70,7 @@ fn is_in_brackets(before: &str) -> bool {
 }
 
 /// A word with the spaces that keep it apart from what stands beside it.
-fn apart(span: Span, text: &str, word: &str) -> String {
+pub(super) fn apart(span: Span, text: &str, word: &str) -> String {
     let is_word = word.starts_with(|c: char| c.is_ascii_alphabetic());
     let joins = |c: char| is_word && !c.is_whitespace() && c != '(';
     let before = text[..span.start as usize].ends_with(joins);

@@ -29,7 +29,8 @@ pub fn head(item: &Item, mode: Mode) -> String {
         ItemKind::Test(test) => test.body = Body::default(),
         _ => {}
     }
-    let text = print(&File { items: vec![item] }, mode);
+    let items = vec![item];
+    let text = print(&File { items, mode }, mode);
     without_body(&text)
         .trim_end()
         .trim_end_matches(';')

@@ -422,7 +422,10 @@ fn item() -> impl Strategy<Value = Item> {
 }
 
 fn file() -> impl Strategy<Value = File> {
-    prop::collection::vec(item(), 0..3).prop_map(|items| File { items })
+    prop::collection::vec(item(), 0..3).prop_map(|items| File {
+        items,
+        mode: Mode::Rpi,
+    })
 }
 
 proptest! {

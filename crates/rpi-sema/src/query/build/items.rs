@@ -10,8 +10,11 @@ use rpi_syntax::ast::{
 
 impl<'a> Builder<'a> {
     pub(super) fn items(&mut self, source: &Source<'a>, scope: ScopeId) {
-        for item in source.files.iter().flat_map(|file| &file.items) {
-            self.item(scope, item);
+        for file in &source.files {
+            self.mode = file.mode;
+            for item in &file.items {
+                self.item(scope, item);
+            }
         }
     }
 

@@ -32,7 +32,6 @@ pub(super) fn build<'a>(program: &Program<'a>, sources: &[Source<'a>]) -> Index 
         builder.index.scopes[scope.0 as usize].uses = used.collect();
     }
     for (source, scope) in sources.iter().zip(&scopes) {
-        builder.mode = source.mode;
         builder.items(source, *scope);
     }
     builder.work_off();
