@@ -205,6 +205,16 @@ impl Code {
         )
     }
 
+    /// Whether it is about a body or bracket that does not end.
+    pub fn is_about_missing_end(self) -> bool {
+        self == Code::RPI0004
+    }
+
+    /// Whether it is about a flow that nothing defines.
+    pub fn is_about_missing_definition(self) -> bool {
+        self == Code::RPI1009
+    }
+
     /// How much it weighs.
     pub fn severity(self) -> Severity {
         self.row().severity

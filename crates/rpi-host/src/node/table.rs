@@ -40,12 +40,20 @@ impl<'c> Reader<'c> {
     /// If an in-port has no field or two.
     pub fn new(columns: &'c [Column], header: &str) -> Result<Reader<'c>, BadTable> {
         let names = fields(header.trim_start_matches(BYTE_ORDER_MARK));
+        let all = |is: &dyn Fn(&str) -> bool| -> Vec<usize> {
+            (0..names.len()).filter(|k| is(&names[*k])).collect()
+        };
         let field = |column: &Column| {
-            let mut found = (0..names.len()).filter(|k| is_name_of(&names[*k], &column.key));
-            match (found.next(), found.next()) {
-                (Some(k), None) => Ok(k),
-                (Some(_), Some(_)) => Err(format!("two columns are called `{}`", column.key)),
-                (None, _) => Err(no_column(&column.key, &names)),
+            let mut found = all(&|name| name == column.key);
+            if found.is_empty() {
+                let is_key = |name: &str| columns.iter().any(|other| other.key == name);
+                let flat = flat(&column.key);
+                found = all(&|name| name == flat && !is_key(name));
+            }
+            match found[..] {
+                [k] => Ok(k),
+                [] => Err(no_column(&column.key, &names)),
+                _ => Err(format!("two columns are called `{}`", column.key)),
             }
         };
         let fields: Result<Vec<usize>, String> = columns.iter().map(field).collect();
@@ -128,11 +136,7 @@ fn no_column(key: &str, names: &[String]) -> String {
     }
 }
 
-/// `x[2].f` may also be written `x_2_f`, as Lustre V6 does.
-fn is_name_of(name: &str, key: &str) -> bool {
-    name == key || name == flat(key)
-}
-
+/// `x[2].f` may also be written `x_2_f`, as Lustre V6 does, unless another flow is called so.
 fn flat(key: &str) -> String {
     let kept = key.chars().filter(|c| *c != ']');
     let plain = kept.map(|c| if matches!(c, '.' | '[') { '_' } else { c });
@@ -214,6 +218,16 @@ mod tests {
                 [Some(vec![(-3i64).cast_unsigned()]), Some(vec![1])]
             );
         }
+    }
+
+    #[test]
+    fn a_flow_with_the_other_spelling_of_a_part_has_its_own_column() {
+        let columns = [column("p.x", Scalar::Int), column("p_x", Scalar::Int)];
+        let reader = Reader::new(&columns, "p_x,p.x").unwrap();
+        let wanted = [2, 1].map(|n: i64| Some(vec![n.cast_unsigned()]));
+        assert_eq!(reader.row(2, "1,2").unwrap(), wanted);
+        let error = Reader::new(&columns, "p_x").unwrap_err();
+        assert!(error.message.contains("no column is called `p.x`"));
     }
 
     #[test]

@@ -105,7 +105,12 @@ impl<'a> Builder<'a> {
         match &ty.kind {
             TypeKind::Enum(values) => {
                 for value in values {
-                    let at = at.within(value.name.span, value.doc.as_ref());
+                    // What is said of the type is not said of each value.
+                    let at = At {
+                        whole: value.name.span,
+                        doc: value.doc.as_ref(),
+                        ..at
+                    };
                     self.define(at, &value.name, DefKind::EnumValue);
                 }
             }
