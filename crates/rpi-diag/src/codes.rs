@@ -210,11 +210,6 @@ impl Code {
         self == Code::RPI0004
     }
 
-    /// Whether it is about a flow that nothing defines.
-    pub fn is_about_missing_definition(self) -> bool {
-        self == Code::RPI1009
-    }
-
     /// How much it weighs.
     pub fn severity(self) -> Severity {
         self.row().severity

@@ -117,7 +117,7 @@ fn checked<T>(
     findings.splice(0..0, modules.findings.iter().cloned());
     let mut checked = check(&program);
     findings.append(&mut checked.findings);
-    forgive_what_is_in_the_open(&program, &mut findings);
+    let mut findings = rpi_sema::without_lacks_of_open_bodies(&program, findings);
     let sound = rpi_sema::sound(&program, &checked.units, &findings);
     let (facts, mut found) = facts::find(&checked.units, &sound);
     findings.append(&mut found);
@@ -155,17 +155,6 @@ fn checked<T>(
         finding.severity() == Severity::Error || finding.span().is_none() || file < own
     });
     (made, once(findings), checked)
-}
-
-/// Of a body without end it is not known what stands in it and what behind it: what it lacks is not told as well.
-fn forgive_what_is_in_the_open(program: &Program<'_>, findings: &mut Vec<Finding>) {
-    let no_end = findings.iter().filter(|f| f.code.is_about_missing_end());
-    let no_end: Vec<Span> = no_end.map(Finding::span).collect();
-    let extents = program.extents.iter().map(|extent| extent.span);
-    let is_open = |extent: &Span| no_end.iter().any(|span| extent.contains(*span));
-    let open: Vec<Span> = extents.filter(is_open).collect();
-    let follows = |f: &Finding| open.iter().any(|extent| extent.contains(f.span()));
-    findings.retain(|f| !f.code.is_about_missing_definition() || !follows(f));
 }
 
 /// What can be run.

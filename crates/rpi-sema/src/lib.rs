@@ -29,5 +29,5 @@ pub mod units;
 
 pub use check::{Checked, check, no_file, result_identity};
 pub use needless::needless;
-pub use sound::sound;
+pub use sound::{sound, without_lacks_of_open_bodies};
 pub use told::told;

@@ -5,8 +5,8 @@
 
 use crate::program::Program;
 use crate::typed::{Kind, Unit, UnitId};
-use rpi_diag::{FileId, Finding, Severity, Span};
-use std::collections::BTreeMap;
+use rpi_diag::{Code, FileId, Finding, Severity, Span};
+use std::collections::{BTreeMap, BTreeSet};
 
 /// For each unit whether it is sound.
 #[must_use]
@@ -28,6 +28,28 @@ pub fn sound(program: &Program<'_>, units: &[Unit], findings: &[Finding]) -> Vec
     let faulty = Extents::from(faulty);
     let stands = |unit: &Unit| faulty.around(unit.span).is_none() && !holds_a_fault(unit);
     without_users(units, units.iter().map(stands).collect())
+}
+
+/// Of a body without end it is not known what stands in it and what behind it: what it lacks is not told as well.
+#[must_use]
+pub fn without_lacks_of_open_bodies(
+    program: &Program<'_>,
+    mut findings: Vec<Finding>,
+) -> Vec<Finding> {
+    let no_end = findings.iter().filter(|f| f.code.is_about_missing_end());
+    let no_end: Vec<Span> = no_end.map(Finding::span).collect();
+    if no_end.is_empty() {
+        return findings;
+    }
+    let extents = Extents::from(program.extents.iter().map(|extent| extent.span).collect());
+    let open: BTreeSet<Span> = no_end.iter().filter_map(|at| extents.around(*at)).collect();
+    let is_open = |at: Span| {
+        extents
+            .around(at)
+            .is_some_and(|extent| open.contains(&extent))
+    };
+    findings.retain(|f| f.code != Code::RPI1009 || !is_open(f.span()));
+    findings
 }
 
 fn holds_a_fault(unit: &Unit) -> bool {

@@ -201,18 +201,19 @@ fn a_reader_that_closes_the_pipe_early_is_no_fault() {
     assert_eq!(err(&output), "");
 }
 
+fn refuses_its_input(args: &[&str]) {
+    let output = rpi(args);
+    let told = err(&output);
+    assert_eq!(output.status.code(), Some(2), "{told}");
+    assert!(told.contains("this is the input"), "{told}");
+}
+
 #[test]
 fn results_never_replace_the_program() {
     let dir = folder();
     let net = path(&dir, "small.rpinet");
     for option in ["--record", "--plot"] {
-        let output = rpi(&["run", &net, option, &net]);
-        assert_eq!(output.status.code(), Some(2), "{}", err(&output));
-        assert!(
-            err(&output).contains("this is the input"),
-            "{}",
-            err(&output)
-        );
+        refuses_its_input(&["run", &net, option, &net]);
         assert_eq!(std::fs::read_to_string(&net).unwrap(), NET);
     }
 }
@@ -229,13 +230,7 @@ fn results_never_replace_the_cell_or_the_text_of_a_node() {
     let plot = ["run", &program, "--plot", &cell];
     let record = ["run", &program, "--record", &cell];
     for args in [&of_node[..], &plot, &record] {
-        let output = rpi(args);
-        assert_eq!(output.status.code(), Some(2), "{}", err(&output));
-        assert!(
-            err(&output).contains("this is the input"),
-            "{}",
-            err(&output)
-        );
+        refuses_its_input(args);
     }
     assert_eq!(std::fs::read_to_string(&program).unwrap(), text);
     assert_eq!(std::fs::read_to_string(&cell).unwrap(), "name = \"c\"\n");

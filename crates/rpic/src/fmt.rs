@@ -9,7 +9,7 @@ use similar::TextDiff;
 
 use crate::args::FmtArgs;
 use crate::check::show;
-use crate::outcome::{Exit, Outcome, put};
+use crate::outcome::{Exit, Outcome, holds, put};
 
 /// Formats each file, or standard input.
 pub(crate) fn fmt(args: &FmtArgs) -> Outcome {
@@ -21,7 +21,7 @@ pub(crate) fn fmt(args: &FmtArgs) -> Outcome {
         let input = rpi_driver::read(file)?;
         let text = input.text()?;
         if !args.check {
-            is_written_so(file, text)?;
+            is_written_back_the_same(file, text)?;
         }
         exit = match formatted(&file.display().to_string(), text)? {
             Some(new) if new == text => exit,
@@ -37,8 +37,8 @@ pub(crate) fn fmt(args: &FmtArgs) -> Outcome {
 }
 
 /// Refuses a file that holds its text packed or in another encoding: written back it would be another file.
-fn is_written_so(file: &Path, text: &str) -> Result<(), String> {
-    match std::fs::read(file).is_ok_and(|bytes| bytes == text.as_bytes()) {
+fn is_written_back_the_same(file: &Path, text: &str) -> Result<(), String> {
+    match holds(file, text) {
         true => Ok(()),
         false => Err(format!(
             "{}: only plain files in UTF-8 are formatted in place; unpack it, or convert it (`iconv -f ISO-8859-1 -t UTF-8`)",

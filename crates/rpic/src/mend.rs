@@ -10,6 +10,7 @@ use rpi_diag::{Edit, FileId, Fix, SourceMap, apply, sure_fixes};
 use rpi_driver::Compiled;
 
 use crate::check::compile;
+use crate::outcome::holds;
 
 /// Rounds at most: what still has sure fixes then mends nothing.
 const ROUNDS: usize = 10;
@@ -62,8 +63,7 @@ fn round(compiled: &Compiled) -> Result<bool, Failure> {
 
 /// Whether a text is that of a file; the standard library is part of the compiler.
 fn is_on_disk(sources: &SourceMap, file: FileId) -> bool {
-    let on_disk = fs::read_to_string(sources.name(file));
-    on_disk.is_ok_and(|text| text == sources.text(file))
+    holds(Path::new(sources.name(file)), sources.text(file))
 }
 
 /// Writes the new text beside the old one, with its permissions.

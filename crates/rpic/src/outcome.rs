@@ -44,6 +44,11 @@ pub(crate) fn put_result(
     put(output, bytes)
 }
 
+/// Whether a file holds just this text: not one that is packed or in another encoding.
+pub(crate) fn holds(path: &Path, text: &str) -> bool {
+    fs::read(path).is_ok_and(|bytes| bytes == text.as_bytes())
+}
+
 /// Writes to a file, or to standard output without one. A reader that closes the pipe early is no error.
 pub(crate) fn put(output: Option<&Path>, bytes: &[u8]) -> Result<(), Box<dyn std::error::Error>> {
     match output {

@@ -10,7 +10,7 @@ use crate::program::{DeclId, DeclKind};
 use crate::typed::{ExprId, Kind, Unit, UnitId, UnitKind};
 use rpi_diag::{Code, Finding, Severity, Span};
 use rpi_syntax::ast::{
-    self, CommandDecl, Contract, FragmentDecl, Modifier, NodeDecl, NodeDef, NodeKind, Outside,
+    self, CommandDecl, Contract, FragmentDecl, Modifier, NodeDecl, NodeDef, NodeKind,
 };
 use std::rc::Rc;
 
@@ -289,12 +289,7 @@ impl<'a> Body<'_, 'a> {
     /// What callers are to see of a node must be there, and nothing that is said to be elsewhere.
     fn check_modifier(&mut self, node: &NodeDecl) {
         let has_body = matches!(node.definition, NodeDef::Body(_));
-        let outside = match node.outside {
-            Outside::Extern => "extern",
-            Outside::Imported => "imported",
-            Outside::NoBody => "",
-        };
-        if has_body && !outside.is_empty() {
+        if has_body && let Some(outside) = node.outside.word() {
             let name = &node.signature.name;
             let message = format!("`{}` is defined outside, and has a body here", name.name);
             let finding = Finding::new(Code::RPI1014, message);

@@ -87,12 +87,8 @@ impl<'u> Elab<'u> {
         let at = At::fragment(parent);
         let condition = self.ticks(scope, on, at, span);
         let activation = self.when(&condition, at, span);
-        let name = &scope.unit.flow(on.flow).name;
-        let path = format!("{}@{name}#{}", scope.prefix, self.net.fragments.len());
-        let fragment = self.fragment(&path, parent, activation, Restart::Never, span);
-        // Its author knows the flows in it, but not that there is a fragment around them.
-        self.net.fragments[fragment.0 as usize].origin.flow = None;
-        self.ticking.insert(fragment);
+        let name = format!("{}@{}", scope.prefix, scope.unit.flow(on.flow).name);
+        let fragment = self.ticking_by(&name, parent, activation, span);
         if let Some(key) = key {
             self.clocks.entry(key).or_default().push(fragment);
         }
@@ -125,16 +121,25 @@ impl<'u> Elab<'u> {
     /// One more fragment of the same clock.
     fn like(&mut self, fragment: FragmentId, span: Span) -> FragmentId {
         let known = &self.net.fragments[fragment.0 as usize];
-        let (activation, parent) = (
-            known.activation.clone(),
-            known.parent.unwrap_or(FragmentId::ROOT),
-        );
-        let start = known.name.split('#').next().unwrap_or_default();
-        let path = format!("{start}#{}", self.net.fragments.len());
-        let like = self.fragment(&path, parent, activation, Restart::Never, span);
-        self.net.fragments[like.0 as usize].origin.flow = None;
-        self.ticking.insert(like);
-        like
+        let parent = known.parent.unwrap_or(FragmentId::ROOT);
+        let name = known.name.split('#').next().unwrap_or_default().to_owned();
+        self.ticking_by(&name, parent, known.activation.clone(), span)
+    }
+
+    /// A fragment that is active while a clock ticks.
+    fn ticking_by(
+        &mut self,
+        name: &str,
+        parent: FragmentId,
+        activation: Activation,
+        span: Span,
+    ) -> FragmentId {
+        let path = format!("{name}#{}", self.net.fragments.len());
+        let fragment = self.fragment(&path, parent, activation, Restart::Never, span);
+        // Its author knows the flows in it, but not that there is a fragment around them.
+        self.net.fragments[fragment.0 as usize].origin.flow = None;
+        self.ticking.insert(fragment);
+        fragment
     }
 
     /// `pre x` on a clock beside the fragment of that clock, so that it breaks rings through the fragment: what x was at
@@ -159,15 +164,15 @@ impl<'u> Elab<'u> {
                 (wire, self.ticks(scope, *on, beside, span), beside)
             }
             None => {
-                let base = &self.net.fragments[scope.base.0 as usize];
-                let (parent, activation) = (base.parent?, base.activation.clone());
-                let Activation::When { condition, .. } = activation else {
-                    return None;
-                };
-                let own = self.apart(At::fragment(scope.base), span);
-                if own.fragment == scope.base {
+                if !self.ticking.contains(&scope.base) {
                     return None;
                 }
+                let base = &self.net.fragments[scope.base.0 as usize];
+                let parent = base.parent?;
+                let Activation::When { condition, .. } = base.activation else {
+                    return None;
+                };
+                let own = At::fragment(self.like(scope.base, span));
                 let wire = self.expr(scope, operand, own);
                 (wire, Signal::Port(condition), At::fragment(parent))
             }

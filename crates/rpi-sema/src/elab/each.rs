@@ -130,7 +130,10 @@ impl<'u> Elab<'u> {
         };
         let is_of_instance = unit.chosen.binary_search(&operands[0]).is_ok();
         let left_out = operands[if value.as_bool() == Some(true) { 2 } else { 1 }];
-        is_of_instance || !self.goes_on(scope, left_out) && self.drops(reads_flows(unit, left_out))
+        let is_left_out = |elab: &mut Self| {
+            !elab.goes_on(scope, left_out) && elab.drops(reads_flows(unit, left_out))
+        };
+        is_of_instance || self.mode == Mode::Constant || is_left_out(self)
     }
 
     /// For each branch the condition under which it counts, if something in it can fault.

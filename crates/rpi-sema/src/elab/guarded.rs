@@ -1,6 +1,6 @@
 //! What can fault in a branch of an `if`, on a side of `->` or in the condition of a strong transition does so only in the
-//! cycles in which that is asked for: such primitives have a twin with a condition as its first in-port. State in a branch goes on in all cycles, as in Lustre, and so do the
-//! faults on the way to it.
+//! cycles in which that is asked for: such primitives have a twin with a condition as its first in-port. State in a branch goes on in
+//! all cycles, as in Lustre, and so do the faults on the way to it.
 
 use super::Elab;
 use super::scope::Scope;
@@ -39,6 +39,14 @@ pub(super) struct Within {
     goes_on: bool,
 }
 
+/// What is so of a unit.
+pub(super) struct WithinUnit {
+    /// Of each of its expressions.
+    exprs: Vec<Within>,
+    /// Something can fault in what it computes, or it claims something.
+    can_fault: bool,
+}
+
 impl<'u> Elab<'u> {
     /// Whether something in an expression can fault that a guard would keep from it.
     pub(super) fn can_fault(&mut self, scope: &Scope<'u>, id: ExprId) -> bool {
@@ -50,25 +58,31 @@ impl<'u> Elab<'u> {
         self.within(scope, id).goes_on
     }
 
+    /// A constant outside of a unit has no state, and faults when it is worked out or not at all.
     fn within(&mut self, scope: &Scope<'u>, id: ExprId) -> Within {
-        let of_unit = match scope.id {
-            Some(unit) => self.within_unit(unit),
-            None => self.within_each(scope.unit),
-        };
-        of_unit[id.0 as usize]
+        match scope.id {
+            Some(unit) => self.within_unit(unit).exprs[id.0 as usize],
+            None => Within::default(),
+        }
     }
 
-    fn within_unit(&mut self, id: UnitId) -> Rc<[Within]> {
+    fn within_unit(&mut self, id: UnitId) -> Rc<WithinUnit> {
         if let Some(known) = self.within.get(&id) {
             return known.clone();
         }
-        let of_unit = self.within_each(&self.units[id.0 as usize]);
+        let unit = &self.units[id.0 as usize];
+        let exprs = self.within_each(unit);
+        let can_fault = |equation: &Equation| exprs[equation.value.0 as usize].can_fault;
+        let mut blocks = unit.blocks.iter();
+        let can_fault =
+            blocks.any(|block| !block.claims.is_empty() || block.equations.iter().any(can_fault));
+        let of_unit = Rc::new(WithinUnit { exprs, can_fault });
         self.within.insert(id, of_unit.clone());
         of_unit
     }
 
     /// Of all expressions of a unit at once: their operands come before them.
-    fn within_each(&mut self, unit: &'u Unit) -> Rc<[Within]> {
+    fn within_each(&mut self, unit: &'u Unit) -> Vec<Within> {
         let mut all: Vec<Within> = Vec::with_capacity(unit.exprs.len());
         for expr in &unit.exprs {
             let mut within = self.alone(&expr.kind);
@@ -81,7 +95,7 @@ impl<'u> Elab<'u> {
             }
             all.push(within);
         }
-        all.into()
+        all
     }
 
     /// What an expression tells without its operands. On the way to a state nothing is guarded.
@@ -94,7 +108,7 @@ impl<'u> Elab<'u> {
         let can_fault = match kind {
             Kind::Select { .. } => true,
             Kind::Prim(call) => call.prim.desc().may_fault,
-            Kind::Call(call) => !goes_on && self.call_can_fault(call.unit),
+            Kind::Call(call) => !goes_on && self.within_unit(call.unit).can_fault,
             _ => false,
         };
         Within { can_fault, goes_on }
@@ -102,14 +116,5 @@ impl<'u> Elab<'u> {
 
     fn is_function(&self, unit: UnitId) -> bool {
         self.units[unit.0 as usize].kind == UnitKind::Function
-    }
-
-    /// Whether something can fault in what a function computes, or it claims something.
-    fn call_can_fault(&mut self, id: UnitId) -> bool {
-        let callee = &self.units[id.0 as usize];
-        let within = self.within_unit(id);
-        let can_fault = |equation: &Equation| within[equation.value.0 as usize].can_fault;
-        let mut blocks = callee.blocks.iter();
-        blocks.any(|block| !block.claims.is_empty() || block.equations.iter().any(can_fault))
     }
 }

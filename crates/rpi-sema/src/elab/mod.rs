@@ -189,7 +189,7 @@ struct Elab<'u> {
     of_cycle: Map<(FragmentId, PrimId), signal::Wire>,
     /// The fragments of clocks.
     clocks: Map<clocks::ClockKey, Vec<FragmentId>>,
-    /// The fragments of clocks.
+    /// All fragments of clocks, those included that one clock has more of.
     ticking: Set<FragmentId>,
     /// By what flows were known before their equations were reached, where something is sampled.
     names_before: Map<PortRef, PortRef>,
@@ -199,8 +199,8 @@ struct Elab<'u> {
     elements: Map<(PortRef, u32), PortRef>,
     /// Sensor ports that have been read.
     sensors: Map<(String, String, u32), PortRef>,
-    /// Of the expressions of units in which that was asked for, what is in them.
-    within: Map<UnitId, Rc<[guarded::Within]>>,
+    /// What is in the units in which that was asked for.
+    within: Map<UnitId, Rc<guarded::WithinUnit>>,
     /// Why the constant is none.
     failure: Option<NotConstant>,
     /// Name of the flow that is being defined, with the path of calls that leads to it.

@@ -1,7 +1,7 @@
 //! What a command takes over is there in the last cycle of each command that may come before it (M7.3).
 
 use super::Facts;
-use crate::typed::{BlockId, Handed, Optional, TaskStep, Unit};
+use crate::typed::{BlockId, Export, Handed, Optional, TaskStep, Unit};
 use rpi_diag::{Code, Finding};
 
 /// Reports what a task lets a command take over though it may be absent.
@@ -27,15 +27,18 @@ fn is_wanted(units: &[Unit], step: &TaskStep, handed: &Handed) -> bool {
 }
 
 fn may_lack(units: &[Unit], facts: &[Facts], handed: &Handed) -> bool {
-    let by = handed.by.0 as usize;
-    let export = &units[by].block(BlockId::ROOT).exports[handed.export];
-    facts[by].absence(export.value).any() || !facts[by].clocks.lifted(export.value).is_empty()
+    let (facts, value) = (&facts[handed.by.0 as usize], export(units, handed).value);
+    facts.absence(value).any() || !facts.clocks.lifted(value).is_empty()
+}
+
+/// What gives the value.
+fn export<'u>(units: &'u [Unit], handed: &Handed) -> &'u Export {
+    &units[handed.by.0 as usize].block(BlockId::ROOT).exports[handed.export]
 }
 
 fn absent(units: &[Unit], step: &TaskStep, handed: &Handed) -> Finding {
-    let (to, by) = (&units[step.unit.0 as usize], &units[handed.by.0 as usize]);
-    let flow = to.flow(handed.flow);
-    let export = &by.block(BlockId::ROOT).exports[handed.export];
+    let to = &units[step.unit.0 as usize];
+    let (flow, export) = (to.flow(handed.flow), export(units, handed));
     let name = &flow.name;
     let message = format!("`{}` takes `{name}` over, which may be absent", to.name);
     Finding::new(Code::RPI8004, message)

@@ -59,21 +59,9 @@ pub fn find(units: &[Unit], sound: &[bool]) -> (Vec<Facts>, Vec<Finding>) {
         if inference.has_source() {
             let reads = Reads::new(unit);
             inference.solve(&reads);
-            // Of what has been told to have another clock, or has it in itself, it follows that it is absent in some cycles.
-            let told: BTreeSet<Span> = apart.iter().map(Finding::span).collect();
             let mut absent = Vec::new();
             super::demand::demand(&inference, &reads, &mut absent);
-            absent.retain(|finding| !has_in_itself(&told, finding.span()));
-            // Where clocks do not meet, or something in it is absent that must not be, what is needlessly asked to be
-            // present can not be told.
-            let is_error = |finding: &Finding| finding.severity() == Severity::Error;
-            let wrong = absent.iter().filter(|finding| is_error(finding));
-            let wrong: BTreeSet<Span> = wrong.map(Finding::span).collect();
-            absent.retain(|finding| {
-                let mut labels = finding.labels.iter();
-                let is_about_wrong = labels.any(|label| has_in_itself(&wrong, label.span));
-                is_error(finding) || apart.is_empty() && !is_about_wrong
-            });
+            keep_causes(&mut absent, &apart);
             findings.append(&mut absent);
             let (exprs, flows) = (inference.exprs, inference.flows);
             facts.push(Facts {
@@ -93,6 +81,23 @@ pub fn find(units: &[Unit], sound: &[bool]) -> (Vec<Facts>, Vec<Finding>) {
         super::handed::handed(units, &facts, task, &mut findings);
     }
     (facts, findings)
+}
+
+/// Takes away what only follows from others, or from clocks that do not meet.
+fn keep_causes(absent: &mut Vec<Finding>, apart: &[Finding]) {
+    // Of what has been told to have another clock, or has it in itself, it follows that it is absent in some cycles.
+    let told: BTreeSet<Span> = apart.iter().map(Finding::span).collect();
+    absent.retain(|finding| !has_in_itself(&told, finding.span()));
+    // Where clocks do not meet, or something in it is absent that must not be, what is needlessly asked to be present can
+    // not be told.
+    let is_error = |finding: &Finding| finding.severity() == Severity::Error;
+    let wrong = absent.iter().filter(|finding| is_error(finding));
+    let wrong: BTreeSet<Span> = wrong.map(Finding::span).collect();
+    absent.retain(|finding| {
+        let mut labels = finding.labels.iter();
+        let is_about_wrong = labels.any(|label| has_in_itself(&wrong, label.span));
+        is_error(finding) || apart.is_empty() && !is_about_wrong
+    });
 }
 
 /// Whether a place is one of these, or contains one.

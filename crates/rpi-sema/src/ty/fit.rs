@@ -96,8 +96,12 @@ pub fn fit(expected: &Ty, found: &Ty, subst: &mut Subst) -> Result<(), Misfit> {
 
 /// Whether a type is made of the same declaration as another one whose parameters are still open.
 fn is_instance(closed: &StructTy, open: &StructTy) -> bool {
-    let declared = |of: &StructTy| of.name.split("<<").next().map(str::to_owned);
     open.fields.iter().any(|field| field.ty.is_open()) && declared(closed) == declared(open)
+}
+
+/// The name of its declaration, without arguments.
+fn declared(of: &StructTy) -> Option<&str> {
+    of.name.split("<<").next()
 }
 
 fn fit_generic(name: &Name, found: &Ty, subst: &mut Subst) -> Result<(), Misfit> {

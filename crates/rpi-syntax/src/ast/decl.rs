@@ -181,6 +181,18 @@ pub enum Outside {
     NoBody,
 }
 
+impl Outside {
+    /// The word for it, if it takes one.
+    #[must_use]
+    pub fn word(self) -> Option<&'static str> {
+        match self {
+            Outside::Extern => Some("extern"),
+            Outside::Imported => Some("imported"),
+            Outside::NoBody => None,
+        }
+    }
+}
+
 /// How a node is defined.
 #[derive(Clone, PartialEq, Debug)]
 pub enum NodeDef {

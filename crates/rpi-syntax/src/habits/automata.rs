@@ -173,13 +173,7 @@ pub(super) fn open_state(found: &Found<'_, '_>) -> Option<Habit> {
     if !goes_on || !is_state || found.token(open) != Some(Let) || !found.expects(Tel) {
         return None;
     }
-    let last = found.span_at(at - 1);
-    let finding = Finding::new(Code::RPI0004, "this state has no end")
-        .at(found.span_at(open), "no `tel` for this `let`")
-        .also(behind(last), "expected `tel` here")
-        .fix(Fix::sure("insert `tel`").insert_after(last, " tel"));
-    let mend = Mend::Tokens(vec![found.before_token(at, Tel)]);
-    Some(Habit { finding, mend })
+    Some(without_end(found, "state", open, (Tel, " tel")))
 }
 
 /// `automaton ... state S let ... tel tel`
@@ -199,13 +193,27 @@ pub(super) fn no_end(found: &Found<'_, '_>) -> Option<Habit> {
     if !goes_on || !found.expects(End) || !found.expects(State) {
         return None;
     }
-    let last = found.span_at(at - 1);
-    let finding = Finding::new(Code::RPI0004, "this automaton has no end")
-        .at(found.span_at(open), "no `end` for this `automaton`")
-        .also(behind(last), "expected `end` here")
-        .fix(Fix::sure("insert `end`").insert_after(last, "\nend"));
-    let mend = Mend::Tokens(vec![found.before_token(at, End)]);
-    Some(Habit { finding, mend })
+    Some(without_end(found, "automaton", open, (End, "\nend")))
+}
+
+/// What begins with the token `open` lacks its last word before the token with the fault.
+fn without_end(
+    found: &Found<'_, '_>,
+    what: &str,
+    open: usize,
+    (end, text): (Token, &str),
+) -> Habit {
+    let (at, word) = (found.fault.at, text.trim_start());
+    let (begin, last) = (found.written(open), found.span_at(at - 1));
+    let finding = Finding::new(Code::RPI0004, format!("this {what} has no end"))
+        .at(
+            found.span_at(open),
+            format!("no `{word}` for this `{begin}`"),
+        )
+        .also(behind(last), format!("expected `{word}` here"))
+        .fix(Fix::sure(format!("insert `{word}`")).insert_after(last, text));
+    let mend = Mend::Tokens(vec![found.before_token(at, end)]);
+    Habit { finding, mend }
 }
 
 /// Whether a token is the first of a transition.

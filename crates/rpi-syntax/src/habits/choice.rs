@@ -128,7 +128,8 @@ impl Reader<'_, '_, '_> {
             let close = self.found.structure.partner(start)?;
             if self.found.token(close + 2) == Some(Token::Eq) {
                 self.at = close + 1;
-                return Some((start + 1..close, Style::Bare));
+                let condition = start + 1..close;
+                return (!condition.is_empty()).then_some((condition, Style::Bare));
             }
         }
         loop {
@@ -245,10 +246,6 @@ fn meant(found: &Found<'_, '_>, at: usize, branches: &[Branch]) -> Option<String
         .iter()
         .filter_map(|branch| branch.condition.clone())
     {
-        // `if () y = 1;`
-        if condition.is_empty() {
-            return None;
-        }
         let place = found.span_of(condition.clone());
         let text = (place.end - place.start) as usize <= MAX_TEXT;
         conditions.push(text.then(|| found.meant_text(condition))?);

@@ -88,22 +88,14 @@ impl Printer<'_> {
 
     fn node(&mut self, node: &NodeDecl) -> Doc {
         let (before, after) = match node.outside {
-            Outside::Extern => ("extern ", " "),
-            Outside::Imported => ("", " imported "),
-            Outside::NoBody => ("", " "),
+            Outside::Imported => (None, node.outside.word()),
+            _ => (node.outside.word(), None),
         };
-        let head = concat([
-            word(node.modifier.word().unwrap_or_default()),
-            word(if node.modifier == Modifier::None {
-                ""
-            } else {
-                " "
-            }),
-            word(before),
-            word(node.kind.word()),
-            word(after),
-            self.signature(&node.signature),
-        ]);
+        let words = [node.modifier.word(), before, Some(node.kind.word()), after];
+        let words = words.into_iter().flatten();
+        let mut head: Vec<Doc> = words.flat_map(|of| [word(of), word(" ")]).collect();
+        head.push(self.signature(&node.signature));
+        let head = concat(head);
         match &node.definition {
             NodeDef::Body(_) if node.kind == NodeKind::Contract => {
                 let contract = self.contract_alone(node.contract.as_ref());
