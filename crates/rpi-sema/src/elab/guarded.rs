@@ -1,6 +1,6 @@
 //! What can fault in a branch of an `if`, on a side of `->` or in the condition of a strong transition does so only in the
-//! cycles in which that is asked for: such primitives have a twin with a condition as its first in-port. State in a branch goes on in
-//! all cycles, as in Lustre, and so do the faults on the way to it.
+//! cycles in which that is asked for: such primitives have a twin with a condition as its first in-port. State in a branch
+//! goes on in all cycles, as in Lustre, and so do the faults on the way to it.
 
 use super::Elab;
 use super::scope::Scope;
