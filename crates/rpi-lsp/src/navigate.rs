@@ -34,13 +34,30 @@ pub(crate) fn definition(
     Some(GotoDefinitionResponse::Scalar(location))
 }
 
-/// Every place where a name is used.
+/// Every place where a name is used, also by other open texts.
 pub(crate) fn references(world: &mut World, params: ReferenceParams) -> Option<Vec<Location>> {
     let (seen, name) = name_at(world, &params.text_document_position)?;
-    let places = world.places(&seen);
-    let spans = spans(&seen, name.def, params.context.include_declaration);
-    let locations = spans.filter_map(|span| places.location(world, span));
-    Some(locations.collect())
+    let own = seen.index().def(name.def).span;
+    let file = seen.sources.name(own.file);
+    let mut found: Vec<Location> = Vec::new();
+    for uri in world.open_texts() {
+        let Some(other) = world.see(&uri) else {
+            continue;
+        };
+        let mut files = other.sources.files();
+        let same = files.find(|id| other.sources.name(*id) == file);
+        let Some(name) = same.and_then(|id| other.index().at(id, own.start)) else {
+            continue;
+        };
+        let places = world.places(&other);
+        let spans = spans(&other, name.def, params.context.include_declaration);
+        for location in spans.filter_map(|span| places.location(world, span)) {
+            if !found.contains(&location) {
+                found.push(location);
+            }
+        }
+    }
+    Some(found)
 }
 
 /// The same in one text.

@@ -108,8 +108,9 @@ impl World {
     pub(crate) fn open(&mut self, uri: Uri, version: i32, text: String) {
         let path = uri::path_of(&uri);
         self.documents
-            .insert(path.clone(), Document::new(uri, version, text));
-        self.changed(&path);
+            .insert(path, Document::new(uri, version, text));
+        // What others use may be there only now.
+        self.all_changed();
     }
 
     /// Applies changes one after the other, as the protocol has it.
@@ -143,7 +144,7 @@ impl World {
         if let Some(document) = self.documents.remove(&path) {
             let files: Vec<PathBuf> = document.found.into_keys().collect();
             files.iter().for_each(|file| self.show(file));
-            self.changed(&path);
+            self.all_changed();
         }
     }
 
@@ -167,6 +168,12 @@ impl World {
 
     pub(crate) fn document(&self, uri: &Uri) -> Option<&Document> {
         self.documents.get(&uri::path_of(uri))
+    }
+
+    /// The addresses of the open texts.
+    pub(crate) fn open_texts(&self) -> Vec<Uri> {
+        let documents = self.documents.values();
+        documents.map(|document| document.uri.clone()).collect()
     }
 
     /// The address of a file: as the client writes it, if it is open.

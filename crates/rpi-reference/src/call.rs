@@ -2,7 +2,7 @@
 
 use rpi_sema::typed::{Activation, Call, ExprId, UnitId, UnitKind};
 
-use crate::cycle::Reference;
+use crate::cycle::{Keep, Reference};
 use crate::instance::{Here, Instance, InstanceId};
 use crate::value::{Leaf, Stop};
 
@@ -16,32 +16,34 @@ impl<'p> Reference<'p> {
         k: usize,
     ) -> Result<Leaf, Stop> {
         let leaf = match self.called(here, id, call)? {
-            Some(instance) => self.output(instance, k)?,
+            Some(instance) => Some(self.output(instance, k)?),
             None => None,
         };
         match &call.activation {
             Activation::Condact { default, .. } => self.lasting(here, id, k, leaf, *default),
-            _ => Ok(leaf),
+            _ => Ok(leaf.flatten()),
         }
     }
 
-    /// Between its runs an activated call gives what it gave last; before the first the default of the first cycle.
+    /// Between its runs an activated call gives what it gave last, which may be nothing; before the first the default of
+    /// the first cycle.
     fn lasting(
         &mut self,
         here: Here,
         id: ExprId,
         k: usize,
-        leaf: Leaf,
+        ran: Option<Leaf>,
         default: Option<ExprId>,
     ) -> Result<Leaf, Stop> {
         let memory = self.instances[here.instance].memory(here.block);
         let kept = memory.kept.get(&(id, k)).copied();
-        let before = match (kept, default) {
-            (Some(kept), _) => kept,
+        let leaf = match (ran.or(kept), default) {
+            (Some(leaf), _) => leaf,
             (None, Some(default)) => self.leaf(here.unguarded(), default, k)?,
             (None, None) => None,
         };
-        self.held(here, id, k, leaf.or(before), None)
+        self.keep.push((here, Keep::Leaf(id, k, leaf)));
+        Ok(leaf)
     }
 
     /// The instance behind a call, if it runs in this cycle.

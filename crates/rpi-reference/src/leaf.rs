@@ -139,7 +139,7 @@ impl<'p> Reference<'p> {
             },
             (Each::Hold, [x, init]) => {
                 let x = self.read_by(here.unguarded(), id, *x, k)?;
-                self.held(here, id, k, x, Some(*init))
+                self.held(here, id, k, x, *init)
             }
             _ => Err(Stop::Beyond(format!("{each:?}"))),
         }
@@ -184,16 +184,16 @@ impl<'p> Reference<'p> {
         id: ExprId,
         k: usize,
         x: Leaf,
-        init: Option<ExprId>,
+        init: ExprId,
     ) -> Result<Leaf, Stop> {
         let memory = self.instances[here.instance].memory(here.block);
         let latest = x.or(memory.kept.get(&(id, k)).copied().flatten());
         if latest.is_some() {
             self.keep.push((here, Keep::Leaf(id, k, latest)));
         }
-        match (latest, init) {
-            (None, Some(init)) => self.leaf(here.unguarded(), init, k),
-            _ => Ok(latest),
+        match latest {
+            None => self.leaf(here.unguarded(), init, k),
+            latest => Ok(latest),
         }
     }
 

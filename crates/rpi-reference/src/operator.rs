@@ -83,6 +83,7 @@ fn partial(name: &str, operands: &[Value], chosen: bool) -> Result<Value, Stop> 
         ("Rpi::IntSubtract", &[Int(a), Int(b)]) => (a.checked_sub(b), "overflow"),
         ("Core::IntMultiply", &[Int(a), Int(b)]) => (a.checked_mul(b), "overflow"),
         ("Core::IntDivide", &[Int(a), Int(b)]) => (a.checked_div(b), "division"),
+        ("Rpi::IntModulo", &[Int(_), Int(-1)]) => (Some(0), "division"),
         ("Rpi::IntModulo", &[Int(a), Int(b)]) => (a.checked_rem(b), "division"),
         ("Rpi::IntPower", &[Int(a), Int(b)]) => (power(a, b), "overflow"),
         ("Rpi::IntNegate", &[Int(a)]) => (a.checked_neg(), "overflow"),

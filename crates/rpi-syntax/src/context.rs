@@ -67,6 +67,20 @@ impl<'t> Context<'t> {
             .unwrap_or_default()
     }
 
+    /// The white space before the line of this place.
+    pub(crate) fn indent_of_line(&self, at: u32) -> &'t str {
+        let before = self.slice(0, at);
+        let line = &self.text[before.rfind('\n').map_or(0, |end| end + 1)..];
+        &line[..line.len() - line.trim_start_matches([' ', '\t']).len()]
+    }
+
+    /// How far in the line begins, if what stands here is the first in it.
+    pub(crate) fn indent(&self, at: u32) -> Option<usize> {
+        let before = self.slice(0, at);
+        let rest = before.trim_end_matches([' ', '\t']);
+        (rest.is_empty() || rest.ends_with('\n')).then_some(before.len() - rest.len())
+    }
+
     pub(crate) fn name(&self, start: u32, end: u32) -> Name {
         self.names.name(self.slice(start, end))
     }

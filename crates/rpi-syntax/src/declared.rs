@@ -1,6 +1,6 @@
 //! The names that broken text seems to declare, so that one fault does not become many.
 
-use crate::ast::Ident;
+use crate::ast::{Declared, DeclaredKind, Ident};
 use crate::context::Context;
 use crate::lexer::Lexeme;
 use crate::token::Token;
@@ -23,9 +23,15 @@ pub(crate) fn by_phrase(cx: &Context<'_>, phrase: &[Lexeme]) -> Vec<Ident> {
 /// What equations within a phrase define, as those in the states of an automaton do, and in the cases of other languages.
 pub(crate) fn inside(cx: &Context<'_>, phrase: &[Lexeme]) -> impl Iterator<Item = Ident> {
     use Token::{Colon, Eq, Ident, Let, Semi};
-    let is_equation = |w: &&[Lexeme]| {
+    let colon = phrase.get(1).filter(|second| second.token == Colon);
+    let is_equation = move |w: &&[Lexeme]| {
         let [before, name, after] = [w[0], w[1], w[2]].map(|lexeme| lexeme.token);
-        matches!(before, Let | Semi | Colon) && name == Ident && after == Eq
+        // `a: Pose = ...` says a type.
+        let is_type = colon.is_some_and(|colon| colon.start == w[0].start)
+            && cx
+                .slice(w[1].start, w[1].end)
+                .starts_with(char::is_uppercase);
+        matches!(before, Let | Semi | Colon) && name == Ident && after == Eq && !is_type
     };
     let equations = phrase.windows(3).filter(is_equation);
     equations.map(|w| cx.ident(w[1].start, w[1].end))
@@ -34,7 +40,7 @@ pub(crate) fn inside(cx: &Context<'_>, phrase: &[Lexeme]) -> impl Iterator<Item 
 /// The names that a broken declaration seems to declare.
 pub(crate) fn by_item(cx: &Context<'_>, lexemes: &[Lexeme]) -> Vec<Ident> {
     match lexemes.first().map(|lexeme| lexeme.token) {
-        Some(Token::Const | Token::Type) => {
+        Some(Token::Const | Token::Datatype | Token::Type) => {
             let phrases = lexemes[1..].split(|lexeme| lexeme.token == Token::Semi);
             phrases
                 .flat_map(|phrase| before_definition(cx, phrase))
@@ -43,6 +49,26 @@ pub(crate) fn by_item(cx: &Context<'_>, lexemes: &[Lexeme]) -> Vec<Ident> {
         Some(Token::Frame) => names_in_row(cx, &lexemes[1..]),
         _ => first_name(cx, lexemes),
     }
+}
+
+/// The alternatives of a broken `datatype`: those with parts are called.
+pub(crate) fn alternatives(cx: &Context<'_>, lexemes: &[Lexeme]) -> Vec<Declared> {
+    use Token::{Bar, Case, Datatype, Eq, Ident, LParen};
+    let is_datatype = lexemes
+        .first()
+        .is_some_and(|lexeme| lexeme.token == Datatype);
+    let begins = |w: &&[Lexeme]| {
+        matches!(w[0].token, Bar | Case | Eq | Ident) && w[1].token == Ident && is_datatype
+    };
+    let names = lexemes.windows(3).skip(1).filter(begins);
+    let declared = names.map(|w| Declared {
+        kind: match w[2].token {
+            LParen => DeclaredKind::Callable,
+            _ => DeclaredKind::Const,
+        },
+        name: cx.ident(w[1].start, w[1].end),
+    });
+    declared.collect()
 }
 
 /// The names before the first `=` or `:`, apart from fields and what stands in brackets; where neither is there, those that

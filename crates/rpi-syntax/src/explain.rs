@@ -109,7 +109,8 @@ impl Found<'_, '_> {
         here.is_none_or(|here| fits && ends(here.token))
     }
 
-    fn open_bracket(&self, open: usize) -> Finding {
+    /// The bracket is not closed before the fault.
+    pub(crate) fn open_bracket(&self, open: usize) -> Finding {
         let bracket = self.lexemes[open];
         let close = closing(bracket.token).and_then(Token::spelling);
         let span = self.cx.span(bracket.start, bracket.end);
@@ -182,7 +183,7 @@ const NO_LEXEME: Lexeme = Lexeme {
 };
 
 /// The empty place after another.
-fn after(span: Span) -> Span {
+pub(crate) fn after(span: Span) -> Span {
     Span {
         start: span.end,
         ..span

@@ -40,6 +40,7 @@ mod stack;
 mod structure;
 mod text;
 mod token;
+mod unclosed;
 mod units;
 mod words;
 

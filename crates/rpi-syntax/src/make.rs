@@ -324,6 +324,12 @@ impl Context<'_> {
         port
     }
 
+    /// Neither its type nor its value is known.
+    pub(crate) fn broken_const_def(&self, l: u32, r: u32) -> Box<ConstDef> {
+        let ty = broken_type(self.span(l, r));
+        self.const_def(l, self.broken_names(l), Some(ty), None, r)
+    }
+
     pub(crate) fn broken_var_decl(&self, l: u32, r: u32) -> Box<VarDecl> {
         let ty = broken_type(self.span(l, r));
         self.var_decl(l, self.broken_names(l), ty, None, None, r)

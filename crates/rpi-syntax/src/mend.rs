@@ -14,6 +14,7 @@ use crate::lexer::Lexeme;
 use crate::reserved;
 use crate::structure::{Structure, closing};
 use crate::token::Token;
+use crate::unclosed::{self, unclosed};
 use lalrpop_util::ParseError;
 use rpi_diag::Finding;
 use std::ops::Range;
@@ -36,7 +37,8 @@ pub(crate) fn broken_item(cx: &Context<'_>, lexemes: &[Lexeme]) -> Item {
     let declared = |name: Ident| kind.map(|kind| Declared { kind, name });
     let start = lexemes.first().map_or(0, |lexeme| lexeme.start);
     let end = lexemes.last().map_or(0, |lexeme| lexeme.end);
-    let kind = ItemKind::Broken(names.into_iter().filter_map(declared).collect());
+    let named = names.into_iter().filter_map(declared);
+    let kind = ItemKind::Broken(named.chain(declared::alternatives(cx, lexemes)).collect());
     cx.item(start, kind, end)
 }
 
@@ -44,7 +46,7 @@ fn declared_kind(lexemes: &[Lexeme]) -> Option<DeclaredKind> {
     use Token::*;
     Some(match lexemes.first()?.token {
         Const => DeclaredKind::Const,
-        Type => DeclaredKind::Type,
+        Datatype | Type => DeclaredKind::Type,
         Node | Function | Unsafe | Extern | Fragment | Primitive => DeclaredKind::Callable,
         Device => DeclaredKind::Device,
         Frame => DeclaredKind::Frame,
@@ -186,6 +188,12 @@ impl<'c, 't, 'f> Mender<'c, 't, 'f> {
             return self.follow(habit, phrase);
         }
         let open_let = structure.open_let().filter(|_| at_end);
+        if let Some(unclosed) = open_let.and_then(|_| unclosed(&found)) {
+            self.findings.push(unclosed::finding(&found, unclosed));
+            self.insert(unclosed.before, Token::Tel);
+            self.ended = false;
+            return true;
+        }
         if let Some(open) = open_let {
             self.findings.push(found.open_body(open));
             return self.close_bodies();

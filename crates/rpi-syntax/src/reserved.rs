@@ -13,7 +13,9 @@ impl Found<'_, '_> {
         let here = self.lexemes.get(self.fault.at)?;
         let word = here.token.keyword()?;
         let wants = |token| self.fault.expected.contains(&token);
-        if !word.is_reserved_in(self.cx.mode) || !wants(Token::Ident) {
+        // What was put in is no word of the text.
+        let is_written = here.start < here.end;
+        if !is_written || !word.is_reserved_in(self.cx.mode) || !wants(Token::Ident) {
             return None;
         }
         let next = self.lexemes.get(self.fault.at + 1).map(|next| next.token);

@@ -56,7 +56,7 @@ struct Writer<'n> {
     net: &'n Net,
     tree: Tree,
     names: Names,
-    /// Which flows can be absent, if the passes can tell.
+    /// Which flows can be absent in the program, if the passes can tell.
     presences: Option<Presences>,
     /// Nodes that are nothing but a constant and stand where they are used.
     constants: BTreeSet<NodeId>,
@@ -67,10 +67,14 @@ struct Writer<'n> {
 impl<'n> Writer<'n> {
     fn new(merged: &'n Merged) -> Self {
         let net = &merged.net;
+        // A delay's flow is declared as one that may be absent, and so is all that reads it, though the net may know better.
+        let may_be_absent = |port: PortRef| nodes::is_delay(net.node(port.node));
         Writer {
             tree: Tree::new(net),
             names: Names::new(net, &unused(net)),
-            presences: analyse(net.clone(), |_| false).ok().map(|a| a.presences),
+            presences: analyse(net.clone(), may_be_absent)
+                .ok()
+                .map(|a| a.presences),
             constants: constants::used_in_place(net),
             choices: &merged.choices,
             net,
@@ -180,13 +184,32 @@ impl<'n> Writer<'n> {
     }
 }
 
-/// Nodes that nothing reads and that have no effect: a program says of them that they are meant so.
+/// Nodes that have no effect and that nothing reads, and of those that only read one another one of each ring: a program says
+/// of them that they are meant so.
 fn unused(net: &Net) -> BTreeSet<NodeId> {
     let live = live(net);
-    let mut unused: BTreeSet<NodeId> = net.node_ids().filter(|id| !live[id.index()]).collect();
     let inputs = net.nodes.iter().flat_map(|node| &node.inputs);
-    for port in inputs.filter_map(Input::port) {
-        unused.remove(&port.node);
+    let read: BTreeSet<NodeId> = inputs.filter_map(Input::port).map(|p| p.node).collect();
+    let dead = || net.node_ids().filter(|id| !live[id.index()]);
+    let (in_rings, ends): (Vec<NodeId>, Vec<NodeId>) = dead().partition(|id| read.contains(id));
+    let mut used = vec![false; net.nodes.len()];
+    let mut unused = BTreeSet::new();
+    for id in ends.into_iter().chain(in_rings) {
+        if !used[id.index()] {
+            unused.insert(id);
+            mark_sources(net, id, &mut used);
+        }
     }
     unused
+}
+
+/// Marks a node and all that it reads, directly or not.
+fn mark_sources(net: &Net, id: NodeId, marked: &mut [bool]) {
+    let mut open = vec![id];
+    while let Some(id) = open.pop() {
+        if !std::mem::replace(&mut marked[id.index()], true) {
+            let inputs = net.node(id).inputs.iter();
+            open.extend(inputs.filter_map(Input::port).map(|port| port.node));
+        }
+    }
 }

@@ -10,8 +10,7 @@ impl Writer<'_> {
     pub(super) fn declaration(&self, id: NodeId) -> Option<String> {
         let node = self.net.node(id);
         let [ty] = node.outputs[..] else { return None };
-        let is_delay = matches!(node.desc().role, Role::Delay);
-        is_delay.then(|| format!("{}: {}?;\n", self.names.node(id), type_text(ty)))
+        is_delay(node).then(|| format!("{}: {}?;\n", self.names.node(id), type_text(ty)))
     }
 
     pub(super) fn equation(&self, id: NodeId) -> String {
@@ -116,6 +115,11 @@ impl Writer<'_> {
         }
         parts.join(".")
     }
+}
+
+/// Whether a node answers what it was given before.
+pub(super) fn is_delay(node: &Node) -> bool {
+    matches!(node.desc().role, Role::Delay)
 }
 
 fn is_default(default: PortDefault, value: &Value) -> bool {

@@ -191,6 +191,27 @@ fn references_are_all_places_of_a_name() {
 }
 
 #[test]
+fn references_from_a_declaration_are_found_in_other_open_texts() {
+    let main =
+        "use helper;\n\nnode N (x: int) returns (y: int)\nlet\n  y = twice(x) + twice(1);\ntel\n";
+    let helper = "function twice (x: int) returns (y: int)\nlet\n  y = 2 * x;\ntel\n";
+    let beside = "file:///cell/helper.rpi";
+    let mut session = open(main);
+    assert_eq!(session.client.diagnostics(URI, 1).len(), 1);
+    session.client.open(beside, helper);
+    // The module is there now, in the editor.
+    assert_eq!(session.client.diagnostics(URI, 1), Vec::<Value>::new());
+    let params = json!({
+        "textDocument": { "uri": beside },
+        "position": position(helper, "twice", 0),
+        "context": { "includeDeclaration": true },
+    });
+    let found = session.client.result("textDocument/references", params);
+    assert_eq!(found.as_array().map(Vec::len), Some(3));
+    session.leave().unwrap();
+}
+
+#[test]
 fn the_outline_nests() {
     let mut session = open(CELL);
     let params = json!({ "textDocument": { "uri": URI } });

@@ -42,14 +42,22 @@ fn flow(net: &Net, id: NodeId) -> Option<(Span, &str)> {
     (!origin.span.is_none() && !name.starts_with('_')).then_some((origin.span, name))
 }
 
-/// For each node whether it is read, and from nowhere a way leads from it to what nobody reads, or to an effect.
+/// Whether a node computes a flow that is meant to stay, read or not: so is what that is made of.
+fn is_meant(net: &Net, id: NodeId) -> bool {
+    let flow = net.node(id).origin.flow.as_deref();
+    flow.is_some_and(|name| name.starts_with('_'))
+}
+
+/// For each node whether it is read, and from nowhere a way leads from it to what nobody reads, to what is meant to stay, or
+/// to an effect.
 fn idle(net: &Net, live: &[bool], used: &[bool]) -> Vec<bool> {
     // Constants, and whether it is the first cycle, are shared: they connect nothing.
     let may_be = net.nodes.iter().zip(live);
     let may_be = may_be.map(|(node, live)| !live && !node.inputs.is_empty());
     let mut idle: Vec<bool> = may_be.collect();
     let unread = net.node_ids().filter(|id| !used[id.index()]);
-    let mut open: Vec<NodeId> = unread.chain(live::given(net)).collect();
+    let meant = net.node_ids().filter(|id| is_meant(net, *id));
+    let mut open: Vec<NodeId> = unread.chain(meant).chain(live::given(net)).collect();
     while let Some(id) = open.pop() {
         if std::mem::replace(&mut idle[id.index()], false) {
             open.extend(sources(net, id));

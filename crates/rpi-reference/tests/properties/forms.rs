@@ -182,6 +182,8 @@ pub(crate) const FORMS: &[Form] = &[
     form("activate",         Some(Int),    "(activate Count every @)(@)",     &[Total(Bool), Total(Int)],         StateAbsent),
     form("activate, default", Some(Int),   "(activate Count every @ initial default @)(@)", &[Total(Bool), Total(Int), Total(Int)], State),
     form("activate, restart", Some(Int),   "(activate Count every @ restart every @ initial default 0)(@)", &[Total(Bool), Total(Bool), Total(Int)], State),
+    form("activate, absent", Some(Int),    "(activate Seldom every @)(@)",    &[Total(Bool), Total(Int)],         StateAbsent),
+    form("activate, kept",   Some(Int),    "(activate Seldom every @ initial default @)(@)", &[Total(Bool), Total(Int), Total(Int)], StateAbsent),
     form("restart",          Some(Int),    "(restart Count every @)(@)",      &[Total(Bool), Total(Int)],         State),
     form("several outputs",  Some(Int),    "Both(@, @).sum",                  &[Total(Int), Total(Bool)],         State),
     form("named fragment",   Some(Int),    "Above(x: @, limit: @)",           &[Total(Int), Total(Int)],          StateAbsent),
@@ -196,6 +198,7 @@ function Step (so_far, x: int) returns (next: int)\nlet\n  next = (so_far mod 10
 function Sum <<const n: int>> (a: int^n) returns (s: int)\nlet\n  s = with n = 1 then a[0] else a[n - 1] + Sum<<n - 1>>(a[0 .. n - 2]);\ntel\n\
 node Sampling (c: bool; x: int) returns (often: int; rare: int when c)\nlet\n  often = x mod 1000 + 1;\n  rare = ((x mod 1000) when c) - 2 * (often when c);\ntel\n\
 node Both (x: int; on: bool) returns (sum: int; changed: bool)\nlet\n  sum = (if on then x else 0) -> if on then (pre sum) div 2 + x else pre sum;\n  changed = false -> sum <> pre sum;\ntel\n\
+node Seldom (x: int) returns (y: int?)\nlet\n  y = if (0 -> pre x) > x then none else x;\ntel\n\
 fragment Above (x, limit: int) returns (over: int) when x > limit\nlet\n  over = (0 -> pre over) mod 100 + 1;\ntel\n\
 function Total <<const n: int>> (a: int^n) returns (s: int)\nlet\n  s = red<<+, n>>(0, a);\ntel\n\
 function Same <<type T>> (x: T) returns (y: T)\nlet\n  y = x;\ntel\n";

@@ -6,6 +6,7 @@
 use super::body::Body;
 use super::locals::Local;
 use super::statement::Later;
+use super::unknown;
 use crate::hash::Map;
 use crate::typed::{Automaton, BlockId, FlowId, FlowRole, Optional, Shared, State, Transition};
 use rpi_diag::{Code, Finding, Span};
@@ -192,8 +193,7 @@ impl<'a> Body<'_, 'a> {
                 .iter()
                 .map(|state| state.name.name.as_str());
             let near = self.c.suggest(&target.name, names);
-            let finding = super::report::unknown("state", &target.name, target.span, near);
-            self.report(finding);
+            self.report(unknown::unknown_state(target, near));
         }
         index
     }

@@ -80,8 +80,10 @@ impl<'a> Body<'_, 'a> {
     pub(super) fn constant_def(&mut self, def: &'a ast::ConstDef) -> Option<Constant> {
         let declared = def.ty.as_ref().map(|ty| self.ty(ty));
         let Some(value) = &def.value else {
-            // Without a name it is what is left of a broken text.
-            let name = def.names.first()?;
+            // What is left of a broken text, or without a name, has been told.
+            let is_broken = |ty: &ast::Type| matches!(ty.kind, ast::TypeKind::Broken);
+            let is_whole = !def.ty.as_ref().is_some_and(is_broken);
+            let name = def.names.first().filter(|_| is_whole)?;
             let finding = no_value(name, self.is_rpi());
             self.report(finding);
             let ty = declared.filter(|_| !self.is_rpi())?;

@@ -91,8 +91,9 @@ impl Body<'_, '_> {
             Kind::Call(call) => {
                 let header = &self.c.entries[call.unit.0 as usize].header;
                 let args = call.args.iter().zip(&header.inputs);
-                args.filter_map(|(arg, port)| Some(((*arg)?, port.ty.clone())))
-                    .collect()
+                let args = args.filter_map(|(arg, port)| Some(((*arg)?, port.ty.clone())));
+                let default = call.activation.default().map(|id| (id, expr.ty.clone()));
+                args.chain(default).collect()
             }
             Kind::Prim(call) => {
                 let ports = call.inputs.iter().zip(call.prim.desc().inputs);

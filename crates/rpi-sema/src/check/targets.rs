@@ -127,6 +127,9 @@ impl<'a> Body<'_, 'a> {
         let told = self.unknown.place(&name.name);
         if self.is_new_unknown(&name.name) {
             let near = self.c.suggest(&name.name, self.local_names());
+            // That the flow that is meant has no equation is the same fault.
+            let meant = near.as_ref().and_then(|near| self.local_flow(near));
+            self.broken.extend(meant);
             let finding = unknown("flow", &name.name, name.span, near);
             self.report(finding.help(help));
         } else if let Some(told) = told {

@@ -27,7 +27,9 @@ impl Body<'_, '_> {
         near: Option<String>,
     ) {
         let lacks_use = self.c.program.module(self.module).lacks_use;
-        let finding = match (self.c.program.library.declaring)(name) {
+        let declaring = (self.c.program.library.declaring)(name);
+        let declaring = declaring.filter(|module| !self.c.program.is_hidden(module, name));
+        let finding = match declaring {
             _ if lacks_use && near.is_none() => None,
             Some(module) => Some(self.of_module_not_used(what, name, module, span)),
             None if what == FLOW || near.is_some() => Some(unknown(what, name, span, near)),
@@ -87,6 +89,15 @@ impl Body<'_, '_> {
             .fix(fix.replace(span, here));
         self.report(finding);
     }
+}
+
+/// A state that no automaton around a transition has; `near` is the nearest that one has.
+pub(super) fn unknown_state(target: &Ident, near: Option<String>) -> Finding {
+    if near.is_some() {
+        return unknown("state", &target.name, target.span, near);
+    }
+    let message = format!("there is no state `{}`", target.name);
+    Finding::new(Code::RPI1001, message).at(target.span, NOWHERE)
 }
 
 /// A module that is not there; `known` are those that are.

@@ -10,6 +10,17 @@ use rpi_diag::{Code, Finding, Span};
 use rpi_image::{Scalar, Value};
 use rpi_net::{self as net, Absent, Fragment, FragmentId, Origin, PortRef, Restart};
 
+/// A call that does not run in all cycles.
+struct Run {
+    /// When it runs.
+    every: Signal,
+    /// What it gives then, and what is given before the first time.
+    result: Wire,
+    default: Option<Wire>,
+    /// Which leaves of that may be absent when it runs.
+    optional: Vec<bool>,
+}
+
 impl<'u> Elab<'u> {
     /// A call.
     pub(super) fn call(
@@ -49,11 +60,18 @@ impl<'u> Elab<'u> {
                 default,
                 restart,
             } => {
-                let inner = self.activated(scope, *every, *restart, &path, at, span);
+                let every = self.one(scope, *every, at.unguarded());
+                let inner = self.activated(scope, &every, *restart, &path, at, span);
                 let result = self.inlined(call.unit, &args, At::fragment(inner), path, span);
                 let result = self.leaving(&result, inner, at.fragment);
                 let default = default.map(|id| self.expr(scope, id, at.unguarded()));
-                self.held(&result, default.as_ref(), id, scope, at)
+                let run = Run {
+                    every,
+                    result,
+                    default,
+                    optional: callee.optional_leaves().collect(),
+                };
+                self.held(&run, id, scope, at)
             }
         }
     }
@@ -70,18 +88,17 @@ impl<'u> Elab<'u> {
     fn activated(
         &mut self,
         scope: &mut Scope<'u>,
-        every: ExprId,
+        every: &Signal,
         restart: Option<ExprId>,
         path: &str,
         at: At,
         span: Span,
     ) -> FragmentId {
         let at = at.unguarded();
-        let every = self.one(scope, every, at);
         let restart = restart.map(|id| self.one(scope, id, at));
         let restart = restart.and_then(|signal| self.port_of(&signal, Scalar::Bool, at, span));
         let restart = restart.map_or(Restart::Never, Restart::Every);
-        let activation = self.when(&every, at, span);
+        let activation = self.when(every, at, span);
         self.fragment(path, at.fragment, activation, restart, span)
     }
 
@@ -124,58 +141,46 @@ impl<'u> Elab<'u> {
     }
 
     /// What a call gives that does not run in all cycles: its result, or what it was last.
-    fn held(
-        &mut self,
-        result: &Wire,
-        default: Option<&Wire>,
-        id: ExprId,
-        scope: &Scope<'u>,
-        at: At,
-    ) -> Wire {
+    fn held(&mut self, run: &Run, id: ExprId, scope: &Scope<'u>, at: At) -> Wire {
         let span = scope.unit.expr(id).span;
         let scalars = leaf_scalars(&scope.unit.expr(id).ty);
-        let mut leaves = Vec::with_capacity(scalars.len());
-        for (k, (scalar, signal)) in scalars.into_iter().zip(result.iter()).enumerate() {
-            let default = default.and_then(|wire| wire.get(k)).cloned();
-            leaves.push(self.held_leaf(signal, default, scalar, at, span));
-        }
+        let leaves = scalars.into_iter().take(run.result.len()).enumerate();
+        let leaves: Vec<Signal> = leaves
+            .map(|(k, scalar)| self.held_leaf(run, k, scalar, at, span))
+            .collect();
         leaves.into()
     }
 
-    fn held_leaf(
-        &mut self,
-        signal: &Signal,
-        default: Option<Signal>,
-        scalar: Scalar,
-        at: At,
-        span: Span,
-    ) -> Signal {
-        if let Some(default @ Signal::Const(_)) = default {
-            return self.family(Family::Hold, scalar, &[signal.clone(), default], at, span);
+    fn held_leaf(&mut self, run: &Run, k: usize, scalar: Scalar, at: At, span: Span) -> Signal {
+        let signal = run.result[k].clone();
+        let default = run.default.as_ref().and_then(|wire| wire.get(k)).cloned();
+        let is_optional = run.optional.get(k).copied().unwrap_or_default();
+        if let (Some(default @ Signal::Const(_)), false) = (&default, is_optional) {
+            return self.family(Family::Hold, scalar, &[signal, default.clone()], at, span);
         }
         let result = self.new_alias(scalar);
         let alias = Signal::Port(result);
+        let pre = match default.is_none() || is_optional {
+            true => Family::OptionalPre,
+            false => Family::Pre,
+        };
+        let before = self.delay(pre, scalar, &alias, at, span);
         let before = match default {
-            None => self.delay(Family::OptionalPre, scalar, &alias, at, span),
+            None => before,
             Some(default) => {
-                let before = self.delay(Family::Pre, scalar, &alias, at, span);
                 let first = self.first(at.fragment, span);
-                self.family(
-                    Family::Conditional,
-                    scalar,
-                    &[first, default, before],
-                    at,
-                    span,
-                )
+                let inputs = [first, default, before];
+                self.family(Family::Conditional, scalar, &inputs, at, span)
             }
         };
-        let held = self.family(
-            Family::Coalesce,
-            scalar,
-            &[signal.clone(), before],
-            at,
-            span,
-        );
+        let held = match is_optional {
+            // That a run gave nothing is kept, too.
+            true => {
+                let inputs = [run.every.clone(), signal, before];
+                self.family(Family::Conditional, scalar, &inputs, at, span)
+            }
+            false => self.family(Family::Coalesce, scalar, &[signal, before], at, span),
+        };
         self.bind_alias(result, &held);
         held
     }

@@ -224,6 +224,15 @@ pub(super) fn origin(inference: &Inference<'_>, id: ExprId) -> Option<(Span, Str
                 });
             }
             Kind::None => return Some((expr.span, "`none` is absent".to_owned())),
+            Kind::Call(call) => match of_call(inference, call) {
+                CallOrigin::Here(text) => return Some((expr.span, text)),
+                CallOrigin::At(span, text) => return Some((span, text)),
+                CallOrigin::Operand(operand) => {
+                    at = operand;
+                    continue;
+                }
+                CallOrigin::Operands => {}
+            },
             _ => {}
         }
         let mut next = None;
@@ -233,5 +242,42 @@ pub(super) fn origin(inference: &Inference<'_>, id: ExprId) -> Option<(Span, Str
             }
         });
         at = next?;
+    }
+}
+
+/// What makes the result of a call absent.
+enum CallOrigin {
+    /// The call itself.
+    Here(String),
+    /// Something in what is called.
+    At(Span, String),
+    /// An operand.
+    Operand(ExprId),
+    /// Any of the operands that is absent.
+    Operands,
+}
+
+fn of_call(inference: &Inference<'_>, call: &Call) -> CallOrigin {
+    let callee = &inference.units[call.unit.0 as usize];
+    if callee.kind == UnitKind::Function {
+        return CallOrigin::Operands;
+    }
+    let before = call.activation.default();
+    let is_activated = matches!(call.activation, Activation::Condact { .. });
+    let mut outputs = callee.outputs.iter().map(|flow| callee.flow(*flow));
+    let optional = outputs.find(|flow| flow.optional == Optional::Declared(true));
+    match (before, optional) {
+        (None, _) if is_activated => {
+            let text = "nothing is there before the first run: `initial default` would tell what";
+            CallOrigin::Here(text.to_owned())
+        }
+        (Some(before), _) if inference.exprs[before.0 as usize].any() => {
+            CallOrigin::Operand(before)
+        }
+        (_, Some(flow)) => {
+            let text = format!("`{}` of `{}` may be absent", flow.name, callee.name);
+            CallOrigin::At(flow.span, text)
+        }
+        _ => CallOrigin::Operands,
     }
 }

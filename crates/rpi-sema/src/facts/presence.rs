@@ -438,14 +438,17 @@ impl<'u> Inference<'u> {
                 return Absence::MAYBE;
             }
         }
-        let declared = callee.outputs.iter().flat_map(|id| {
-            let flow = callee.flow(*id);
-            let optional = flow.optional == Optional::Declared(true);
-            std::iter::repeat_n(optional, flow.ty.leaf_count())
-        });
+        let when_it_runs = Absence::of(callee.optional_leaves());
         match call.activation {
             Activation::Condact { default: None, .. } => Absence::MAYBE,
-            _ => Absence::of(declared),
+            Activation::Condact {
+                default: Some(before),
+                ..
+            } => {
+                let count = callee.optional_leaves().count();
+                when_it_runs.with(&self.of(before), count, |run, before| run || before)
+            }
+            Activation::Always | Activation::Restart { .. } => when_it_runs,
         }
     }
 

@@ -249,6 +249,14 @@ impl<'a> Program<'a> {
         &self.modules[id.0 as usize]
     }
 
+    /// Whether a module of the program has the name of this one of the library, without declaring what that does: then to
+    /// use it does not bring that.
+    #[must_use]
+    pub fn is_hidden(&self, module: &str, name: &str) -> bool {
+        let same = self.modules.iter().find(|other| other.name == *module);
+        same.is_some_and(|other| !other.names.contains_key(name))
+    }
+
     /// How many bytes its declarations are long: what it may ask for grows with that.
     #[must_use]
     pub fn length(&self) -> usize {

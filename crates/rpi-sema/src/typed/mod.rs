@@ -431,6 +431,15 @@ pub enum Activation {
 }
 
 impl Unit {
+    /// For each leaf of the out-ports, in order, whether it may be absent in a cycle in which the unit runs.
+    pub fn optional_leaves(&self) -> impl Iterator<Item = bool> + '_ {
+        let outputs = self.outputs.iter().map(|flow| self.flow(*flow));
+        outputs.flat_map(|flow| {
+            let is_optional = flow.optional == Optional::Declared(true);
+            std::iter::repeat_n(is_optional, flow.ty.leaf_count())
+        })
+    }
+
     /// The flow of this index.
     #[must_use]
     pub fn flow(&self, id: FlowId) -> &Flow {
@@ -533,6 +542,15 @@ impl Kind {
 }
 
 impl Activation {
+    /// The value before the first run, if one is given.
+    #[must_use]
+    pub fn default(&self) -> Option<ExprId> {
+        match self {
+            Activation::Condact { default, .. } => *default,
+            Activation::Always | Activation::Restart { .. } => None,
+        }
+    }
+
     /// Calls `visit` with every operand.
     pub fn operands(&self, visit: &mut impl FnMut(ExprId)) {
         match self {

@@ -4,8 +4,24 @@ use super::{Habit, Mend, habit};
 use crate::ast::Ident;
 use crate::explain::Found;
 use crate::token::Token;
-use rpi_diag::{Fix, Span};
+use rpi_diag::{Code, Finding, Fix, Span};
 use std::ops::Range;
+
+/// `use motion;;`
+pub(super) fn doubled_semi(found: &Found<'_, '_>) -> Option<Habit> {
+    let at = found.fault.at;
+    let is_second = [found.token_before(), found.token(at)] == [Some(Token::Semi); 2];
+    // Elsewhere something could stand between the two.
+    if !is_second || !found.fault.expected.is_empty() {
+        return None;
+    }
+    let span = found.span_at(at);
+    let finding = Finding::new(Code::RPI0001, "this `;` ends nothing")
+        .at(span, "the declaration before it has its own")
+        .fix(Fix::sure("delete `;`").replace(span, ""));
+    let mend = Mend::Tokens(vec![(at..at + 1, Vec::new())]);
+    Some(Habit { finding, mend })
+}
 
 /// `let z = x;`, `var z = x;`
 pub(super) fn needless_word(found: &Found<'_, '_>) -> Option<Habit> {
@@ -229,8 +245,8 @@ pub(super) fn nameless(found: &Found<'_, '_>) -> Option<Habit> {
     }
 }
 
-fn nameless_finding(found: &Found<'_, '_>, message: &str) -> rpi_diag::Finding {
-    rpi_diag::Finding::new(rpi_diag::Code::RPI0001, message)
+fn nameless_finding(found: &Found<'_, '_>, message: &str) -> Finding {
+    Finding::new(Code::RPI0001, message)
         .at(found.span_at(found.fault.at), "expected a name before this")
 }
 

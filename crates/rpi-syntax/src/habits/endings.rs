@@ -11,6 +11,17 @@ use std::ops::Range;
 
 /// `let y = x; end`
 pub(super) fn end_for_tel(found: &Found<'_, '_>) -> Option<Habit> {
+    let (open, end) = ended_body(found).or_else(|| ended_state(found))?;
+    let finding = habit("a body ends with `tel`")
+        .at(found.span_at(end), "`end` closes no body")
+        .also(found.span_at(open), "begins here")
+        .fix(Fix::sure("write `tel`").replace(found.span_at(end), "tel"));
+    let mend = Mend::Tokens(vec![found.instead(end, &[Token::Tel])]);
+    Some(Habit { finding, mend })
+}
+
+/// The `let` of a declaration's body and the `end` behind it.
+fn ended_body(found: &Found<'_, '_>) -> Option<(usize, usize)> {
     let last = found.lexemes.len().checked_sub(1)?;
     // Where the word is a name the fault is behind it.
     let is_there = found.fault.at == last && found.expects(Token::Tel) || found.fault.at > last;
@@ -18,15 +29,19 @@ pub(super) fn end_for_tel(found: &Found<'_, '_>) -> Option<Habit> {
     let is_body = found.token(open) == Some(Token::Let)
         && found.structure.open_blocks().nth(1).is_none()
         && matches!(found.token(last - 1), Some(Token::Semi | Token::Let));
-    if !is_there || found.written(last) != "end" || !is_body {
-        return None;
-    }
-    let finding = habit("a body ends with `tel`")
-        .at(found.span_at(last), "`end` closes no body")
-        .also(found.span_at(open), "begins here")
-        .fix(Fix::sure("write `tel`").replace(found.span_at(last), "tel"));
-    let mend = Mend::Tokens(vec![found.instead(last, &[Token::Tel])]);
-    Some(Habit { finding, mend })
+    (is_there && is_body && found.written(last) == "end").then_some((open, last))
+}
+
+/// The `let` of a state's body and an `end` behind it that is not that of the automaton: the state goes on, or another one does.
+fn ended_state(found: &Found<'_, '_>) -> Option<(usize, usize)> {
+    use Token::{End, State, Tel, Unless, Until};
+    let end = found.fault.at;
+    let goes_on = matches!(found.token(end + 1), Some(End | State | Unless | Until));
+    let is_there = found.token(end) == Some(End) && found.expects(Tel) && goes_on;
+    let open = (0..end)
+        .rev()
+        .find(|at| found.token(*at) == Some(Token::Let))?;
+    is_there.then_some((open, end))
 }
 
 /// `y = a if c else b`
@@ -37,6 +52,10 @@ pub(super) fn choice_behind(found: &Found<'_, '_>) -> Option<Habit> {
     }
     let (start, end) = operand(found, at);
     let other = (at + 1..end).find(|at| found.token(*at) == Some(Token::Else))?;
+    let has_then = (at..other).any(|at| found.token(at) == Some(Token::Then));
+    if has_then {
+        return None;
+    }
     let values = [at + 1..other, start..at, other + 1..end];
     if values.iter().any(Range::is_empty) {
         return None;

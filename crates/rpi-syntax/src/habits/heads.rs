@@ -118,8 +118,7 @@ pub(super) fn begin_end(found: &Found<'_, '_>) -> Option<Habit> {
     if found.written(at) != "begin" || !(at < fault || found.expects(Token::Let)) {
         return None;
     }
-    let mut last = (at + 1..found.lexemes.len()).rev();
-    let end = last.find(|at| found.written(*at) == "end");
+    let end = end_of(found, at).filter(|end| found.token(*end) != Some(Token::Tel));
     let finding = habit("a body stands between `let` and `tel`")
         .at(found.span_at(at), "`begin` is no word of the language");
     let fix = Fix::sure("write `let` and `tel`").replace(found.span_at(at), "let");
@@ -134,6 +133,20 @@ pub(super) fn begin_end(found: &Found<'_, '_>) -> Option<Habit> {
     };
     let mend = Mend::Tokens(tokens);
     Some(Habit { finding, mend })
+}
+
+/// The `end` or `tel` of a body that begins with `begin`; what is open within has its own.
+fn end_of(found: &Found<'_, '_>, begin: usize) -> Option<usize> {
+    let mut open = 0;
+    (begin + 1..found.lexemes.len()).find(|at| {
+        match (found.token(*at), found.written(*at)) {
+            (Some(Token::Let | Token::Automaton), _) | (_, "begin") => open += 1,
+            (Some(Token::Tel), _) | (_, "end") if open > 0 => open -= 1,
+            (Some(Token::Tel), _) | (_, "end") => return true,
+            _ => {}
+        }
+        false
+    })
 }
 
 /// `(x: real, b: bool)`, `{x = 1.0, y = 2.0}`
@@ -163,6 +176,40 @@ pub(super) fn comma(found: &Found<'_, '_>) -> Option<Habit> {
     Some(Habit { finding, mend })
 }
 
+/// `(x: real y: int)`
+pub(super) fn no_semi(found: &Found<'_, '_>) -> Option<Habit> {
+    use Token::{Colon, Comma, Ident, Plus, RParen, Semi};
+    let at = found.fault.at;
+    let declares =
+        found.token(at) == Some(Ident) && matches!(found.token(at + 1), Some(Colon | Comma));
+    let in_list = found.expects(Semi) && found.expects(RParen) && !found.expects(Plus);
+    (declares && in_list).then(|| Habit {
+        finding: found.missing_semi(),
+        mend: Mend::Tokens(vec![found.before_token(at, Semi)]),
+    })
+}
+
+/// `node f (x: real) returns (y: real let y = x; tel`
+pub(super) fn open_ports(found: &Found<'_, '_>) -> Option<Habit> {
+    use Token::{Con, LParen, Let, RParen, Returns, Var};
+    let at = found.fault.at;
+    let goes_on = matches!(found.token(at), Some(Con | Let | Returns | Var));
+    let is_open =
+        |i: &usize| found.token(*i) == Some(LParen) && found.structure.partner(*i).is_none();
+    let open = (0..at).rev().find(is_open)?;
+    let in_body = (0..at).any(|i| found.token(i) == Some(Let));
+    if !goes_on || in_body || !found.expects(RParen) {
+        return None;
+    }
+    let last = found.span_at(at - 1);
+    Some(Habit {
+        finding: found
+            .open_bracket(open)
+            .fix(Fix::sure("insert `)`").insert_after(last, ")")),
+        mend: Mend::Tokens(vec![found.before_token(at, RParen)]),
+    })
+}
+
 /// `(x real)`
 pub(super) fn no_colon(found: &Found<'_, '_>) -> Option<Habit> {
     use Token::{BoolType, Enum, Ident, IntType, RealType, Struct};
@@ -187,12 +234,12 @@ pub(super) fn no_colon(found: &Found<'_, '_>) -> Option<Habit> {
 
 /// `(real x)`
 pub(super) fn type_first(found: &Found<'_, '_>) -> Option<Habit> {
-    use Token::{BoolType, Colon, Comma, Ident, IntType, RParen, RealType, Semi};
+    use Token::{BoolType, Comma, Ident, IntType, RParen, RealType, Semi};
     let at = found.fault.at;
     let known = |token| matches!(token, BoolType | IntType | RealType);
     let ty = match (found.token_before(), found.token(at)) {
         (_, Some(token)) if known(token) && found.expects(Ident) && !found.expects(token) => at,
-        (Some(Ident), Some(Ident)) if found.expects(Colon) => at - 1,
+        (Some(Ident), Some(Ident)) if is_declared_by_type(found, at) => at - 1,
         _ => return None,
     };
     let ends = matches!(found.token(ty + 2), Some(Semi | Comma | RParen));
@@ -211,6 +258,14 @@ pub(super) fn type_first(found: &Found<'_, '_>) -> Option<Habit> {
         false => Mend::Phrase(ty..ty + 2, vec![found.ident(ty + 1)]),
     };
     Some(Habit { finding, mend })
+}
+
+/// Whether two names in a row are a type and what is declared of it. Types are mostly written with capitals, flows are not; where
+/// a value may stand a comma is missing, or an operator.
+fn is_declared_by_type(found: &Found<'_, '_>, at: usize) -> bool {
+    let is_upper = |at: usize| found.written(at).starts_with(char::is_uppercase);
+    let is_declaration = found.expects(Token::Colon) && !found.expects(Token::Plus);
+    is_declaration && is_upper(at - 1) && !is_upper(at)
 }
 
 /// `x: real` for `real x`, at the places that the text has.

@@ -2,6 +2,7 @@
 
 use super::{Habit, Mend};
 use crate::explain::Found;
+use crate::lexical::seems_declared;
 use crate::token::Token;
 use rpi_diag::{Code, Finding, Fix};
 
@@ -26,10 +27,14 @@ const LONGEST_UNIT: usize = 3;
 /// `(x: int) retuns (y: int)`
 pub(super) fn word(found: &Found<'_, '_>) -> Option<Habit> {
     let at = found.fault.at;
-    // Behind a number a short word is a unit.
+    // Behind a number a short word is a unit, unless it resembles how a choice goes on.
+    let goes_on = |word: &str| matches!(word, "then" | "else");
     let is_unit = matches!(found.token_before(), Some(Token::Int | Token::Real))
-        && found.written(at).len() <= LONGEST_UNIT;
-    if found.token(at) != Some(Token::Ident) || is_unit || found.lacks_semi() {
+        && found.written(at).len() <= LONGEST_UNIT
+        && !nearest(found, at, &found.fault.expected).is_some_and(|word| goes_on(&word));
+    let written = found.written(at);
+    let is_name = written.len() < SHORTEST || seems_declared(found.cx.text, written);
+    if found.token(at) != Some(Token::Ident) || is_unit || is_name || found.lacks_semi() {
         return None;
     }
     meant(found, at, &found.fault.expected, Fix::sure)
@@ -37,6 +42,24 @@ pub(super) fn word(found: &Found<'_, '_>) -> Option<Habit> {
 
 /// `finsh done when c;`, where the word was taken for the name of a flow
 pub(super) fn statement(found: &Found<'_, '_>) -> Option<Habit> {
+    let at = taken_for_a_flow(found)?;
+    let is_long = found.written(at).len() >= SHORTEST;
+    is_long.then(|| meant(found, at, STATEMENTS, Fix::maybe))?
+}
+
+/// `let y = x; tl`, where the word was taken for the name of a flow
+pub(super) fn tel(found: &Found<'_, '_>) -> Option<Habit> {
+    let at = taken_for_a_flow(found)?;
+    found.structure.open_let()?;
+    let is_name = (0..at).any(|other| found.written(other) == found.written(at));
+    if is_name {
+        return None;
+    }
+    meant(found, at, &[Token::Tel], Fix::maybe)
+}
+
+/// The first word of a statement, behind which the fault is: a name where only `=` was missing.
+fn taken_for_a_flow(found: &Found<'_, '_>) -> Option<usize> {
     let at = found.fault.at.checked_sub(1)?;
     let begins = at.checked_sub(1).and_then(|before| found.token(before));
     let is_first = matches!(
@@ -44,10 +67,7 @@ pub(super) fn statement(found: &Found<'_, '_>) -> Option<Habit> {
         Some(Token::Let | Token::Semi | Token::Tel | Token::End)
     );
     let is_name = found.token(at) == Some(Token::Ident) && found.expects(Token::Eq);
-    if !is_first || !is_name {
-        return None;
-    }
-    meant(found, at, STATEMENTS, Fix::maybe)
+    (is_first && is_name).then_some(at)
 }
 
 /// The word among these that is nearest to the one that is written.
@@ -58,12 +78,7 @@ fn meant(
     fix: fn(String) -> Fix,
 ) -> Option<Habit> {
     let written = found.written(at);
-    let is_there = |token: &&Token| {
-        let word = token.keyword();
-        word.is_some_and(|word| word.is_in(found.cx.mode) && word.text.len() >= SHORTEST)
-    };
-    let near = words.iter().filter(is_there).filter_map(|t| t.spelling());
-    let meant = rpi_diag::suggest(written, near).filter(|_| written.len() >= SHORTEST)?;
+    let meant = nearest(found, at, words)?;
     let token = Token::of_spelling(&meant)?;
     let span = found.span_at(at);
     let message = format!("`{written}` is no word of the language");
@@ -77,4 +92,14 @@ fn meant(
     }
     let mend = Mend::Tokens(edits);
     Some(Habit { finding, mend })
+}
+
+/// The word among these that resembles the one that is written the most.
+fn nearest(found: &Found<'_, '_>, at: usize, words: &[Token]) -> Option<String> {
+    let is_there = |token: &&Token| {
+        let word = token.keyword();
+        word.is_some_and(|word| word.is_in(found.cx.mode) && word.text.len() >= SHORTEST)
+    };
+    let near = words.iter().filter(is_there).filter_map(|t| t.spelling());
+    rpi_diag::suggest(found.written(at), near)
 }

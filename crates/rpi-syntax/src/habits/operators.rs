@@ -102,7 +102,7 @@ pub(super) fn end_if(found: &Found<'_, '_>) -> Option<Habit> {
 /// `c ? x : y`
 pub(super) fn conditional(found: &Found<'_, '_>) -> Option<Habit> {
     let at = found.fault.at;
-    if found.token(at) != Some(Token::Question) {
+    if found.token(at) != Some(Token::Question) || !found.expects(Token::Plus) {
         return None;
     }
     let (start, end) = operand(found, at);

@@ -99,7 +99,7 @@ pub(super) fn no_sign(found: &Found<'_, '_>) -> Option<Habit> {
     let begins = matches!(second, Some(Colon | Const | Let | Semi | Tel));
     let fits = match (word, before) {
         (Some(_), _) => before == Ident,
-        (None, Ident) => found.expects(Eq) && begins,
+        (None, Ident) => found.expects(Eq) && begins && !found.written(at - 1).is_empty(),
         (None, BoolType | IntType | RealType | RBracket) => found.expects(Eq),
         (None, _) => false,
     };

@@ -2,15 +2,16 @@
 
 use std::path::{Path, PathBuf};
 
-use rpi_driver::{Input, Kind, compile, emit, read};
+use rpi_driver::{Input, Kind, compile, emit, import, read};
 use rpi_net::Net;
 
 use crate::run::act_alike;
+use crate::trip::program;
 
 /// Period of the examples, ns.
 const PERIOD_NS: u64 = 1_000_000;
 
-/// Each command of an example does the same as the net that it is written as.
+/// Each command of an example does the same as the net that it is written as, and as the program that this is imported as.
 pub(crate) fn come_back(path: &Path) -> Result<(), String> {
     let compiled = read(path).and_then(|input| compile(&input));
     let compiled = compiled.map_err(|e| e.to_string())?;
@@ -23,10 +24,15 @@ pub(crate) fn come_back(path: &Path) -> Result<(), String> {
         if !findings.is_empty() {
             return Err(format!("{findings:?}"));
         }
-        let moves = act_alike(net, &as_read(&text)?, &cell, PERIOD_NS);
-        match moves.map_err(|e| format!("{}: {e}", net.name))? {
-            true => {}
-            false => return Err(format!("{} moves nothing", net.name)),
+        let read = as_read(&text)?;
+        let imported = program(import::to_program(&read));
+        let imported = imported.map_err(|e| format!("{} as a program: {e}", net.name))?;
+        for other in [read, imported] {
+            let moves = act_alike(net, &other, &cell, PERIOD_NS);
+            match moves.map_err(|e| format!("{}: {e}", net.name))? {
+                true => {}
+                false => return Err(format!("{} moves nothing", net.name)),
+            }
         }
     }
     Ok(())

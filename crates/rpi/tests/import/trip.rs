@@ -48,7 +48,7 @@ pub(crate) fn net_of(path: &Path) -> Result<Net, String> {
 }
 
 /// The net of a program of one command; no fault may be found in it.
-fn program(text: String) -> Result<Net, String> {
+pub(crate) fn program(text: String) -> Result<Net, String> {
     let input = Input {
         path: PathBuf::from("imported.rpi"),
         kind: Kind::Rpi,

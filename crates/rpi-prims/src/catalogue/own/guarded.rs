@@ -2,7 +2,7 @@
 //! Otherwise they give 0, which nobody reads.
 
 use crate::catalogue::int::{divided, fits, whole};
-use crate::catalogue::own::int::power;
+use crate::catalogue::own::int::{power, remainder};
 use crate::macros::primitive;
 use crate::registry::Prim;
 
@@ -70,7 +70,7 @@ binary!(
     "Remainder of the truncated division",
     10,
     1,
-    |cx, place, a, b| divided(cx, place, b, a.checked_rem(b))
+    |cx, place, a, b| divided(cx, place, b, remainder(a, b))
 );
 binary!(
     POWER,

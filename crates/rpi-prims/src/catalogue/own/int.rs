@@ -39,7 +39,7 @@ primitive! {
     in { inFirst: i64 = First(Int(0)); inSecond: i64 = Second(Int(1)) }
     out { outValue: i64 }
     presence strict work 10 faults;
-    full |cx, place, _, _, (a, b)| (divided(cx, place, b, i64::checked_rem(a, b)),)
+    full |cx, place, _, _, (a, b)| (divided(cx, place, b, remainder(a, b)),)
 }
 
 primitive! {
@@ -85,6 +85,11 @@ primitive! {
     out { outValue: bool }
     presence strict work 1;
     pure |(a, b): (i64, i64)| (a >= b,)
+}
+
+/// None for the divisor 0 alone: the remainder by -1 fits where the quotient does not.
+pub(super) fn remainder(a: i64, b: i64) -> Option<i64> {
+    (b != 0).then(|| a.wrapping_rem(b))
 }
 
 pub(super) fn power(base: i64, exponent: i64) -> Option<i64> {
