@@ -177,7 +177,9 @@ fn unpacked_name(path: &Path) -> String {
     name.strip_suffix(".gz").unwrap_or(&name).to_owned()
 }
 
-fn unreadable(path: &Path, error: &std::io::Error) -> InputError {
+/// Why a file that the user names can not be read, and what may have been meant.
+#[must_use]
+pub fn unreadable(path: &Path, error: &std::io::Error) -> InputError {
     let (message, help) = match error.kind() {
         ErrorKind::NotFound => ("there is no such file".to_owned(), nearest(path)),
         ErrorKind::IsADirectory => {

@@ -33,7 +33,7 @@ pub use compile::{
 };
 pub use doctext::{doc_blocks, doc_links, examples};
 pub use files::{Disk, Files};
-pub use input::{Input, InputError, Kind, read, utf8};
+pub use input::{Input, InputError, Kind, read, unreadable, utf8};
 pub use inspect::{Inspected, inspect};
 pub use machine::{MACHINE, machine_text, read_machine};
 pub use marks::Marks;

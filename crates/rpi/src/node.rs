@@ -142,11 +142,13 @@ impl Session {
         let source: Box<dyn BufRead> = match path == Path::new("-") {
             true => Box::new(stdin().lock()),
             false => Box::new(BufReader::new(
-                File::open(path).map_err(|e| format!("{name}: {e}"))?,
+                File::open(path).map_err(|e| rpi_driver::unreadable(path, &e))?,
             )),
         };
         let mut lines = source.lines();
-        let first = lines.next().transpose()?.unwrap_or_default();
+        let first = lines.next().transpose();
+        let first = first.map_err(|e| rpi_driver::unreadable(path, &e))?;
+        let first = first.unwrap_or_default();
         let reader = Reader::new(columns, &first).map_err(|e| format!("{name}:{e}"))?;
         let mut left = most.unwrap_or(u64::MAX);
         for (number, line) in (2..).zip(lines) {
@@ -178,7 +180,7 @@ impl Session {
         }
         let mut given: Option<Row> = columns.is_empty().then(Vec::new);
         for (number, line) in (1..).zip(stdin().lock().lines()) {
-            let line = line?;
+            let line = line.map_err(|e| format!("line {number} of the input: {e}"))?;
             if !line.trim().is_empty() || reader.takes_empty_lines() {
                 match reader.row(number, &line) {
                     Ok(row) => given = Some(row),
