@@ -24,7 +24,7 @@ impl Printer<'_> {
             return concat([text(head), self.refined(refined)]);
         }
         if self.is_of_types(call) {
-            let name = text(&*call.callee.name.name);
+            let name = self.name(&call.callee.name);
             return concat([name, self.type_args("@<", &call.callee.statics)]);
         }
         let callee = self.callee(&call.callee);
@@ -97,7 +97,7 @@ impl Printer<'_> {
     }
 
     pub(super) fn callee(&mut self, callee: &Callee) -> Doc {
-        let name = text(&*callee.name.name);
+        let name = self.name(&callee.name);
         concat([name, self.static_args(&callee.statics)])
     }
 

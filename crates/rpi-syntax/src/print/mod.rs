@@ -42,7 +42,7 @@ pub use head::head;
 /// Reading the result gives the same tree, parentheses and places aside, as long as every name in it
 /// is one: see [`is_name`](crate::is_name).
 pub fn print(file: &File, mode: Mode) -> String {
-    with_stack(|| written(&Printer::new(mode, None).items(&file.items)))
+    with_stack(|| written(&Printer { mode, source: None }.items(&file.items)))
 }
 
 /// Formats a text. The errors in it if there are any, for then nothing is changed.
@@ -57,7 +57,11 @@ pub fn format(text: &str, mode: Mode) -> Result<String, Vec<Finding>> {
     }
     let source = Source::new(text, &tokens, &parsed.comments.all);
     Ok(with_stack(|| {
-        let plain = Printer::new(mode, Some(text)).items(&parsed.file.items);
+        let mut printer = Printer {
+            mode,
+            source: Some(&source),
+        };
+        let plain = printer.items(&parsed.file.items);
         written(&weave(plain, &source))
     }))
 }
@@ -73,27 +77,37 @@ fn written(doc: &Doc) -> String {
 struct Printer<'a> {
     mode: Mode,
     /// What was read, if anything was: doc comments are taken from there, and empty lines between declarations.
-    text: Option<&'a str>,
+    source: Option<&'a Source<'a>>,
 }
 
-impl<'a> Printer<'a> {
-    fn new(mode: Mode, text: Option<&'a str>) -> Printer<'a> {
-        Printer { mode, text }
-    }
-
+impl Printer<'_> {
     /// Whether an empty line stands directly before what begins at `span`.
     fn blank_before(&self, span: Span) -> bool {
-        let before = self.text.and_then(|text| text.get(..span.start as usize));
+        let before = self
+            .source
+            .and_then(|source| source.text.get(..span.start as usize));
         let before = before.filter(|_| !span.is_none()).unwrap_or("");
         let gap = &before[before.trim_end().len()..];
         gap.bytes().filter(|b| *b == b'\n').count() > 1
     }
 
-    /// What a part becomes that begins at `span`.
+    /// What begins with the word before `span`, which has no place of its own.
+    fn with_word(&self, span: Span) -> Span {
+        let before = self.source.filter(|_| !span.is_none());
+        let before = before.and_then(|source| source.token_before(span.start));
+        before.map_or(span, |word| Span {
+            start: word.start,
+            ..span
+        })
+    }
+
+    /// What a part becomes that begins at `span`: where there are comments, with its place for them to be found by.
     fn part(&self, span: Span, doc: Doc) -> Doc {
-        match span.is_none() {
-            true => doc,
-            false => concat([Doc::At(span.start), doc]),
+        match self.source {
+            Some(source) if !span.is_none() && !source.comments.is_empty() => {
+                concat([Doc::At(span.start), doc])
+            }
+            _ => doc,
         }
     }
 }
