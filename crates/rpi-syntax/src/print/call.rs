@@ -98,7 +98,20 @@ impl Printer<'_> {
 
     pub(super) fn callee(&mut self, callee: &Callee) -> Doc {
         let name = self.name(&callee.name);
-        concat([name, self.static_args(&callee.statics)])
+        let statics = match self.is_of_kind2(callee) {
+            true => self.type_args("@<", &callee.statics),
+            false => self.static_args(&callee.statics),
+        };
+        concat([name, statics])
+    }
+
+    /// Whether it was written `f@<int>`: Kind 2 reads its types in no other way.
+    fn is_of_kind2(&self, callee: &Callee) -> bool {
+        let name = callee.name.span;
+        let source = self
+            .source
+            .filter(|_| self.mode == Mode::Lustre && !name.is_none());
+        source.is_some_and(|source| source.token_from(name.end) == "@")
     }
 
     pub(super) fn static_args(&mut self, args: &[StaticArg]) -> Doc {

@@ -90,6 +90,13 @@ impl<'a> Source<'a> {
         before.checked_sub(1).map(|i| self.tokens[i])
     }
 
+    /// What is written at a place or next behind it, comments aside.
+    pub(super) fn token_from(&self, offset: u32) -> &str {
+        let at = self.tokens.partition_point(|token| token.start < offset);
+        let token = self.tokens.get(at);
+        token.map_or("", |token| slice(self.text, *token))
+    }
+
     fn line_ends(&self, from: u32, to: u32) -> usize {
         let gap = self.text.get(from as usize..to as usize).unwrap_or("");
         gap.bytes().filter(|b| *b == b'\n').count()
