@@ -47,8 +47,26 @@ pub fn print(file: &File, mode: Mode) -> String {
 
 /// Formats a text. The errors in it if there are any, for then nothing is changed.
 ///
-/// The result has the same tree and the same comments, and formatting it again changes nothing.
+/// The result has the same tree and the same comments, and formatting it again changes nothing. Its lines end as most lines
+/// of the text do.
 pub fn format(text: &str, mode: Mode) -> Result<String, Vec<Finding>> {
+    if !text.contains(CRLF) {
+        return format_lines(text, mode);
+    }
+    // Places in findings are those of the text as it is.
+    let formatted =
+        format_lines(&text.replace(CRLF, "\n"), mode).or_else(|_| format_lines(text, mode))?;
+    let ends = text.matches('\n').count();
+    match 2 * text.matches(CRLF).count() > ends {
+        true => Ok(formatted.replace('\n', CRLF)),
+        false => Ok(formatted),
+    }
+}
+
+/// How lines end elsewhere.
+const CRLF: &str = "\r\n";
+
+fn format_lines(text: &str, mode: Mode) -> Result<String, Vec<Finding>> {
     let (parsed, tokens) = parse_with_tokens(FileId(0), text, mode);
     let is_error = |finding: &Finding| finding.severity() == Severity::Error;
     let errors: Vec<Finding> = parsed.findings.into_iter().filter(is_error).collect();

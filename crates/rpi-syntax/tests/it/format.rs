@@ -126,3 +126,25 @@ fn texts_without_declarations_begin_with_what_they_hold() {
         assert_eq!(formatted(wanted, Mode::Rpi), wanted);
     }
 }
+
+#[test]
+fn lines_end_as_most_of_them_do() {
+    for program in programs() {
+        let plain = formatted(&program.text, program.mode);
+        let ends = plain.matches('\n').count();
+        let all = plain.replace('\n', "\r\n");
+        assert_eq!(formatted(&all, program.mode), all, "{}", program.name);
+        let most = all.replacen("\r\n", "\n", ends / 3);
+        assert_eq!(formatted(&most, program.mode), all, "{}", program.name);
+        let few = plain.replacen('\n', "\r\n", ends / 3);
+        assert_eq!(formatted(&few, program.mode), plain, "{}", program.name);
+    }
+}
+
+#[test]
+fn faults_stand_where_they_are_in_lines_that_end_in_another_way() {
+    let text = "-- one\r\n(* two\r\n *)\r\nconst n: int = ;\r\n";
+    let faults = format(text, Mode::Rpi).expect_err("a value is missing");
+    let at = faults[0].span();
+    assert_eq!(text.get(at.start as usize..at.end as usize), Some(";"));
+}
