@@ -204,10 +204,9 @@ impl Context<'_> {
         self.call(l, crate::make::call(*callee, Activation::Always, args), r)
     }
 
-    /// `any { x: T | c }`, whose first word begins at `l` and ends before `p`.
-    pub(crate) fn any_of(&self, l: u32, p: u32, refined: Box<Refined>, r: u32) -> Expr {
-        let word = self.slice(l, p).trim_end().len() as u32;
-        let name = self.ident(l, l + word);
+    /// `any { x: T | c }`, whose type begins at `p`.
+    pub(crate) fn any_of(&self, name: Ident, p: u32, refined: Box<Refined>, r: u32) -> Expr {
+        let l = name.span.start;
         let ty = self.ty(p, TypeKind::Refined(refined), r);
         let of = *self.static_arg(p, None, StaticValue::Type(ty), r);
         let callee = self.callee(l, name, vec![of], r);

@@ -138,6 +138,8 @@ fn formatting_is_checked_done_and_done_once() {
     assert_eq!(rpic(&["fmt", "--check", &path]).status.code(), Some(0));
     let tidy = std::fs::read_to_string(&path).unwrap();
     assert_eq!(out(&through_fmt(UNTIDY, &[])), tidy);
+    let (_dir, path) = file("windows.rpi", &tidy.replace('\n', "\r\n"));
+    assert_eq!(rpic(&["fmt", "--check", &path]).status.code(), Some(0));
     for line in tidy.lines().filter(|line| !UNTIDY.contains(line)) {
         assert!(changes.contains(&format!("\n+{line}\n")), "{changes}");
     }

@@ -226,9 +226,15 @@ fn formatting_touches_only_what_is_out_of_style() {
         "newText": "const b: int = 2;\n",
     }]);
     assert_eq!(edits, expected);
+    let in_style = "const a: int = 1;\r\n(* of two\r\nlines *)\r\n";
+    session.client.change(URI, 2, json!({ "text": in_style }));
+    let edits = session
+        .client
+        .result("textDocument/formatting", params.clone());
+    assert_eq!(edits, json!([]));
     session
         .client
-        .change(URI, 2, json!({ "text": "const = ;" }));
+        .change(URI, 3, json!({ "text": "const = ;" }));
     assert_eq!(
         session.client.result("textDocument/formatting", params),
         Value::Null

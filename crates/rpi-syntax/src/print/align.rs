@@ -1,7 +1,10 @@
 //! Which token of a source became which one of a document.
 //!
-//! They are the same but for what the style adds, leaves out or writes in another way, and but for parts that it sorts: where
-//! a part begins, the document tells its place.
+//! They are the same but for what the style adds, leaves out or writes in another way, and but for parts that it sorts. Where
+//! a part begins, down to single names and numbers, the document tells its place: only the few tokens up to the next one are
+//! compared.
+
+use std::ops::Range;
 
 /// A token of the document.
 pub(super) struct Printed<'d> {
@@ -10,62 +13,157 @@ pub(super) struct Printed<'d> {
     pub(super) anchor: Option<usize>,
 }
 
-/// So many tokens may be added, left out or written in another way in a row.
-const MAX_APART: usize = 24;
-
 /// For each token of the source the one it became.
 pub(super) fn align(source: &[&str], printed: &[Printed<'_>]) -> Vec<Option<usize>> {
     let mut became = vec![None; source.len()];
-    let (mut from, mut to) = (0, 0);
-    let mut anchored = 0;
-    while to < printed.len() {
-        if let Some(anchor) = printed[to].anchor.filter(|_| anchored <= to) {
-            // Of some parts the word that they begin with has no place.
-            let is =
-                |at: Option<usize>| at.and_then(|at| source.get(at)) == Some(&printed[to].text);
-            let early = !is(Some(anchor)) && is(anchor.checked_sub(1));
-            (from, anchored) = (anchor - usize::from(early), to + 1);
+    for (from, to) in stretches(source, printed) {
+        let texts: Vec<&str> = printed[to.clone()].iter().map(|p| p.text).collect();
+        for (i, j) in pairs(&source[from.clone()], &texts) {
+            became[from.start + i] = Some(to.start + j);
         }
-        if from >= source.len() || source[from] != printed[to].text {
-            let (left_out, added) = apart(&source[from.min(source.len())..], &printed[to..]);
-            if left_out == added {
-                // Written in another way.
-                for i in 0..added {
-                    became[from + i] = Some(to + i);
-                }
-            }
-            (from, to) = (from + left_out, to + added);
-            continue;
-        }
-        became[from] = Some(to);
-        (from, to) = (from + 1, to + 1);
     }
     became
 }
 
-/// How many tokens of each are passed over until they are the same again; not both are 0.
-fn apart(source: &[&str], printed: &[Printed<'_>]) -> (usize, usize) {
-    let near = &printed[..printed.len().min(2 * MAX_APART)];
-    let next_part = near.iter().skip(1).position(|p| p.anchor.is_some());
-    let end = next_part.map_or(near.len(), |at| at + 1);
-    if source.is_empty() {
-        return (0, end);
+/// From one place that the document tells to the next: tokens of the source, and what they became.
+fn stretches(source: &[&str], printed: &[Printed<'_>]) -> Vec<(Range<usize>, Range<usize>)> {
+    let anchored = printed.iter().enumerate();
+    let anchored = anchored.filter_map(|(to, word)| Some((begin(source, word)?, to)));
+    let begins: Vec<(usize, usize)> = std::iter::once((0, 0)).chain(anchored).collect();
+    let mut places: Vec<usize> = begins.iter().map(|(from, _)| *from).collect();
+    places.push(source.len());
+    places.sort_unstable();
+    let ends = begins.iter().skip(1).map(|(from, to)| (Some(*from), *to));
+    let ends = ends.chain([(None, printed.len())]);
+    let stretch = |((from, to), (next, end)): (&(usize, usize), (Option<usize>, usize))| {
+        let after = places.partition_point(|place| place <= from);
+        let behind = match next == Some(*from) {
+            true => *from,
+            false => places.get(after).copied().unwrap_or(*from),
+        };
+        (*from..behind, *to..end)
+    };
+    begins.iter().zip(ends).map(stretch).collect()
+}
+
+/// The token of the source that a token of the document begins with, if its part tells.
+fn begin(source: &[&str], word: &Printed<'_>) -> Option<usize> {
+    let at = word.anchor?.min(source.len());
+    let is = |at: usize| source.get(at) == Some(&word.text);
+    // Of some parts the word that they begin with has no place.
+    let early = at.checked_sub(1).filter(|early| !is(at) && is(*early));
+    Some(early.unwrap_or(at))
+}
+
+/// Which tokens are the same, in order; what differs between two of them is paired if it is written in another way.
+fn pairs(source: &[&str], printed: &[&str]) -> Vec<(usize, usize)> {
+    let mut pairs = Vec::new();
+    let mut done = (0, 0);
+    for (i, j) in same(source, printed)
+        .into_iter()
+        .chain([(source.len(), printed.len())])
+    {
+        if is_rewritten(&source[done.0..i], &printed[done.1..j]) {
+            pairs.extend((done.0..i).zip(done.1..j));
+        }
+        pairs.push((i, j));
+        done = (i + 1, j + 1);
     }
-    let same = |i: usize, j: usize| source[i] == printed[j].text;
-    for sum in 1..=2 * MAX_APART {
-        for added in (0..=sum.min(end)).rev() {
-            let left_out = sum - added;
-            if left_out >= source.len() || added >= end || !same(left_out, added) {
-                continue;
-            }
-            let again = (left_out + 1, added + 1);
-            if again.0 >= source.len() || again.1 >= end || same(again.0, again.1) {
-                return (left_out, added);
-            }
+    pairs.pop();
+    pairs
+}
+
+/// Whether the same number of words or signs stands for what was written.
+fn is_rewritten(source: &[&str], printed: &[&str]) -> bool {
+    let is_round = |token: &str| matches!(token, "(" | ")");
+    source.len() == printed.len()
+        && (source.iter().zip(printed)).all(|(a, b)| is_round(a) == is_round(b))
+}
+
+/// More comparisons than these are not made for one stretch.
+const MAX_COMPARED: usize = 1 << 16;
+
+/// The longest row of tokens that both have, as early as it can be.
+fn same(source: &[&str], printed: &[&str]) -> Vec<(usize, usize)> {
+    let head = source.iter().zip(printed).take_while(|(a, b)| a == b);
+    let head = head.count();
+    let mut same: Vec<(usize, usize)> = (0..head).map(|i| (i, i)).collect();
+    let (source, printed) = (&source[head..], &printed[head..]);
+    if source.len() * printed.len() > MAX_COMPARED {
+        return same;
+    }
+    let lengths = lengths(source, printed);
+    let (mut i, mut j) = (0, 0);
+    while i < source.len() && j < printed.len() {
+        if source[i] == printed[j] {
+            same.push((head + i, head + j));
+            (i, j) = (i + 1, j + 1);
+        } else if lengths[i + 1][j] >= lengths[i][j + 1] {
+            i += 1;
+        } else {
+            j += 1;
         }
     }
-    match next_part {
-        Some(_) => (0, end),
-        None => (1, 1),
+    same
+}
+
+/// How long the longest row is that is left from two places on.
+fn lengths(source: &[&str], printed: &[&str]) -> Vec<Vec<u32>> {
+    let mut lengths = vec![vec![0; printed.len() + 1]; source.len() + 1];
+    for i in (0..source.len()).rev() {
+        for j in (0..printed.len()).rev() {
+            lengths[i][j] = match source[i] == printed[j] {
+                true => lengths[i + 1][j + 1] + 1,
+                false => lengths[i + 1][j].max(lengths[i][j + 1]),
+            };
+        }
+    }
+    lengths
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Words of the document; `@2` before one tells its place.
+    fn aligned(source: &str, printed: &str) -> Vec<Option<usize>> {
+        let source: Vec<&str> = source.split(' ').collect();
+        let mut anchor = None;
+        let mut words = Vec::new();
+        for text in printed.split(' ') {
+            match text.strip_prefix('@') {
+                Some(place) => anchor = place.parse().ok(),
+                None => words.push(Printed {
+                    text,
+                    anchor: anchor.take(),
+                }),
+            }
+        }
+        align(&source, &words)
+    }
+
+    #[test]
+    fn what_is_added_lies_between_what_tells_its_place() {
+        let became = aligned(
+            "merge ( c x 0 )",
+            "merge @2 c ( true -> @3 x ) ( false -> @4 0 )",
+        );
+        let expected = [Some(0), None, Some(1), Some(5), Some(10), Some(11)];
+        assert_eq!(became, expected);
+    }
+
+    #[test]
+    fn what_is_written_in_another_way_is_paired() {
+        assert_eq!(aligned("a && b", "a and b"), [Some(0), Some(1), Some(2)]);
+        assert_eq!(
+            aligned("W ( ) let", "W let"),
+            [Some(0), None, None, Some(1)]
+        );
+    }
+
+    #[test]
+    fn parts_that_are_sorted_are_found() {
+        let became = aligned("a 1 b 2 c 3", "@2 b 2 @0 a 1 @4 c 3");
+        assert_eq!(became, [2, 3, 0, 1, 4, 5].map(Some));
     }
 }

@@ -118,7 +118,7 @@ impl Printer<'_> {
         let mut parts = Vec::new();
         for (i, target) in equation.targets.iter().enumerate() {
             parts.push(word(if i == 0 { "" } else { ", " }));
-            parts.extend([text(&*target.name.name), self.path(&target.path)]);
+            parts.extend([self.name(&target.name), self.path(&target.path)]);
         }
         if parts.is_empty() {
             parts.push(word("()"));
@@ -182,7 +182,7 @@ impl Printer<'_> {
             self.state_body(&state.body),
             self.clause("until ", &state.until),
         ];
-        concat([word(head), text(&*state.name.name), indent(concat(parts))])
+        concat([word(head), self.name(&state.name), indent(concat(parts))])
     }
 
     fn state_body(&mut self, body: &Body) -> Doc {
@@ -212,7 +212,7 @@ impl Printer<'_> {
             } else {
                 " then "
             };
-            let target = text(&*transition.target.name);
+            let target = p.name(&transition.target);
             concat([
                 word(if i == 0 { "" } else { "| " }),
                 condition,

@@ -24,7 +24,7 @@ impl Printer<'_> {
             return concat([text(head), self.refined(refined)]);
         }
         if self.is_of_types(call) {
-            let name = text(&*call.callee.name.name);
+            let name = self.name(&call.callee.name);
             return concat([name, self.type_args("@<", &call.callee.statics)]);
         }
         let callee = self.callee(&call.callee);
@@ -97,8 +97,21 @@ impl Printer<'_> {
     }
 
     pub(super) fn callee(&mut self, callee: &Callee) -> Doc {
-        let name = text(&*callee.name.name);
-        concat([name, self.static_args(&callee.statics)])
+        let name = self.name(&callee.name);
+        let statics = match self.is_of_kind2(callee) {
+            true => self.type_args("@<", &callee.statics),
+            false => self.static_args(&callee.statics),
+        };
+        concat([name, statics])
+    }
+
+    /// Whether it was written `f@<int>`: Kind 2 reads its types in no other way.
+    fn is_of_kind2(&self, callee: &Callee) -> bool {
+        let name = callee.name.span;
+        let source = self
+            .source
+            .filter(|_| self.mode == Mode::Lustre && !name.is_none());
+        source.is_some_and(|source| source.token_from(name.end) == "@")
     }
 
     pub(super) fn static_args(&mut self, args: &[StaticArg]) -> Doc {

@@ -28,17 +28,17 @@ impl Printer<'_> {
             self.contract_locals(locals, &mut parts);
         }
         for together in &contract.together {
-            parts.push((together.span, self.together(together)));
+            parts.push((self.with_word(together.span), self.together(together)));
         }
         for import in &contract.imports {
             parts.push((import.call.span, self.contract_import(import)));
         }
         for claim in &contract.claims {
             let doc = concat([self.claim(claim), word(";")]);
-            parts.push((claim_span(claim), doc));
+            parts.push((self.with_word(claim_span(claim)), doc));
         }
         for mode in &contract.modes {
-            parts.push((mode.name.span, self.mode(mode)));
+            parts.push((self.with_word(mode.name.span), self.mode(mode)));
         }
         if parts.is_empty() {
             return nothing();
@@ -88,13 +88,13 @@ impl Printer<'_> {
             Locals::Var(vars) => {
                 parts.extend(
                     vars.iter()
-                        .map(|v| (v.span, line("var ", self.var_decl(v)))),
+                        .map(|v| (self.with_word(v.span), line("var ", self.var_decl(v)))),
                 );
             }
             Locals::Const(defs) => {
                 parts.extend(
                     defs.iter()
-                        .map(|d| (d.span, line("const ", self.const_def(d)))),
+                        .map(|d| (self.with_word(d.span), line("const ", self.const_def(d)))),
                 );
             }
         }

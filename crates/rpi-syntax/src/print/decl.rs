@@ -56,7 +56,7 @@ impl Printer<'_> {
         let params = type_params(&def.statics);
         let name = concat([
             self.doc_lines(def.doc.as_ref()),
-            text(&*def.name.name),
+            self.name(&def.name),
             params,
         ]);
         match &def.ty {
@@ -140,7 +140,7 @@ impl Printer<'_> {
 
     fn primitive(&mut self, primitive: &PrimitiveDecl) -> Doc {
         let signature = &primitive.signature;
-        let name = text(&*signature.name.name);
+        let name = self.name(&signature.name);
         let statics = self.static_params(&signature.statics);
         let ports = self.signature_ports(signature);
         let budget = self.budget(primitive.budget.as_ref());
@@ -154,7 +154,7 @@ impl Printer<'_> {
     }
 
     fn device(&mut self, device: &DeviceDecl) -> Doc {
-        let name = text(&*device.name.name);
+        let name = self.name(&device.name);
         let head = concat([word("device "), name, self.static_params(&device.statics)]);
         let sections = self.lines(
             &device.sections,

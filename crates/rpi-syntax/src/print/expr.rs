@@ -11,11 +11,13 @@ use rpi_diag::Span;
 impl Printer<'_> {
     pub(super) fn expr(&mut self, expr: &Expr) -> Doc {
         match &expr.kind {
-            ExprKind::Bool(value) => word(if *value { "true" } else { "false" }),
-            ExprKind::Number(number) => text(&*number.text),
-            ExprKind::Quantity(quantity) => self.quantity(quantity),
-            ExprKind::Str(content) => text(quote(content)),
-            ExprKind::Name(name) => text(&**name),
+            ExprKind::Bool(value) => {
+                self.part(expr.span, word(if *value { "true" } else { "false" }))
+            }
+            ExprKind::Number(number) => self.part(expr.span, text(&*number.text)),
+            ExprKind::Quantity(quantity) => self.part(expr.span, self.quantity(quantity)),
+            ExprKind::Str(content) => self.part(expr.span, text(quote(content))),
+            ExprKind::Name(name) => self.part(expr.span, text(&**name)),
             ExprKind::Field(field) => self.field(field),
             ExprKind::Index(index) => self.index(index),
             ExprKind::Slice(slice) => self.slice_of(slice),
@@ -45,7 +47,7 @@ impl Printer<'_> {
             }
             ExprKind::IsA(of) => {
                 let value = self.expr(&of.value);
-                concat([text(&*of.constructor.name), word("?("), value, word(")")])
+                concat([self.name(&of.constructor), word("?("), value, word(")")])
             }
             ExprKind::Match(of) => self.match_expr(of),
             ExprKind::EmptySet(types) => concat([word("{}"), self.type_args("@<", types)]),
@@ -72,7 +74,7 @@ impl Printer<'_> {
         ]))
     }
 
-    fn quantity(&mut self, quantity: &Quantity) -> Doc {
+    fn quantity(&self, quantity: &Quantity) -> Doc {
         let number = text(&*quantity.number.text);
         match quantity.unit.is_percent() {
             true => concat([number, word("%")]),
@@ -85,7 +87,7 @@ impl Printer<'_> {
     }
 
     fn field(&mut self, field: &Field) -> Doc {
-        concat([self.base(&field.base), word("."), text(&*field.field.name)])
+        concat([self.base(&field.base), word("."), self.name(&field.field)])
     }
 
     fn index(&mut self, index: &Index) -> Doc {
@@ -168,11 +170,11 @@ impl Printer<'_> {
     }
 
     pub(super) fn clock(&mut self, clock: &Clock) -> Doc {
-        let flow = text(&*clock.flow.name);
+        let flow = self.name(&clock.flow);
         match &clock.tick {
             Tick::True => flow,
             Tick::False => concat([word("not "), flow]),
-            Tick::Value(value) => concat([text(&*value.name), word("("), flow, word(")")]),
+            Tick::Value(value) => concat([self.name(value), word("("), flow, word(")")]),
         }
     }
 
@@ -207,7 +209,11 @@ impl Printer<'_> {
                     .iter()
                     .flat_map(|case| [Doc::Line, self.merge_case(case)]);
                 let cases = concat(cases.collect::<Vec<_>>());
-                group(concat([word("merge "), text(&**name), indent(cases)]))
+                group(concat([
+                    word("merge "),
+                    self.expr(&merge.on),
+                    indent(cases),
+                ]))
             }
             (_, cases) => {
                 let on = self.expr(&merge.on);
@@ -225,7 +231,7 @@ impl Printer<'_> {
     }
 
     fn merge_case(&mut self, case: &MergeCase) -> Doc {
-        let value = text(&*case.value.name);
+        let value = self.name(&case.value);
         concat([
             word("("),
             value,
@@ -237,7 +243,7 @@ impl Printer<'_> {
 
     fn struct_expr(&mut self, value: &StructExpr) -> Doc {
         let statics = self.type_args("@<", &value.statics);
-        let name = concat([text(&*value.ty.name), statics]);
+        let name = concat([self.name(&value.ty), statics]);
         let field = |p: &mut Self, field: &FieldValue| p.field_value(field);
         let Some(base) = &value.base else {
             let fields = self.list(CURLY, &value.fields, field_span, field);
@@ -264,7 +270,7 @@ impl Printer<'_> {
 
     fn field_value(&mut self, field: &FieldValue) -> Doc {
         concat([
-            text(&*field.field.name),
+            self.name(&field.field),
             word(" = "),
             self.expr(&field.value),
         ])
@@ -309,7 +315,7 @@ impl Printer<'_> {
     /// `.f[1]`
     pub(super) fn path(&mut self, path: &[Access]) -> Doc {
         let steps = path.iter().map(|access| match access {
-            Access::Field(field) => concat([word("."), text(&*field.name)]),
+            Access::Field(field) => concat([word("."), self.name(field)]),
             Access::Index(index) => concat([word("["), self.expr(index), word("]")]),
             Access::Slice(slice) => concat([word("["), self.slice(slice), word("]")]),
         });

@@ -17,8 +17,8 @@ pub(super) struct Source<'a> {
 
 /// The comments between two tokens.
 pub(super) struct Gap<'a> {
-    /// The token before it, counted without separators.
-    pub(super) before: Option<usize>,
+    /// Where what stands behind them begins in the source, separators aside.
+    pub(super) next: u32,
     /// Those that end the line of the token before it.
     pub(super) behind: Vec<&'a Comment>,
     /// The comment that stands before a separator or closing sign, on the line of both.
@@ -63,8 +63,7 @@ impl<'a> Source<'a> {
             .partition_point(|i| self.tokens[*i].start < offset)
     }
 
-    /// Where the token of a number ends or begins.
-    pub(super) fn start_of(&self, word: usize) -> u32 {
+    fn start_of(&self, word: usize) -> u32 {
         let token = self.significant.get(word).map(|i| self.tokens[*i]);
         token.map_or(self.text.len() as u32, |token| token.start)
     }
@@ -81,9 +80,21 @@ impl<'a> Source<'a> {
     }
 
     /// Where what stands before a place ends, comments aside.
-    pub(super) fn end_before(&self, offset: u32) -> u32 {
+    fn end_before(&self, offset: u32) -> u32 {
+        self.token_before(offset).map_or(0, |token| token.end)
+    }
+
+    /// The token before a place, if there is one.
+    pub(super) fn token_before(&self, offset: u32) -> Option<Span> {
         let before = self.tokens.partition_point(|token| token.start < offset);
-        before.checked_sub(1).map_or(0, |i| self.tokens[i].end)
+        before.checked_sub(1).map(|i| self.tokens[i])
+    }
+
+    /// What is written at a place or next behind it, comments aside.
+    pub(super) fn token_from(&self, offset: u32) -> &str {
+        let at = self.tokens.partition_point(|token| token.start < offset);
+        let token = self.tokens.get(at);
+        token.map_or("", |token| slice(self.text, *token))
     }
 
     fn line_ends(&self, from: u32, to: u32) -> usize {
@@ -91,32 +102,25 @@ impl<'a> Source<'a> {
         gap.bytes().filter(|b| *b == b'\n').count()
     }
 
-    /// The comments, gap by gap.
-    pub(super) fn gaps(&self) -> Vec<Gap<'a>> {
-        let place = |comment: &Comment| self.word_at(comment.span.start);
-        let together = self.comments.chunk_by(|a, b| place(a) == place(b));
-        together.map(|all| self.gap(all)).collect()
-    }
-
-    fn gap(&self, all: &'a [Comment]) -> Gap<'a> {
-        let before = all
-            .first()
-            .map_or(0, |first| self.word_at(first.span.start));
+    /// Comments that come to stand between the same two tokens; whether the second one ends what another began.
+    pub(super) fn gap(&self, all: &'a [Comment], closes: bool) -> Gap<'a> {
+        let word = |c: Option<&Comment>| c.map_or(0, |c| self.word_at(c.span.start));
         let (mut behind, mut within, mut own) = (Vec::new(), Vec::new(), Vec::new());
-        let inline = all.iter().rev().take_while(|c| self.leads(c)).count();
+        let leads = |comment: &&Comment| !closes && self.leads(comment);
+        let inline = all.iter().rev().take_while(leads).count();
         let (rest, ahead) = all.split_at(all.len() - inline);
-        let mut on_line = before > 0;
+        let mut on_line = word(all.first()) > 0;
         for comment in rest {
             on_line &= self.line_ends(self.reached(comment), comment.span.start) == 0;
             match on_line {
-                true if self.is_within(comment) => within.push(comment),
+                true if behind.is_empty() && self.is_within(comment) => within.push(comment),
                 true if !self.documents_next(comment) => behind.push(comment),
                 _ => own.push(comment),
             }
             on_line &= matches!(comment.kind, CommentKind::Block | CommentKind::Contract);
         }
         Gap {
-            before: before.checked_sub(1),
+            next: self.start_of(word(all.last())),
             behind,
             within,
             own,
@@ -141,18 +145,13 @@ impl<'a> Source<'a> {
         self.tokens.get(at).copied()
     }
 
-    /// Whether a comment stands in the line of the token behind it.
+    /// Whether a comment stands in the line of the word behind it.
     fn leads(&self, comment: &Comment) -> bool {
         let next = self.next(comment);
-        self.is_short(comment)
-            && next.is_some_and(|next| {
-                let word = slice(self.text, next);
-                let closes = is_separator(word) || is_closer(word);
-                !closes && self.line_ends(comment.span.end, next.start) == 0
-            })
+        self.is_within(comment) && next.is_some_and(|next| !is_separator(slice(self.text, next)))
     }
 
-    /// Whether a comment stands between a token and the sign that ends what it ends.
+    /// Whether a comment stands in the line of the token behind it.
     fn is_within(&self, comment: &Comment) -> bool {
         let next = self.next(comment);
         self.is_short(comment)

@@ -127,7 +127,7 @@ impl Printer<'_> {
 
     /// The lines of a doc comment that comes from the tree.
     pub(super) fn doc_lines(&self, doc: Option<&ast::Doc>) -> Doc {
-        let Some(doc) = doc.filter(|_| self.text.is_none()) else {
+        let Some(doc) = doc.filter(|_| self.source.is_none()) else {
             return nothing();
         };
         let line = |line: &str| match line.trim_end() {

@@ -42,13 +42,31 @@ pub use head::head;
 /// Reading the result gives the same tree, parentheses and places aside, as long as every name in it
 /// is one: see [`is_name`](crate::is_name).
 pub fn print(file: &File, mode: Mode) -> String {
-    with_stack(|| written(&Printer::new(mode, None).items(&file.items)))
+    with_stack(|| written(&Printer { mode, source: None }.items(&file.items)))
 }
 
 /// Formats a text. The errors in it if there are any, for then nothing is changed.
 ///
-/// The result has the same tree and the same comments, and formatting it again changes nothing.
+/// The result has the same tree and the same comments, and formatting it again changes nothing. Its lines end as most lines
+/// of the text do.
 pub fn format(text: &str, mode: Mode) -> Result<String, Vec<Finding>> {
+    if !text.contains(CRLF) {
+        return format_lines(text, mode);
+    }
+    // Places in findings are those of the text as it is.
+    let formatted =
+        format_lines(&text.replace(CRLF, "\n"), mode).or_else(|_| format_lines(text, mode))?;
+    let ends = text.matches('\n').count();
+    match 2 * text.matches(CRLF).count() > ends {
+        true => Ok(formatted.replace('\n', CRLF)),
+        false => Ok(formatted),
+    }
+}
+
+/// How lines end elsewhere.
+const CRLF: &str = "\r\n";
+
+fn format_lines(text: &str, mode: Mode) -> Result<String, Vec<Finding>> {
     let (parsed, tokens) = parse_with_tokens(FileId(0), text, mode);
     let is_error = |finding: &Finding| finding.severity() == Severity::Error;
     let errors: Vec<Finding> = parsed.findings.into_iter().filter(is_error).collect();
@@ -57,7 +75,11 @@ pub fn format(text: &str, mode: Mode) -> Result<String, Vec<Finding>> {
     }
     let source = Source::new(text, &tokens, &parsed.comments.all);
     Ok(with_stack(|| {
-        let plain = Printer::new(mode, Some(text)).items(&parsed.file.items);
+        let mut printer = Printer {
+            mode,
+            source: Some(&source),
+        };
+        let plain = printer.items(&parsed.file.items);
         written(&weave(plain, &source))
     }))
 }
@@ -73,27 +95,37 @@ fn written(doc: &Doc) -> String {
 struct Printer<'a> {
     mode: Mode,
     /// What was read, if anything was: doc comments are taken from there, and empty lines between declarations.
-    text: Option<&'a str>,
+    source: Option<&'a Source<'a>>,
 }
 
-impl<'a> Printer<'a> {
-    fn new(mode: Mode, text: Option<&'a str>) -> Printer<'a> {
-        Printer { mode, text }
-    }
-
+impl Printer<'_> {
     /// Whether an empty line stands directly before what begins at `span`.
     fn blank_before(&self, span: Span) -> bool {
-        let before = self.text.and_then(|text| text.get(..span.start as usize));
+        let before = self
+            .source
+            .and_then(|source| source.text.get(..span.start as usize));
         let before = before.filter(|_| !span.is_none()).unwrap_or("");
         let gap = &before[before.trim_end().len()..];
         gap.bytes().filter(|b| *b == b'\n').count() > 1
     }
 
-    /// What a part becomes that begins at `span`.
+    /// What begins with the word before `span`, which has no place of its own.
+    fn with_word(&self, span: Span) -> Span {
+        let before = self.source.filter(|_| !span.is_none());
+        let before = before.and_then(|source| source.token_before(span.start));
+        before.map_or(span, |word| Span {
+            start: word.start,
+            ..span
+        })
+    }
+
+    /// What a part becomes that begins at `span`: where there are comments, with its place for them to be found by.
     fn part(&self, span: Span, doc: Doc) -> Doc {
-        match span.is_none() {
-            true => doc,
-            false => concat([Doc::At(span.start), doc]),
+        match self.source {
+            Some(source) if !span.is_none() && !source.comments.is_empty() => {
+                concat([Doc::At(span.start), doc])
+            }
+            _ => doc,
         }
     }
 }

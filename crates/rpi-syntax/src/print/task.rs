@@ -146,7 +146,10 @@ impl Printer<'_> {
         if run.branches.is_empty() {
             return None;
         }
-        let mut plain = Printer::new(self.mode, None);
+        let mut plain = Printer {
+            mode: self.mode,
+            source: None,
+        };
         let call = plain.run_call(run).flat_width()?;
         let branches = group(plain.branches(&run.branches)).flat_width()?;
         (label + call + branches <= ROOM).then_some(call)

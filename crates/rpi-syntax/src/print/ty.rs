@@ -11,9 +11,9 @@ use std::fmt::Write as _;
 impl Printer<'_> {
     pub(super) fn ty(&mut self, ty: &Type) -> Doc {
         match &ty.kind {
-            TypeKind::Bool => word("bool"),
-            TypeKind::Int => word("int"),
-            TypeKind::Real(None) => word("real"),
+            TypeKind::Bool => self.part(ty.span, word("bool")),
+            TypeKind::Int => self.part(ty.span, word("int")),
+            TypeKind::Real(None) => self.part(ty.span, word("real")),
             TypeKind::Real(Some(unit)) => concat([word("real["), self.unit(unit), word("]")]),
             TypeKind::Named(named) => self.named_type(named),
             TypeKind::Array(array) => {
@@ -30,7 +30,7 @@ impl Printer<'_> {
                     SPACED_COMMAS,
                     values,
                     |v| v.name.span,
-                    |p, value| concat([p.doc_lines(value.doc.as_ref()), text(&*value.name.name)]),
+                    |p, value| concat([p.doc_lines(value.doc.as_ref()), p.name(&value.name)]),
                 );
                 concat([word("enum "), values])
             }
@@ -38,7 +38,7 @@ impl Printer<'_> {
             TypeKind::Refined(refined) => concat([word("subtype "), self.refined(refined)]),
             TypeKind::Data(all) => self.phrases(all, |p, i, constructor| {
                 let bar = word(if i == 0 { "" } else { "| " });
-                let name = text(&*constructor.name.name);
+                let name = p.name(&constructor.name);
                 let fields = match &constructor.fields[..] {
                     [] => nothing(),
                     fields => concat([word(" "), p.ports(fields)]),
@@ -55,7 +55,7 @@ impl Printer<'_> {
 
     /// `{ x: int | x > 0 }`
     pub(super) fn refined(&mut self, refined: &Refined) -> Doc {
-        let name = text(&*refined.name.name);
+        let name = self.name(&refined.name);
         let (base, condition) = (self.ty(&refined.base), self.expr(&refined.condition));
         concat([
             word("{ "),
@@ -73,7 +73,7 @@ impl Printer<'_> {
             Mode::Rpi => self.static_args(&named.statics),
             Mode::Lustre => self.type_args("<", &named.statics),
         };
-        let head = concat([text(&*named.name.name), args]);
+        let head = concat([self.name(&named.name), args]);
         let Some(frames) = &named.frames else {
             return head;
         };
@@ -182,7 +182,7 @@ impl Printer<'_> {
 
     fn static_param(&mut self, param: &StaticParam) -> Doc {
         let written = match &param.kind {
-            StaticParamKind::Type(name) => concat([word("type "), text(&*name.name)]),
+            StaticParamKind::Type(name) => concat([word("type "), self.name(name)]),
             StaticParamKind::Value(def) => {
                 // Lustre V6 has no parameter without a word before it.
                 let head = if self.mode == Mode::Lustre {
@@ -202,8 +202,8 @@ impl Printer<'_> {
 
 impl Printer<'_> {
     /// A name that a head declares.
-    pub(super) fn name(&mut self, name: &Ident) -> Doc {
-        text(&*name.name)
+    pub(super) fn name(&self, name: &Ident) -> Doc {
+        self.part(name.span, text(&*name.name))
     }
 }
 

@@ -29,13 +29,35 @@ pub(super) fn weave(doc: Doc, source: &Source<'_>) -> Doc {
         words,
         put: BTreeMap::new(),
     };
-    for gap in source.gaps() {
-        let next = gap.before.map_or(0, |before| before + 1);
-        let before = became[..next].iter().rev().flatten().next();
-        let behind = became[next..].iter().flatten().next();
-        weaver.gap(gap, before.copied(), behind.copied());
+    for (all, (before, behind)) in together(source, &became) {
+        let gap = source.gap(all, weaver.closes(behind));
+        weaver.gap(gap, before, behind);
     }
     rebuilt(weaver.pieces, weaver.put)
+}
+
+/// Between which tokens of the document something comes to stand.
+type Place = (Option<usize>, Option<usize>);
+
+/// The comments that come to stand at one place, for each place: between them may be words that the style leaves out.
+fn together<'a>(source: &Source<'a>, became: &[Option<usize>]) -> Vec<(&'a [Comment], Place)> {
+    let place = |comment: &Comment| {
+        let next = source.word_at(comment.span.start);
+        let before = became[..next].iter().rev().flatten().next();
+        let behind = became[next..].iter().flatten().next();
+        (before.copied(), behind.copied())
+    };
+    let mut found: Vec<(Range<usize>, Place)> = Vec::new();
+    for (i, comment) in source.comments.iter().enumerate() {
+        let at = place(comment);
+        match found.last_mut() {
+            Some((range, last)) if *last == at => range.end = i + 1,
+            _ => found.push((i..i + 1, at)),
+        }
+    }
+    let all = found.into_iter();
+    all.map(|(range, at)| (&source.comments[range], at))
+        .collect()
 }
 
 /// Whether it is a token that comments stand before or behind.
@@ -132,37 +154,54 @@ struct Between {
 
 impl Weaver<'_> {
     fn gap(&mut self, mut gap: Gap<'_>, before: Option<usize>, behind: Option<usize>) {
-        let after = before.map_or(0, |word| self.words[word] + 1);
-        if self.ends_line(after) {
-            // No line may end between them and what they stand before.
-            gap.behind.splice(..0, gap.within.drain(..));
-        }
-        let within = gap.within.iter().flat_map(|c| self.inline(after, c, true));
-        let within: Vec<Piece> = within.collect();
-        self.put(after, within);
-        let end = self.behind_frames(self.behind_separator(after));
         let lead = self.between(behind);
+        let after = before.map_or(0, |word| self.words[word] + 1);
+        let after = self.out_of_flat(after, lead.range.end);
+        self.within(&mut gap, after);
+        let end = self.behind_frames(self.behind_separator(after));
         if let Some(frame) = self.flat_around(end, lead.range.end) {
             let all = gap.behind.iter().chain(&gap.own).chain(&gap.ahead);
             let lines = all.flat_map(|c| [self.comment(c), Piece::Hard]);
             return self.put(frame, lines.collect());
         }
-        let suffixes = gap.behind.iter();
-        let suffixes = suffixes.map(|c| Piece::Suffix(self.source.written(c)));
-        self.put(end, suffixes.collect());
-        if !gap.behind.is_empty() {
-            let follows = self.words.partition_point(|word| *word < end);
-            let follows = self.between(Some(follows));
-            if gap.own.is_empty() || follows.range != lead.range {
-                self.break_line(&follows, &gap);
-            }
-        }
+        self.behind(&mut gap, end, &lead);
         if !gap.own.is_empty() {
             self.own(&lead, &gap, before.is_none());
         }
         let ahead = gap.ahead.iter();
         let ahead = ahead.flat_map(|c| self.inline(lead.range.end, c, false));
         self.put(lead.range.end, ahead.collect());
+    }
+
+    /// Comments in the line of the token before them, where no line ends between them and what they stand before.
+    fn within(&mut self, gap: &mut Gap<'_>, after: usize) {
+        let breaks = !gap.behind.is_empty() || !gap.own.is_empty();
+        if self.ends_line(after) || breaks && self.behind_separator(after) == after {
+            gap.behind.splice(..0, gap.within.drain(..));
+        }
+        let within = gap.within.iter().flat_map(|c| self.inline(after, c, true));
+        let within: Vec<Piece> = within.collect();
+        self.put(after, within);
+    }
+
+    /// Comments at the end of a line.
+    fn behind(&mut self, gap: &mut Gap<'_>, end: usize, lead: &Between) {
+        if gap.behind.is_empty() {
+            return;
+        }
+        let suffixes = gap.behind.iter();
+        let suffixes = suffixes.map(|c| Piece::Suffix(self.source.written(c)));
+        self.put(end, suffixes.collect());
+        let follows = self.words.partition_point(|word| *word < end);
+        let follows = self.between(Some(follows));
+        let apart = follows.range != lead.range;
+        if gap.own.is_empty() || apart {
+            self.break_line(&follows, gap);
+        }
+        if apart {
+            // What stands on lines of its own does not stand below them.
+            gap.behind.clear();
+        }
     }
 
     fn put(&mut self, at: usize, pieces: Vec<Piece>) {
@@ -179,7 +218,10 @@ impl Weaver<'_> {
             Some(Piece::Token(text)) => !matches!(text.as_str(), "(" | "[" | "{" | "<<"),
             _ => false,
         };
-        let apart = touches(at.checked_sub(1).and_then(|before| self.pieces.get(before)));
+        let takes_no_room =
+            |p: &&Piece| matches!(p, Piece::At(_) | Piece::Open(_) | Piece::Close(_));
+        let mut before = self.pieces[..at].iter().rev();
+        let apart = touches(before.find(|p| !takes_no_room(p)));
         let mut pieces = Vec::new();
         pieces.extend(apart.then(|| Piece::Other(" ".into())));
         pieces.push(self.comment(comment));
@@ -211,7 +253,11 @@ impl Weaver<'_> {
     fn behind_frames(&self, after: usize) -> usize {
         let indents = |piece: &&Piece| matches!(piece, Piece::Close(Frame::Indent(_)));
         let ends = |p: &&Piece| matches!(p, Piece::Close(_) | Piece::At(_)) && !indents(p);
-        after + self.pieces[after..].iter().take_while(ends).count()
+        let count = self.pieces[after..].iter().take_while(ends).count();
+        // A place belongs to what follows it.
+        let is_end = |i: &usize| matches!(self.pieces[*i], Piece::Close(_));
+        let last = (after..after + count).rfind(is_end);
+        last.map_or(after, |last| last + 1)
     }
 
     /// Before what begins directly before a place, which a line end there does not break.
@@ -232,10 +278,17 @@ impl Weaver<'_> {
         let from = self.behind_separator(after).min(to);
         Between {
             line_end: (from..to).find(|i| self.pieces[*i].is_break()),
-            closes: matches!(self.pieces.get(to), Some(Piece::Token(text)) if is_closer(text)),
+            closes: self.closes(Some(word)),
             separated: from > after,
             range: from..to,
         }
+    }
+
+    /// Whether a token ends what another began.
+    fn closes(&self, word: Option<usize>) -> bool {
+        let at = word.and_then(|word| self.words.get(word));
+        let piece = at.and_then(|at| self.pieces.get(*at));
+        matches!(piece, Some(Piece::Token(text)) if is_closer(text))
     }
 
     /// Where what is always on one line begins, if both places are in it.
@@ -243,6 +296,14 @@ impl Weaver<'_> {
         let next = self.flats.partition_point(|flat| flat.end < to);
         let flat = self.flats.get(next)?;
         (flat.start < from).then_some(flat.start)
+    }
+
+    /// Behind what is always on one line, if one place is in it and the other behind it: no comment ends a line of it.
+    fn out_of_flat(&self, from: usize, to: usize) -> usize {
+        let next = self.flats.partition_point(|flat| flat.end < from);
+        let around = self.flats.get(next);
+        let around = around.filter(|flat| flat.start < from && flat.end < to);
+        around.map_or(from, |flat| flat.end)
     }
 
     /// Breaks the line behind a comment that ends it.
@@ -268,8 +329,7 @@ impl Weaver<'_> {
 
     fn next_start(&self, gap: &Gap<'_>) -> u32 {
         let ahead = gap.ahead.first().map(|c| c.span.start);
-        let next = gap.before.map_or(0, |before| before + 1);
-        ahead.unwrap_or_else(|| self.source.start_of(next))
+        ahead.unwrap_or(gap.next)
     }
 
     /// Whether it is a doc comment that does not go on at an offset.
@@ -281,9 +341,19 @@ impl Weaver<'_> {
     fn step(&mut self, at: usize, pieces: Vec<Piece>) {
         let hangs = self.hangs.get(at).copied().unwrap_or_default();
         let frame = Frame::Indent(if hangs { 2 * STEP } else { STEP });
+        let put = self.put.get(&at).and_then(|put| put.last());
+        if matches!(
+            (put, pieces.first()),
+            (Some(Piece::Hard), Some(Piece::Hard))
+        ) {
+            // The line is broken there already.
+            return self.put(at, pieces.into_iter().skip(1).collect());
+        }
         self.put(at, vec![Piece::Open(frame)]);
         self.put(at, pieces);
-        let end = self.ends.get(at).copied().unwrap_or(at);
+        let places = self.pieces[at..].iter();
+        let begins = at + places.take_while(|p| matches!(p, Piece::At(_))).count();
+        let end = self.ends.get(begins).copied().unwrap_or(begins);
         self.put(end, vec![Piece::Close(frame)]);
     }
 
@@ -301,7 +371,11 @@ impl Weaver<'_> {
         let next = self.before_frames(range);
         match *line_end {
             _ if first && range.end < self.pieces.len() => self.put(0, below(lines, last)),
-            _ if range.end >= self.pieces.len() => self.put(range.end, above(lines)),
+            _ if range.end >= self.pieces.len() => {
+                // A text of comments alone begins with the first of them.
+                let lines = above(lines).into_iter().skip(usize::from(first));
+                self.put(range.end, lines.collect());
+            }
             Some(at) if between.closes => {
                 let end = self.block_end(range.start..at);
                 match end {

@@ -2,6 +2,7 @@
 
 use crate::support::{assert_same, comments, exact, meaning, parse_clean, programs};
 use rpi_syntax::{Mode, format, print};
+use std::path::Path;
 
 #[track_caller]
 fn formatted(text: &str, mode: Mode) -> String {
@@ -75,6 +76,28 @@ fn trees_without_text_read_back() {
     }
 }
 
+/// Programs out of style, and what becomes of them.
+#[test]
+fn programs_become_formatted_ones() {
+    let folder = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/unformatted");
+    let mut count = 0;
+    for entry in std::fs::read_dir(folder).expect("the folder is there") {
+        let path = entry.expect("it can be listed").path();
+        println!("{}", path.display());
+        let read = |path: &Path| std::fs::read_to_string(path).expect("it is UTF-8");
+        let name = path.file_name().unwrap_or_default();
+        let wanted = read(&Path::new(folder).with_file_name("formatted").join(name));
+        let mode = Mode::of_path(&path.display().to_string());
+        assert_same(
+            &wanted,
+            &formatted(&read(&path), mode),
+            "it becomes another",
+        );
+        count += 1;
+    }
+    assert!(count > 0);
+}
+
 /// Programs as they should look.
 #[test]
 fn formatted_programs_stay_as_they_are() {
@@ -88,4 +111,40 @@ fn formatted_programs_stay_as_they_are() {
         count += 1;
     }
     assert!(count > 0);
+}
+
+#[test]
+fn texts_without_declarations_begin_with_what_they_hold() {
+    for (text, wanted) in [
+        ("", ""),
+        ("\n\n  \n", ""),
+        ("-- only", "-- only\n"),
+        ("\n-- only\n\n\n(* two *)\n", "-- only\n\n(* two *)\n"),
+        ("--| only\n", "--| only\n"),
+    ] {
+        assert_eq!(formatted(text, Mode::Rpi), wanted);
+        assert_eq!(formatted(wanted, Mode::Rpi), wanted);
+    }
+}
+
+#[test]
+fn lines_end_as_most_of_them_do() {
+    for program in programs() {
+        let plain = formatted(&program.text, program.mode);
+        let ends = plain.matches('\n').count();
+        let all = plain.replace('\n', "\r\n");
+        assert_eq!(formatted(&all, program.mode), all, "{}", program.name);
+        let most = all.replacen("\r\n", "\n", ends / 3);
+        assert_eq!(formatted(&most, program.mode), all, "{}", program.name);
+        let few = plain.replacen('\n', "\r\n", ends / 3);
+        assert_eq!(formatted(&few, program.mode), plain, "{}", program.name);
+    }
+}
+
+#[test]
+fn faults_stand_where_they_are_in_lines_that_end_in_another_way() {
+    let text = "-- one\r\n(* two\r\n *)\r\nconst n: int = ;\r\n";
+    let faults = format(text, Mode::Rpi).expect_err("a value is missing");
+    let at = faults[0].span();
+    assert_eq!(text.get(at.start as usize..at.end as usize), Some(";"));
 }

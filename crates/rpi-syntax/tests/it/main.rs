@@ -1,5 +1,6 @@
 //! The front end on whole programs, on broken ones, and on made-up trees.
 
+mod borders;
 mod broken;
 mod format;
 mod precedence;

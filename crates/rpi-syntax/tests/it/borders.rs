@@ -1,0 +1,83 @@
+//! Comments and ends of lines between any two tokens: formatted once, nothing is left to change, and all comments are there in
+//! their order.
+
+use crate::support::{assert_same, programs};
+use proptest::prelude::*;
+use rpi_syntax::{Mode, format, pieces};
+use std::path::Path;
+
+/// What is put between two tokens; `#` becomes a number.
+const PUT: &[&str] = &[
+    "(*#*)",
+    " (*#*) ",
+    "\n(*#*)",
+    "(*#*)\n",
+    "--#\n",
+    "\n--#\n",
+    " --#\n\n",
+    "\n--| #\n",
+    "(*#\n*)",
+    "\n\n",
+];
+
+/// The programs of the crate, formatted ones among them, that a comment moves through with its words.
+fn all() -> Vec<(String, Mode)> {
+    let programs = programs().into_iter().map(|p| (p.text, p.mode));
+    let mut all: Vec<(String, Mode)> = programs.collect();
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/unformatted");
+    let files = std::fs::read_dir(folder).expect("the folder is part of the crate");
+    let mut paths: Vec<_> = files.map(|file| file.expect("readable").path()).collect();
+    paths.sort();
+    for path in paths {
+        let text = std::fs::read_to_string(&path).expect("programs are UTF-8");
+        all.push((text, Mode::of_path(&path.display().to_string())));
+    }
+    all
+}
+
+fn with(text: &str, mode: Mode, put: &[(prop::sample::Index, usize)]) -> String {
+    let borders: Vec<usize> = pieces(text, mode).iter().map(|p| p.range.start).collect();
+    let mut places: Vec<(usize, usize)> = put
+        .iter()
+        .map(|(index, what)| (borders[index.index(borders.len())], *what))
+        .collect();
+    places.sort_unstable();
+    let mut with = text.to_owned();
+    for (i, (at, what)) in places.into_iter().enumerate().rev() {
+        with.insert_str(at, &PUT[what].replace('#', &format!("k{i}")));
+    }
+    with
+}
+
+/// The comments that were put in, in their order.
+fn marks(text: &str) -> Vec<&str> {
+    let is_mark = |word: &&str| {
+        word.strip_prefix('k')
+            .is_some_and(|n| n.parse::<u8>().is_ok())
+    };
+    let words = text.split(|c: char| !c.is_alphanumeric());
+    words.filter(is_mark).collect()
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig { cases: 2000, ..ProptestConfig::default() })]
+
+    #[test]
+    fn what_stands_between_tokens_is_formatted_at_once(
+        program in any::<prop::sample::Index>(),
+        put in prop::collection::vec((any::<prop::sample::Index>(), 0..PUT.len()), 1..6),
+    ) {
+        let all = all();
+        let (text, mode) = &all[program.index(all.len())];
+        let text = with(text, *mode, &put);
+        // Between some tokens nothing can stand.
+        if let Ok(once) = format(&text, *mode) {
+            let again = format(&once, *mode).unwrap_or_else(|_| panic!("has errors:\n{once}"));
+            assert_same(&once, &again, "formatting again changes something");
+            // What starts a call afresh is written behind what activates it.
+            if !text.contains("activate") {
+                prop_assert_eq!(marks(&text), marks(&once), "in\n{}\n---\n{}", text, once);
+            }
+        }
+    }
+}
