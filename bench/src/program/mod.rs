@@ -125,7 +125,7 @@ mod tests {
 
     /// The codes of the findings that each faulty program is about.
     const CODES: &[(&str, &str)] = &[
-        ("broken items", "RPI0001"),
+        ("broken items", "RPI0004"),
         ("broken equations", "RPI0001"),
         ("unknown names", "RPI1001"),
         ("undeclared flows", "RPI1001"),

@@ -3,7 +3,6 @@
 use super::body::Body;
 use super::instance::key;
 use super::statics::{Static, Statics};
-use super::types::PortTy;
 use super::{Checker, Lazy};
 use crate::program::DeclId;
 use crate::ty::{DevicePortTy, DeviceTy, Ty};
@@ -95,19 +94,16 @@ impl<'a> Body<'_, 'a> {
         actuator: u32,
         ports: &mut Vec<DevicePortTy>,
     ) {
-        let known = self.has_known_size(&decl.ty);
-        let port = match known {
-            true => self.port_ty(&decl.ty),
-            false => PortTy {
-                ty: Ty::Unknown,
-                optional: matches!(decl.ty.kind, TypeKind::Optional(_)),
-            },
+        let (inner, optional) = match &decl.ty.kind {
+            TypeKind::Optional(inner) => (&**inner, true),
+            _ => (&decl.ty, false),
         };
+        let ty = self.has_known_size(inner).then(|| self.value_ty(inner));
         for name in &decl.names {
             ports.push(DevicePortTy {
                 name: name.name.clone(),
-                ty: known.then(|| port.ty.clone()),
-                optional: port.optional,
+                ty: ty.clone(),
+                optional,
                 is_actuator,
                 actuator,
             });

@@ -85,6 +85,7 @@ mod unit;
 mod unknown;
 mod untold;
 mod update;
+mod valued;
 mod words;
 
 use crate::elab::Argument;

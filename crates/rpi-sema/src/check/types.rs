@@ -62,7 +62,7 @@ impl<'a> Body<'_, 'a> {
             TypeKind::Array(array) => self.array_ty(array, ty.span),
             TypeKind::Optional(inner) => self.inner_optional(inner, ty.span),
             TypeKind::Tuple(types) => {
-                let types: Vec<Ty> = types.iter().map(|ty| self.ty(ty)).collect();
+                let types: Vec<Ty> = types.iter().map(|ty| self.value_ty(ty)).collect();
                 match &types[..] {
                     [one] => one.clone(),
                     _ => Ty::tuple(types),
@@ -140,7 +140,7 @@ impl<'a> Body<'_, 'a> {
     }
 
     fn array_ty(&mut self, array: &'a ArrayType, span: Span) -> Ty {
-        let element = self.ty(&array.element);
+        let element = self.value_ty(&array.element);
         let Some(size) = self.size(&array.size) else {
             return Ty::Unknown;
         };
@@ -519,7 +519,7 @@ impl<'a> Body<'_, 'a> {
         let mut fields: Vec<Member> = Vec::new();
         let names = || decls.iter().flat_map(|decl| &decl.names);
         for decl in decls {
-            let ty = self.ty(&decl.ty);
+            let ty = self.value_ty(&decl.ty);
             for name in &decl.names {
                 let first = names().take(fields.len()).find(|n| n.name == name.name);
                 if let Some(first) = first {

@@ -1,0 +1,57 @@
+//! Types of values: a device is none. It is a parameter, of which the ports have values.
+
+use super::body::Body;
+use super::report::not_a;
+use crate::program::{DeclId, DeclKind, Lookup, Space};
+use crate::ty::Ty;
+use rpi_diag::Span;
+use rpi_syntax::ast::{Type, TypeKind};
+
+impl<'a> Body<'_, 'a> {
+    /// The type of something that has a value; of a device that is told.
+    pub(super) fn value_ty(&mut self, ty: &'a Type) -> Ty {
+        // Told by its name alone: what a device is may need this very type.
+        if let Some(device) = self.named_device(ty) {
+            let declared = self.c.program.decl(device);
+            let finding = not_a(
+                "a type of values",
+                &declared.name,
+                "a device",
+                ty.span,
+                declared.span,
+            );
+            self.report(finding.help(HELP));
+            return Ty::Unknown;
+        }
+        match self.ty(ty) {
+            Ty::Device(device) => {
+                let finding = not_a(
+                    "a type of values",
+                    &device.name,
+                    "a device",
+                    ty.span,
+                    Span::NONE,
+                );
+                self.report(finding.help(HELP));
+                Ty::Unknown
+            }
+            ty => ty,
+        }
+    }
+
+    fn named_device(&self, ty: &Type) -> Option<DeclId> {
+        let TypeKind::Named(named) = &ty.kind else {
+            return None;
+        };
+        let name = &named.name.name;
+        match self.c.program.lookup_in(Space::Type, self.module, name) {
+            Lookup::Found(id) if !self.statics.contains_key(name) => {
+                let kind = self.c.program.decl(id).kind;
+                matches!(kind, DeclKind::Device(_)).then_some(id)
+            }
+            _ => None,
+        }
+    }
+}
+
+const HELP: &str = "a device is a parameter of a command, fragment or node: `command C (arm: Arm)`";
