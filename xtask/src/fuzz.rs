@@ -43,13 +43,20 @@ pub(crate) fn fuzz(args: &[String]) -> Result<(), String> {
     let target = build(&folder, entry)?;
     let found = folder.join("target/found").join(entry);
     std::fs::create_dir_all(&found).map_err(|error| error.to_string())?;
+    let last = found.join("last-input");
     let mut run = Command::new(target);
     run.args(LIMITS)
         .arg(format!("-max_total_time={seconds}"))
         .arg(format!("-dict={}", words.display()))
         .arg(format!("-artifact_prefix={}/", found.display()))
+        .env("RPI_FUZZ_LAST", &last)
         .arg(corpus);
-    done(&mut run, "the fuzzer found something")?;
+    let what = format!(
+        "the fuzzer found something; what it ran last is kept in {}",
+        last.display()
+    );
+    done(&mut run, &what)?;
+    std::fs::remove_file(&last).map_err(|error| error.to_string())?;
     again(entry, &found)
 }
 

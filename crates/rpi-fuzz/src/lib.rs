@@ -9,6 +9,7 @@
 //! | `texts.rs` | lexer, parser and checker |
 //! | `net.rs` | importer |
 //! | `image.rs` | image loader |
+//! | `last.rs` | the input at hand, for ends that leave no trace |
 //! | `budget.rs` | one second and 200 MB |
 //! | `seeds.rs` | inputs to begin with: every program of the project |
 //! | `mutate.rs` | small damage, repeatable |
@@ -16,6 +17,7 @@
 
 mod budget;
 mod image;
+mod last;
 mod mutate;
 mod net;
 mod seeds;
@@ -74,11 +76,12 @@ pub fn entry(name: &str) -> Option<&'static Entry> {
     ENTRIES.iter().find(|entry| entry.name == name)
 }
 
-/// Runs an input through the entry of this name, within its budget.
+/// Runs an input through the entry of this name, within its budget. `RPI_FUZZ_LAST` names a file that keeps the input.
 ///
 /// # Panics
 /// If there is no such entry, and if the entry does what none may do.
 pub fn run(name: &str, input: &[u8]) {
     let entry = entry(name).unwrap_or_else(|| panic!("no entry is called {name}"));
+    last::keep(input);
     within(|| (entry.run)(input));
 }
