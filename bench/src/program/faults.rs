@@ -4,7 +4,9 @@ use super::{lines, names};
 
 /// Declarations that do not parse.
 pub(super) fn broken_items(n: usize) -> String {
-    lines(n, |k| format!("node broken{k} (x: real returns y = x; tel"))
+    lines(n, |k| {
+        format!("node broken{k} (x: real returns (y: real) let y = x; tel")
+    })
 }
 
 /// Equations that do not parse.
