@@ -13,30 +13,18 @@ impl<'a> Body<'_, 'a> {
         // Told by its name alone: what a device is may need this very type.
         if let Some(device) = self.named_device(ty) {
             let declared = self.c.program.decl(device);
-            let finding = not_a(
-                "a type of values",
-                &declared.name,
-                "a device",
-                ty.span,
-                declared.span,
-            );
-            self.report(finding.help(HELP));
-            return Ty::Unknown;
+            return self.device_as_value(&declared.name, ty.span, declared.span);
         }
         match self.ty(ty) {
-            Ty::Device(device) => {
-                let finding = not_a(
-                    "a type of values",
-                    &device.name,
-                    "a device",
-                    ty.span,
-                    Span::NONE,
-                );
-                self.report(finding.help(HELP));
-                Ty::Unknown
-            }
+            Ty::Device(device) => self.device_as_value(&device.name, ty.span, Span::NONE),
             ty => ty,
         }
+    }
+
+    fn device_as_value(&mut self, name: &str, at: Span, declared: Span) -> Ty {
+        let finding = not_a("a type of values", name, "a device", at, declared);
+        self.report(finding.help(HELP));
+        Ty::Unknown
     }
 
     fn named_device(&self, ty: &Type) -> Option<DeclId> {

@@ -106,12 +106,8 @@ fn declared(of: &StructTy) -> Option<&str> {
 
 fn fit_generic(name: &Name, found: &Ty, subst: &mut Subst) -> Result<(), Misfit> {
     match subst.types.get(name).cloned() {
-        // The free names in what was found are the caller's, whatever they are called: they stand for themselves.
-        Some(bound) if bound.is_open() => match bound == *found || found.has_unknown() {
-            true => Ok(()),
-            false => Err(Misfit::Kind),
-        },
-        Some(bound) => fit(&bound, found, subst),
+        // Free names in what was found are the caller's, whatever they are called: what is bound here is not meant by them.
+        Some(bound) => fit(&bound, found, &mut Subst::default()),
         None => {
             subst.types.insert(name.clone(), found.clone());
             Ok(())
