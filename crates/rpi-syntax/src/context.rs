@@ -6,6 +6,7 @@ use crate::comments::Comments;
 use crate::lexer::{Lexed, Lexeme};
 use crate::name::Interner;
 use crate::phrase;
+use crate::seeming::Seeming;
 use rpi_diag::{Code, FileId, Finding, Span};
 use std::cell::{Cell, RefCell};
 use std::collections::BTreeMap;
@@ -19,6 +20,7 @@ pub(crate) struct Context<'t> {
     pub(crate) text: &'t str,
     pub(crate) mode: Mode,
     names: Interner,
+    pub(crate) seeming: Seeming<'t>,
     comments: &'t Comments,
     lexemes: &'t [Lexeme],
     has_docs: bool,
@@ -38,6 +40,7 @@ impl<'t> Context<'t> {
             text,
             mode,
             names: Interner::default(),
+            seeming: Seeming::new(text),
             comments: &lexed.comments,
             lexemes: &lexed.lexemes,
             has_docs: lexed.comments.has_docs(),

@@ -2,6 +2,7 @@
 
 use crate::comments::{Comment, CommentKind, Comments};
 use crate::lexical::Behind;
+use crate::seeming::Seeming;
 use crate::token::{Place, Token};
 use crate::{Mode, blocks, habits, lexical, units, words};
 use logos::Logos;
@@ -102,6 +103,7 @@ struct Lexer<'t> {
     mode: Mode,
     skipped: &'t BTreeSet<u32>,
     out: Lexed,
+    seeming: Seeming<'t>,
     /// Unknown characters in a row, reported together.
     unknown: Option<Span>,
 }
@@ -120,6 +122,7 @@ impl<'t> Lexer<'t> {
             mode,
             skipped,
             out,
+            seeming: Seeming::new(text),
             unknown: None,
         }
     }
@@ -239,7 +242,7 @@ impl<'t> Lexer<'t> {
         let word = self.word_behind_number(&text[digits..]);
         let behind = match word {
             Some(_) => Behind::Keyword,
-            None if lexical::seems_declared(self.text, &text[digits..]) => Behind::Name,
+            None if self.seeming.declares(&text[digits..]) => Behind::Name,
             None => Behind::Unit,
         };
         let finding = lexical::number_runs_into_word(self.span(lexeme), text, digits, behind);

@@ -161,15 +161,6 @@ pub(crate) fn grouped_digits(span: Span, text: &str) -> Option<Finding> {
     Some(finding)
 }
 
-/// Whether a text seems to declare or define a name somewhere: `x: real`, `x, y: real`, `x = ...`.
-pub(crate) fn seems_declared(text: &str, name: &str) -> bool {
-    let is_part = |c: char| c.is_ascii_alphanumeric() || c == '_';
-    text.match_indices(name).any(|(at, _)| {
-        let (before, after) = (&text[..at], &text[at + name.len()..]);
-        !before.ends_with(is_part) && after.trim_start().starts_with([':', ',', '='])
-    })
-}
-
 /// A number that no 64-bit value holds.
 pub(crate) fn check_number(span: Span, text: &str) -> Option<Finding> {
     // So short a number without an exponent always fits.

@@ -34,6 +34,7 @@ mod phrase;
 mod pieces;
 mod print;
 mod reserved;
+mod seeming;
 mod sizes;
 mod split;
 mod stack;

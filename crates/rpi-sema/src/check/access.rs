@@ -144,7 +144,7 @@ impl<'a> Body<'_, 'a> {
             _ => None,
         };
         match local? {
-            Local::Block(block) => Some(block),
+            Local::Block(block) | Local::State(block) => Some(block),
             _ => None,
         }
     }
@@ -154,6 +154,7 @@ impl<'a> Body<'_, 'a> {
         match self.find_in(block, &field.name) {
             Some(Local::Flow(flow)) => self.flow_expr(flow, span),
             Some(Local::Constant(constant)) => self.constant_expr(&constant, span),
+            Some(Local::States(places, _)) => self.one_of_several_states(&field.name, places, span),
             _ => {
                 let near = self.c.suggest(&field.name, self.names_in(block));
                 let of = format!("the fragment `{}`", self.unit.block(block).name);

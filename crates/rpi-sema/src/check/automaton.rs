@@ -8,6 +8,7 @@ use super::locals::Local;
 use super::statement::Later;
 use super::unknown;
 use crate::hash::Map;
+use crate::program::twice;
 use crate::typed::{Automaton, BlockId, FlowId, FlowRole, Optional, Shared, State, Transition};
 use rpi_diag::{Code, Finding, Span};
 use rpi_syntax::Name;
@@ -29,9 +30,10 @@ impl<'a> Body<'_, 'a> {
     ) {
         self.has_state(span);
         let mut states = Vec::new();
+        self.one_of_each_name(automaton);
         for state in &automaton.states {
             let block = self.add_block(&state.name.name, state.name.span);
-            self.declare(&state.name, Local::Block(block));
+            self.declare_state_name(&state.name, block);
             states.push(State {
                 block,
                 unless: Vec::new(),
@@ -196,6 +198,16 @@ impl<'a> Body<'_, 'a> {
             self.report(unknown::unknown_state(target, near));
         }
         index
+    }
+
+    fn one_of_each_name(&mut self, automaton: &ast::Automaton) {
+        let mut known: Map<&Name, Span> = Map::default();
+        for Ident { name, span } in automaton.states.iter().map(|state| &state.name) {
+            if let Some(first) = known.get(name) {
+                self.report(twice(name, *span, *first));
+            }
+            known.entry(name).or_insert(*span);
+        }
     }
 
     fn one_initial(&mut self, automaton: &ast::Automaton) {

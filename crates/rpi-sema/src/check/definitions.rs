@@ -1,7 +1,7 @@
 //! Every flow is defined, and once.
 
 use super::body::Body;
-use crate::typed::{self, Block, FlowId, Optional, Place, Target, Unit};
+use crate::typed::{self, Block, FlowId, Optional, Place, Shared, Target, Unit};
 use rpi_diag::{Code, Finding, Span};
 
 impl Body<'_, '_> {
@@ -59,18 +59,21 @@ impl Body<'_, '_> {
                 .automata
                 .iter()
                 .flat_map(|automaton| &automaton.shared);
-            parts.extend(shared.map(|shared| self.whole(shared.flow)));
+            parts.extend(shared.map(|shared| self.by_states(shared)));
         }
         parts
     }
 
-    fn whole(&self, flow: FlowId) -> DefinedPart {
-        let count = self.unit.flow(flow).ty.leaf_count();
+    /// The whole of a flow, told where the first state does that defines it.
+    fn by_states(&self, shared: &Shared) -> DefinedPart {
+        let count = self.unit.flow(shared.flow).ty.leaf_count();
+        let first = shared.states.first().unwrap_or(&shared.flow);
         DefinedPart {
-            flow,
+            flow: shared.flow,
             at: 0,
             count: u32::try_from(count).unwrap_or(u32::MAX),
-            span: self.unit.flow(flow).span,
+            span: self.unit.flow(*first).span,
+            by_states: true,
         }
     }
 }
@@ -82,6 +85,7 @@ struct DefinedPart {
     at: u32,
     count: u32,
     span: Span,
+    by_states: bool,
 }
 
 impl DefinedPart {
@@ -94,6 +98,7 @@ impl DefinedPart {
             at,
             count: u32::try_from(target.ty.leaf_count()).unwrap_or(u32::MAX),
             span: target.span,
+            by_states: false,
         })
     }
 }
@@ -103,7 +108,12 @@ fn definition_fault(unit: &Unit, id: FlowId, parts: &[DefinedPart]) -> Option<Fi
     let flow = unit.flow(id);
     for pair in parts.windows(2) {
         if pair[0].at + pair[0].count > pair[1].at {
-            let help = "a flow has one equation; merge the alternatives by `if` or `??`";
+            let help = match pair[0].by_states && pair[1].by_states {
+                true => {
+                    "states of several automata define it; is it one of the state alone? then declare it there, by `var`"
+                }
+                false => "a flow has one equation; merge the alternatives by `if` or `??`",
+            };
             return Some(defined_twice(flow, pair[1].span, pair[0].span).help(help));
         }
     }

@@ -18,8 +18,12 @@ pub(super) enum Local {
     Flow(FlowId),
     /// A constant.
     Constant(Constant),
-    /// A fragment in place or a state.
+    /// A fragment in place.
     Block(BlockId),
+    /// A state.
+    State(BlockId),
+    /// States of several automata: where two of them are declared, and how many there are.
+    States([Span; 2], usize),
 }
 
 /// The names of one block.
@@ -90,6 +94,22 @@ impl Body<'_, '_> {
                 scope.order.push(name.name.clone());
             }
         }
+    }
+
+    /// Gives a state its name. Another automaton may have a state of that name: then it stands for neither outside of them,
+    /// and a number tells them apart in traces.
+    pub(super) fn declare_state_name(&mut self, name: &Ident, block: BlockId) {
+        let scope = &mut self.scopes[self.block.0 as usize];
+        let Some((local, first)) = scope.names.get_mut(&name.name) else {
+            return self.declare(name, Local::State(block));
+        };
+        let number = match local {
+            Local::State(_) => 2,
+            Local::States(_, count) => *count + 1,
+            _ => return self.declare(name, Local::State(block)),
+        };
+        *local = Local::States([*first, name.span], number);
+        self.unit.blocks[block.0 as usize].name = format!("{}#{number}", name.name).into();
     }
 
     /// In Lustre a local flow is not called like a constant of the file.

@@ -7,7 +7,7 @@ use super::report::{listed, not_a, unknown};
 use super::statics::Static;
 use crate::program::{Decl, DeclId, DeclKind, Lookup, Space};
 use crate::ty::Ty;
-use crate::typed::{ExprId, FlowId, Kind, Leaf, UnitKind};
+use crate::typed::{BlockId, ExprId, FlowId, Kind, Leaf, UnitKind};
 use rpi_diag::{Code, Finding, Span};
 use rpi_net::prim;
 use rpi_prims::PrimId;
@@ -90,17 +90,35 @@ impl<'a> Body<'_, 'a> {
         match local {
             Local::Flow(flow) => self.flow_expr(*flow, span),
             Local::Constant(constant) => self.constant_expr(constant, span),
-            Local::Block(block) => {
-                // States are no flows: a state may be called as what holds in it.
-                if let Some(value) = self.value_called(name) {
-                    return self.declared(value, span);
-                }
-                let declared = self.unit.block(*block).span;
-                let finding = not_a("a flow", name, "a fragment", span, declared)
-                    .help(format!("read one of its flows: `{name}.x`"));
-                self.fault_with(finding, span)
-            }
+            // Fragments and states are no flows: a state may be called as what holds in it.
+            _ if let Some(value) = self.value_called(name) => self.declared(value, span),
+            Local::Block(block) => self.not_a_value(name, "a fragment", *block, span),
+            Local::State(block) => self.not_a_value(name, "a state", *block, span),
+            Local::States(places, _) => self.one_of_several_states(name, *places, span),
         }
+    }
+
+    fn not_a_value(&mut self, name: &Name, what: &str, block: BlockId, span: Span) -> ExprId {
+        let declared = self.unit.block(block).span;
+        let finding = not_a("a flow", name, what, span, declared)
+            .help(format!("read one of its flows: `{name}.x`"));
+        self.fault_with(finding, span)
+    }
+
+    /// A name that stands for a state of more than one automaton, read outside of them.
+    pub(super) fn one_of_several_states(
+        &mut self,
+        name: &Name,
+        [first, second]: [Span; 2],
+        span: Span,
+    ) -> ExprId {
+        let message = format!("`{name}` is a state of more than one automaton");
+        let finding = Finding::new(Code::RPI1002, message)
+            .at(span, "which of them is read here?")
+            .also(first, "this one")
+            .also(second, "or this one")
+            .help("give one of them another name");
+        self.fault_with(finding, span)
     }
 
     /// The constant or the value of an enum that is declared by a name.
@@ -253,7 +271,7 @@ impl<'a> Body<'_, 'a> {
         let [first, rest @ ..] = &dotted.parts[..] else {
             return self.fault(dotted.span);
         };
-        if let (Some(Local::Block(block)), [field, after @ ..]) =
+        if let (Some(Local::Block(block) | Local::State(block)), [field, after @ ..]) =
             (self.find_local(&first.name), rest)
         {
             let of_block = self.flow_of_block(block, field, first.span.merge(field.span));

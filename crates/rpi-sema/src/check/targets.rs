@@ -110,6 +110,7 @@ impl<'a> Body<'_, 'a> {
             Some(Local::Flow(flow)) => self.place_in_flow(flow, target),
             Some(Local::Constant(_)) => self.not_definable(name, "a constant"),
             Some(Local::Block(_)) => self.not_definable(name, "a fragment"),
+            Some(Local::State(_) | Local::States(..)) => self.not_definable(name, "a state"),
             None if name.name == "_" => (Place::Nowhere, Ty::Unknown),
             None => self.no_place(name, !target.path.is_empty()),
         }

@@ -370,7 +370,7 @@ impl<'a> Body<'_, 'a> {
             let is_frame = |id| matches!(program.decl(id).kind, DeclKind::Frame(_));
             let declared = program.visible(self.module, is_frame);
             let free = self.unit.free_frames.iter().map(Name::as_str);
-            let near = rpi_diag::suggest(&name, free.chain(declared));
+            let near = self.c.suggest(&name, free.chain(declared));
             let finding = Finding::new(Code::RPI1001, format!("there is no frame `{name}`"))
                 .at(span, "not declared")
                 .help("a frame is declared by `frame`, named in the signature, or of a device");

@@ -311,7 +311,7 @@ impl<'u> Elab<'u> {
     }
 
     /// Reports why there is no net, or no constant; the first reason counts.
-    fn refuse(&mut self, finding: Finding, span: Span) -> Wire {
+    pub(super) fn refuse(&mut self, finding: Finding, span: Span) -> Wire {
         if self.mode == Mode::Constant {
             return self.fail(NotConstant::Fault(span, finding.message));
         }

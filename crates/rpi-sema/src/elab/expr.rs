@@ -6,7 +6,7 @@ use super::scope::Scope;
 use super::signal::{Given, Signal, Wire, nothing, single};
 use super::{At, Elab, Mode, NotConstant};
 use crate::typed::{Activation, ExprId, Kind, PrimCall};
-use rpi_diag::Span;
+use rpi_diag::{Code, Finding, Span};
 use rpi_image::{ParamType, PortType, Role, Scalar, Type, Value};
 use rpi_net::prim;
 use rpi_prims::PrimId;
@@ -62,12 +62,25 @@ impl<'u> Elab<'u> {
         }
     }
 
+    /// A fault of the text, of which there are nets only while the compiler has forgotten to tell it.
+    fn untold(&mut self, span: Span) -> Wire {
+        if self.mode == Mode::Constant {
+            return self.fail(NotConstant::Faulty);
+        }
+        let message = "the compiler took something for wrong and did not say why";
+        let finding = Finding::new(Code::RPI9901, message)
+            .at(span, "this")
+            .note("not saying it is a fault of the compiler: please report it")
+            .help("until it is mended, try to write it in another way");
+        self.refuse(finding, span)
+    }
+
     fn fresh(&mut self, scope: &mut Scope<'u>, id: ExprId, at: At) -> Wire {
         let unit = scope.unit;
         let expr = unit.expr(id);
         let span = expr.span;
         match &expr.kind {
-            Kind::Fault => self.fail(NotConstant::Faulty),
+            Kind::Fault => self.untold(span),
             Kind::Const(leaves) => leaves.iter().cloned().map(Signal::Const).collect(),
             Kind::Literal(leaf) => single(Signal::Const(leaf.clone())),
             Kind::None => (0..expr.ty.leaf_count().max(1))

@@ -425,11 +425,7 @@ impl<'u> Elab<'u> {
             }
             let wire = self.read_flow(scope, id, At::ROOT, declared.span);
             let wire = self.off_clock_absent(scope, id, &wire, declared.span);
-            let block = &unit.block(declared.block).name;
-            let name = match block.as_str() {
-                "" => declared.name.to_string(),
-                block => format!("{block}.{}", declared.name),
-            };
+            let name = unit.path_of(id);
             self.begin(&name);
             let mut leaves: Vec<(String, Ty)> = Vec::new();
             declared

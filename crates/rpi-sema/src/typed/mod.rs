@@ -458,6 +458,21 @@ impl Unit {
         &self.blocks[id.0 as usize]
     }
 
+    /// A flow's name from outside of all blocks: behind those of the fragments in place and states around it.
+    #[must_use]
+    pub fn path_of(&self, flow: FlowId) -> String {
+        let flow = self.flow(flow);
+        let mut path = flow.name.to_string();
+        let mut block = Some(flow.block);
+        while let Some(around) = block.map(|id| self.block(id)) {
+            if !around.name.is_empty() {
+                path = format!("{}.{path}", around.name);
+            }
+            block = around.parent;
+        }
+        path
+    }
+
     /// What a call of it gives: the out-port's type, or all of them by name.
     #[must_use]
     pub fn result(&self) -> Ty {

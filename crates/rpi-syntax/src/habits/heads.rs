@@ -4,7 +4,6 @@ use super::bodies::behind;
 use super::{Habit, Mend, habit};
 use crate::explain::Found;
 use crate::lexer::Lexeme;
-use crate::lexical::seems_declared;
 use crate::token::Token;
 use rpi_diag::{Code, Finding, Fix};
 
@@ -290,7 +289,7 @@ pub(super) fn size_in_brackets(found: &Found<'_, '_>) -> Option<Habit> {
         // Behind `real` it would be a unit.
         [Some(LBracket), Some(Ident), Some(RBracket)] => {
             let is_type = matches!(found.token_before(), Some(BoolType | IntType));
-            is_type && seems_declared(found.cx.text, found.written(at + 1))
+            is_type && found.cx.seeming.declares(found.written(at + 1))
         }
         _ => false,
     };

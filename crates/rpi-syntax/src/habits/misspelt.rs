@@ -2,7 +2,6 @@
 
 use super::{Habit, Mend};
 use crate::explain::Found;
-use crate::lexical::seems_declared;
 use crate::token::Token;
 use rpi_diag::{Code, Finding, Fix};
 
@@ -33,7 +32,7 @@ pub(super) fn word(found: &Found<'_, '_>) -> Option<Habit> {
         && found.written(at).len() <= LONGEST_UNIT
         && !nearest(found, at, &found.fault.expected).is_some_and(|word| goes_on(&word));
     let written = found.written(at);
-    let is_name = written.len() < SHORTEST || seems_declared(found.cx.text, written);
+    let is_name = written.len() < SHORTEST || found.cx.seeming.declares(written);
     if found.token(at) != Some(Token::Ident) || is_unit || is_name || found.lacks_semi() {
         return None;
     }

@@ -2,7 +2,6 @@
 
 use super::{Habit, Mend, habit};
 use crate::explain::Found;
-use crate::lexical::seems_declared;
 use crate::token::Token;
 use rpi_diag::{Code, Finding, Fix, Span};
 
@@ -209,7 +208,7 @@ pub(super) fn product(found: &Found<'_, '_>) -> Option<Habit> {
     let is_number = matches!(before, Int | Real);
     let is_factor = match found.token(at)? {
         LParen => is_number || before == RParen && !is_header(found, at - 1),
-        Ident => is_number && seems_declared(found.cx.text, found.written(at)),
+        Ident => is_number && found.cx.seeming.declares(found.written(at)),
         _ => false,
     };
     let gap = found

@@ -1,6 +1,8 @@
 //! What stands in a body: locals, equations, fragments in place, automata.
 
 use super::{At, Body, Builder, DefId, DefKind, Ident, Mode, Origin, ScopeId, Work};
+use crate::hash::Map;
+use rpi_syntax::Name;
 use rpi_syntax::ast::{
     Automaton, Equation, FragmentDecl, Locals, Meaning, State, Statement, StatementKind, Target,
     Transition,
@@ -141,7 +143,16 @@ impl<'a> Builder<'a> {
         for state in &automaton.states {
             self.shared(at, state);
         }
+        // Another automaton beside this one may have states of the same names.
+        let names = automaton.states.iter().map(|state| &state.name.name);
+        let owners = states.iter().map(|scope| self.index.scope(*scope).owner);
+        let named: Map<&Name, Option<DefId>> = names.zip(owners).collect();
         for (state, scope) in automaton.states.iter().zip(states) {
+            for transition in state.unless.iter().chain(&state.until) {
+                if let Some(Some(target)) = named.get(&transition.target.name) {
+                    self.refer(transition.target.span, *target);
+                }
+            }
             self.transitions(at.scope, scope, state);
             self.body(scope, &state.body);
         }
@@ -172,10 +183,8 @@ impl<'a> Builder<'a> {
     /// Strong transitions are decided around the state, weak ones see what is in it.
     fn transitions(&mut self, around: ScopeId, inside: ScopeId, state: &'a State) {
         let mut all = |scope: ScopeId, transitions: &'a [Transition]| {
-            for transition in transitions {
-                self.later(scope, Work::Name(&transition.target));
-                self.exprs(scope, &transition.condition);
-            }
+            let conditions = transitions.iter().flat_map(|one| &one.condition);
+            self.exprs(scope, conditions);
         };
         all(around, &state.unless);
         all(inside, &state.until);

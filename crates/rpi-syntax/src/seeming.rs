@@ -1,0 +1,50 @@
+//! The names that a text seems to declare or define somewhere, whatever is wrong with it.
+
+use std::cell::OnceCell;
+use std::collections::HashSet;
+
+/// Looked for once, when the first fault asks: a text may have very many faults.
+pub(crate) struct Seeming<'t> {
+    text: &'t str,
+    names: OnceCell<HashSet<Box<str>>>,
+}
+
+impl<'t> Seeming<'t> {
+    pub(crate) fn new(text: &'t str) -> Self {
+        Seeming {
+            text,
+            names: OnceCell::new(),
+        }
+    }
+
+    /// Whether a name seems to be declared: `x: real`, `x, y: real`, `x = ...`.
+    pub(crate) fn declares(&self, name: &str) -> bool {
+        let names = self.names.get_or_init(|| declared(self.text));
+        names.contains(name)
+    }
+}
+
+/// Words with a sign behind them that follows what is declared.
+fn declared(text: &str) -> HashSet<Box<str>> {
+    let is_part = |c: char| c.is_ascii_alphanumeric() || c == '_' || c == '\'';
+    let words = text.split(|c| !is_part(c)).filter(|word| !word.is_empty());
+    let is_declared = |word: &&str| {
+        let end = word.as_ptr() as usize - text.as_ptr() as usize + word.len();
+        text[end..].trim_start().starts_with([':', ',', '='])
+    };
+    words.filter(is_declared).map(Box::from).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_a_sign_follows_is_declared() {
+        let seeming = Seeming::new("node f(x , y' : real) returns (z) let w\n  = 3v + u; tel");
+        let names = ["f", "x", "y'", "z", "w", "v", "3v", "u", "="];
+        let declared = names.map(|name| seeming.declares(name));
+        let wanted = [false, true, true, false, true, false, false, false, false];
+        assert_eq!(declared, wanted);
+    }
+}
