@@ -99,6 +99,15 @@ impl Finding {
         }
     }
 
+    /// A fault of the compiler itself, seen while it worked on what stands at a place.
+    #[must_use]
+    pub fn of_compiler(message: impl Into<String>, place: Span) -> Finding {
+        Finding::new(Code::RPI9901, message)
+            .at(place, "made from this")
+            .note("this is a fault of the compiler, not of the program: please report it")
+            .help("until it is mended, try to write it in another way")
+    }
+
     /// Adds a place where the fault is.
     #[must_use]
     pub fn at(self, span: Span, text: impl Into<String>) -> Finding {

@@ -1,6 +1,6 @@
 //! What is said when a stage of the compiler breaks its promise to the next one.
 
-use rpi_diag::{Code, Finding, Span};
+use rpi_diag::{Finding, Span};
 use rpi_net::Violation;
 
 /// The finding of a violation; `around` is the place of all that was being compiled.
@@ -10,15 +10,13 @@ pub(crate) fn finding(violation: &Violation, around: Span) -> Finding {
         Span::NONE => around,
         place => place,
     };
-    Finding::new(Code::RPI9901, message)
-        .at(place, "made from this")
-        .note("this is a fault of the compiler, not of the program: please report it")
-        .help("until it is mended, try to write it in another way")
+    Finding::of_compiler(message, place)
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use rpi_diag::Code;
     use rpi_net::passes::analyse;
     use rpi_net::{Input, NodeId, PortRef};
 

@@ -6,7 +6,7 @@ use super::scope::Scope;
 use super::signal::{Given, Signal, Wire, nothing, single};
 use super::{At, Elab, Mode, NotConstant};
 use crate::typed::{Activation, ExprId, Kind, PrimCall};
-use rpi_diag::{Code, Finding, Span};
+use rpi_diag::{Finding, Span};
 use rpi_image::{ParamType, PortType, Role, Scalar, Type, Value};
 use rpi_net::prim;
 use rpi_prims::PrimId;
@@ -68,11 +68,7 @@ impl<'u> Elab<'u> {
             return self.fail(NotConstant::Faulty);
         }
         let message = "the compiler took something for wrong and did not say why";
-        let finding = Finding::new(Code::RPI9901, message)
-            .at(span, "this")
-            .note("not saying it is a fault of the compiler: please report it")
-            .help("until it is mended, try to write it in another way");
-        self.refuse(finding, span)
+        self.refuse(Finding::of_compiler(message, span), span)
     }
 
     fn fresh(&mut self, scope: &mut Scope<'u>, id: ExprId, at: At) -> Wire {
@@ -458,4 +454,30 @@ pub(super) fn leaf_scalars(ty: &crate::ty::Ty) -> Scalars {
     let mut scalars = Scalars::new();
     ty.leaves(&mut |_, leaf| scalars.push(leaf.scalar().unwrap_or(Scalar::Bool)));
     scalars
+}
+
+#[cfg(test)]
+mod tests {
+    use crate::elab::{Claims, elaborate_alone};
+    use crate::program::{Program, Source};
+    use crate::typed::UnitId;
+    use rpi_diag::{Code, FileId};
+    use rpi_syntax::{Mode, parse};
+
+    #[test]
+    fn a_fault_that_was_not_told_is_one_of_the_compiler() {
+        let text = "node N (x: int) returns (y: int) let y = z + x; tel";
+        let file = parse(FileId(0), text, Mode::Rpi).file;
+        let (program, _) = Program::collect(&[Source {
+            name: "Test".into(),
+            mode: Mode::Rpi,
+            files: vec![&file],
+            implicit: false,
+        }]);
+        let units = crate::check(&program).units;
+        let facts = crate::facts::find(&units, &[true]).0;
+        let made = elaborate_alone(&units, &facts, UnitId(0), Claims::Report, false);
+        let codes: Vec<Code> = made.findings.iter().map(|finding| finding.code).collect();
+        assert_eq!(codes, [Code::RPI9901]);
+    }
 }
