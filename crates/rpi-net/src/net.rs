@@ -259,6 +259,8 @@ pub struct Net {
     pub claims: Vec<Claim>,
     /// What was made from which place of the text, where that was asked for.
     pub landmarks: Landmarks,
+    /// Places in fragments where the delay of a fragment around them is read (`last x`).
+    pub outer_delays: Vec<Span>,
     /// Whether it is a test: one that does not finish fails when it runs.
     pub is_test: bool,
 }
@@ -293,6 +295,7 @@ impl Net {
             alternatives: Vec::new(),
             claims: Vec::new(),
             landmarks: Landmarks::default(),
+            outer_delays: Vec::new(),
             is_test: false,
         }
     }

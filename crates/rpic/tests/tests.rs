@@ -78,6 +78,19 @@ fn transitions_count_where_they_are_taken() {
     assert_eq!(told, expected);
 }
 
+/// The automata of a body, and those of two calls, are told apart.
+#[test]
+fn automata_beside_one_another_have_transitions_of_their_own() {
+    let (status, text) = run(include_str!("data/automata.rpi"), &["--coverage"]);
+    assert_eq!(status, Some(0), "{text}");
+    let told: Vec<&str> = text.lines().filter(|l| !l.starts_with("ok")).collect();
+    let expected = [
+        "coverage: 4 of 4 fragments, 0 of 0 branches, 3 of 3 transitions",
+        "1 passed, 0 failed",
+    ];
+    assert_eq!(told, expected);
+}
+
 /// What a constant or a static parameter decides is a choice like others, inside a branch counts what happens while that is
 /// taken, `->` and the test's own choices are none, and what no test calls is named.
 #[test]

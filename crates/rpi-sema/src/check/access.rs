@@ -157,7 +157,11 @@ impl<'a> Body<'_, 'a> {
             Some(Local::States(places, _)) => self.one_of_several_states(&field.name, places, span),
             _ => {
                 let near = self.c.suggest(&field.name, self.names_in(block));
-                let of = format!("the fragment `{}`", self.unit.block(block).name);
+                let what = match self.is_state(block) {
+                    true => "state",
+                    false => "fragment",
+                };
+                let of = format!("the {what} `{}`", self.unit.block(block).name);
                 let finding = no_member(&of, &field.name, field.span, near);
                 self.fault_with(finding, span)
             }

@@ -194,10 +194,33 @@ impl<'a> Body<'_, 'a> {
                 .states
                 .iter()
                 .map(|state| state.name.name.as_str());
-            let near = self.c.suggest(&target.name, names);
-            self.report(unknown::unknown_state(target, near));
+            let finding = match self.state_elsewhere(&target.name) {
+                Some(place) => unknown::state_elsewhere(target, place),
+                None => {
+                    let near = self.c.suggest(&target.name, names);
+                    unknown::unknown_state(target, near)
+                }
+            };
+            self.report(finding);
         }
         index
+    }
+
+    /// Where a state of another automaton is declared, here or around here.
+    fn state_elsewhere(&self, name: &Name) -> Option<Span> {
+        match self.find_local(name)? {
+            Local::State(block) => Some(self.unit.block(block).span),
+            Local::States([first, _], _) => Some(first),
+            _ => None,
+        }
+    }
+
+    /// Whether a block is a state.
+    pub(super) fn is_state(&self, block: BlockId) -> bool {
+        let around = self.unit.block(block).parent.map(|id| self.unit.block(id));
+        let automata = around.into_iter().flat_map(|around| &around.automata);
+        let mut states = automata.flat_map(|automaton| &automaton.states);
+        states.any(|state| state.block == block)
     }
 
     fn one_of_each_name(&mut self, automaton: &ast::Automaton) {

@@ -1,7 +1,7 @@
 //! Every flow is defined, and once.
 
 use super::body::Body;
-use crate::typed::{self, Block, FlowId, Optional, Place, Shared, Target, Unit};
+use crate::typed::{self, Block, BlockId, FlowId, Optional, Place, Shared, Target, Unit};
 use rpi_diag::{Code, Finding, Span};
 
 impl Body<'_, '_> {
@@ -25,15 +25,12 @@ impl Body<'_, '_> {
     /// A port of an actuator is defined once. That two ports of one actuator are never driven together is for the passes
     /// over the net to prove: it depends on when fragments are active.
     fn check_actuators(&mut self) {
-        let mut defined: Vec<((FlowId, u32), Span)> = Vec::new();
-        let targets = self
-            .unit
-            .blocks
-            .iter()
-            .flat_map(|b| &b.equations)
-            .flat_map(|e| &e.targets);
+        let mut defined: Vec<((FlowId, u32), Span, BlockId)> = Vec::new();
+        let blocks = (0..).map(BlockId).zip(&self.unit.blocks);
+        let equations = blocks.flat_map(|(id, block)| block.equations.iter().map(move |e| (id, e)));
+        let targets = equations.flat_map(|(id, e)| e.targets.iter().map(move |t| (id, t)));
         let mut findings = Vec::new();
-        for target in targets {
+        for (block, target) in targets {
             let Place::Port { device, port } = target.place else {
                 continue;
             };
@@ -42,9 +39,18 @@ impl Body<'_, '_> {
             else {
                 continue;
             };
-            match defined.iter().find(|(known, _)| *known == (device, port)) {
-                Some((_, first)) => findings.push(actuator_twice(&name, target.span, *first)),
-                None => defined.push(((device, port), target.span)),
+            let before = defined.iter().find(|known| known.0 == (device, port));
+            match before {
+                Some((_, first, other)) => {
+                    let help = match self.is_state(block) && self.is_state(*other) {
+                        true => {
+                            "let the states define one flow of the same name, and the port outside of them by that flow"
+                        }
+                        false => "merge the alternatives into one definition by `??`",
+                    };
+                    findings.push(actuator_twice(&name, target.span, *first).help(help));
+                }
+                None => defined.push(((device, port), target.span, block)),
             }
         }
         self.findings.append(&mut findings);
@@ -128,7 +134,6 @@ fn actuator_twice(port: &str, again: Span, first: Span) -> Finding {
     )
     .at(again, "defined again here")
     .also(first, "first defined here")
-    .help("merge the alternatives into one definition by `??`")
 }
 
 fn defined_twice(flow: &typed::Flow, again: Span, first: Span) -> Finding {

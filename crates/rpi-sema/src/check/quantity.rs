@@ -152,15 +152,25 @@ pub(super) fn with_units(finding: Finding, wanted: Dim, number: Span) -> Finding
 pub(super) fn unit_fault(fault: &UnitFault) -> Finding {
     match fault {
         UnitFault::Unknown { name, span, near } => {
-            Finding::new(Code::RPI2003, format!("there is no unit `{name}`"))
-                .at(*span, "not a unit")
-                .did_you_mean(*span, near.clone())
+            let finding = Finding::new(Code::RPI2003, format!("there is no unit `{name}`"))
+                .at(*span, "not a unit");
+            match is_celsius(name) {
+                // The one would be taken for the other, 273.15 apart.
+                true => {
+                    finding.help("temperatures are absolute: 20 degrees Celsius are `293.15[K]`")
+                }
+                false => finding.did_you_mean(*span, near.clone()),
+            }
         }
         UnitFault::Exponent { span } => {
             Finding::new(Code::RPI2003, "a unit with an exponent out of range")
                 .at(*span, "too large")
         }
     }
+}
+
+fn is_celsius(name: &str) -> bool {
+    ["degC", "celsius", "Celsius", "C"].contains(&name)
 }
 
 /// Adds what may mend an operand that a unary operator does not take.

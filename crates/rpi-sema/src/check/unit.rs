@@ -319,7 +319,7 @@ impl<'a> Body<'_, 'a> {
                     .help(format!("a function depends on its arguments alone: declare `{node}` as a `function`, too, or `{name}` as a `node`"))
             }
             None => Finding::new(Code::RPI3005, format!("the function `{name}` has state"))
-                .at(span, "this remembers earlier cycles")
+                .at(span, "this may remember earlier cycles")
                 .help("a function depends on its arguments alone; declare a `node`"),
         };
         self.report(finding.also(self.unit.span, "declared as a function here"));

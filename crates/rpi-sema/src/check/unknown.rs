@@ -100,6 +100,15 @@ pub(super) fn unknown_state(target: &Ident, near: Option<String>) -> Finding {
     Finding::new(Code::RPI1001, message).at(target.span, NOWHERE)
 }
 
+/// A state that is one of another automaton.
+pub(super) fn state_elsewhere(target: &Ident, declared: Span) -> Finding {
+    let name = &target.name;
+    let message = format!("`{name}` is a state of another automaton");
+    Finding::new(Code::RPI1001, message)
+        .at(target.span, "a transition leads to a state beside its own")
+        .also(declared, "declared here")
+}
+
 /// A module that is not there; `known` are those that are.
 pub(crate) fn no_module<'n>(
     name: &str,

@@ -225,6 +225,7 @@ impl<'u> Elab<'u> {
         }
         self.called_here(unit);
         let mut scope = Scope::new(unit, id);
+        scope.called = Some(span);
         let in_fragment = unit.kind == UnitKind::Fragment && self.mode != Mode::Constant;
         scope.prefix = if in_fragment || path.is_empty() {
             String::new()

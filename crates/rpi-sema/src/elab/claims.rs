@@ -8,7 +8,7 @@ use super::signal::{Signal, nothing};
 use super::{At, Elab, Mode};
 use crate::ty::Ty;
 use crate::typed::{BlockId, Claim, ClaimKind, Each, ExprId, FlowId, Kind, Unit, UnitKind};
-use rpi_diag::{Code, Finding};
+use rpi_diag::{Code, Finding, Span};
 use rpi_image::Value;
 use rpi_net::claim::{claim_key, read_key};
 use rpi_net::prim;
@@ -64,7 +64,7 @@ impl<'u> Elab<'u> {
         // Elsewhere it may say that nothing gets there.
         let everywhere = at == At::ROOT && !of_test;
         if self.mode == Mode::Net && everywhere && condition == Signal::Const(Value::bool(false)) {
-            self.findings.push(never(claim));
+            self.findings.extend(self.never_holds(scope, claim));
         }
         if policy.is_fault() {
             self.assert(check(scope, claim), &condition, at, claim.span);
@@ -112,6 +112,18 @@ impl<'u> Elab<'u> {
         });
     }
 
+    /// A claim that is false in every cycle: of its own, or because of what this call gives.
+    fn never_holds(&self, scope: &Scope<'_>, claim: &Claim) -> Option<Finding> {
+        let of_its_own = || super::constant(self.units, scope.unit, claim.condition).is_ok();
+        match (scope.called.filter(|_| !of_its_own()), claim.kind) {
+            (None, _) => Some(never(claim)),
+            (Some(call), ClaimKind::Assume) => Some(broken_by(call, claim, &scope.unit.name)),
+            // It is owed where the assumptions are kept.
+            (Some(_), ClaimKind::Guarantee) => None,
+            (Some(call), _) => Some(never(claim).also(call, "for this call")),
+        }
+    }
+
     /// Publishes the leaves of something that a claim reads.
     fn published(&mut self, scope: &mut Scope<'u>, part: &Part, claim: &str) -> Vec<ClaimRead> {
         let expr = scope.unit.expr(part.expr);
@@ -154,6 +166,17 @@ fn check(scope: &Scope<'_>, claim: &Claim) -> PrimId {
         ClaimKind::Assume if scope.prefix.is_empty() => prim!("Rpi::Assume"),
         _ => prim!("Rpi::Assert"),
     }
+}
+
+/// An assumption that is false in every cycle of a call.
+fn broken_by(call: Span, claim: &Claim, of: &str) -> Finding {
+    Finding::new(
+        Code::RPI3102,
+        format!("this call breaks an assumption of `{of}`"),
+    )
+    .at(call, "whatever comes in")
+    .also(claim.span, "false in every cycle of the call")
+    .help("give other values; or correct the assumption, if it asks for too much")
 }
 
 /// A claim that is false whatever the program does.

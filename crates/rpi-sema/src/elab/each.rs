@@ -29,6 +29,9 @@ impl<'u> Elab<'u> {
             (Each::Last, [x]) => match self.level(scope, *x, at.fragment) {
                 None => self.pre(scope, *x, id, at),
                 Some(level) => {
+                    if level != at.fragment {
+                        self.net.outer_delays.push(span);
+                    }
                     let around = std::mem::replace(&mut scope.base, level);
                     let wire = self.pre(scope, *x, id, At::fragment(level));
                     scope.base = around;

@@ -2,10 +2,35 @@
 
 use super::signal::Signal;
 use super::{At, Elab};
+use crate::hash::Set;
 use crate::typed::Unit;
 use rpi_diag::Span;
 use rpi_image::Scalar;
-use rpi_net::{Choice, Exit, Exits, Side};
+use rpi_net::{Choice, Exit, Exits, FragmentId, Net, Side};
+
+/// Gives fragments and nodes names that no other beside them has: a test finds them in the image by their names, and what is
+/// called twice, or two automata of a body, make some of one name.
+pub(super) fn tell_apart(net: &mut Net) {
+    let mut known: Set<(FragmentId, String)> = Set::default();
+    for fragment in net.fragments.iter_mut().skip(1) {
+        let parent = fragment.parent.unwrap_or(FragmentId::ROOT);
+        own_name(&mut fragment.name, parent, &mut known);
+    }
+    known.clear();
+    for node in &mut net.nodes {
+        own_name(&mut node.name, node.fragment, &mut known);
+    }
+}
+
+fn own_name(name: &mut String, inside: FragmentId, known: &mut Set<(FragmentId, String)>) {
+    let mut number = 2;
+    let mut own = name.clone();
+    while !known.insert((inside, own.clone())) {
+        own = format!("{name}#{number}");
+        number += 1;
+    }
+    *name = own;
+}
 
 impl Elab<'_> {
     /// Notes that a unit is called.

@@ -182,6 +182,9 @@ impl<'u, 'a> Job<'u, 'a> {
             elab.bind_alias(port, &Signal::Const(value));
         }
         elab.settle();
+        if elab.tells_landmarks {
+            super::landmarks::tell_apart(&mut elab.net);
+        }
         let ports = elab.watched.split_off(claims);
         let locals = locals.into_iter().zip(ports);
         elab.net.exports.append(&mut elab.watched);

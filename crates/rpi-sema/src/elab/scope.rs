@@ -4,6 +4,7 @@ use super::leaving::Leaving;
 use super::signal::Wire;
 use super::slots::Slots;
 use crate::typed::{BlockId, ExprId, FlowId, Unit, UnitId};
+use rpi_diag::Span;
 use rpi_net::FragmentId;
 
 /// A unit being elaborated at one place.
@@ -23,6 +24,8 @@ pub(super) struct Scope<'u> {
     pub(super) base: FragmentId,
     /// Path of the calls that lead here, with a dot at its end.
     pub(super) prefix: String,
+    /// The call that it is made for.
+    pub(super) called: Option<Span>,
 }
 
 /// How far a flow is.
@@ -60,6 +63,7 @@ impl<'u> Scope<'u> {
             leaving: Vec::new(),
             base: FragmentId::ROOT,
             prefix: String::new(),
+            called: None,
         }
     }
 

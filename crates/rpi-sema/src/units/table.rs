@@ -160,8 +160,6 @@ pub(super) const OTHERWISE: &[(&str, &str)] = &[
     ("watt", "W"),
     ("joule", "J"),
     ("hertz", "Hz"),
-    ("degC", "K"),
-    ("celsius", "K"),
     ("percent", "%"),
     ("mps", "m/s"),
     ("mms", "mm/s"),

@@ -105,8 +105,24 @@ impl Printer<'_> {
             .source
             .and_then(|source| source.text.get(..span.start as usize));
         let before = before.filter(|_| !span.is_none()).unwrap_or("");
+        let before = self.without_comments_behind(before);
         let gap = &before[before.trim_end().len()..];
         gap.bytes().filter(|b| *b == b'\n').count() > 1
+    }
+
+    /// A text up to the comments at its end, as far as they stand on its last line.
+    fn without_comments_behind<'t>(&self, mut text: &'t str) -> &'t str {
+        let comments = self.source.map_or(&[][..], |source| source.comments);
+        loop {
+            let end = text.trim_end_matches([' ', '\t']).len();
+            let before = comments.partition_point(|c| (c.span.start as usize) < end);
+            match comments[..before].last() {
+                Some(last) if last.span.end as usize == end => {
+                    text = &text[..last.span.start as usize];
+                }
+                _ => return text,
+            }
+        }
     }
 
     /// What begins with the word before `span`, which has no place of its own.
