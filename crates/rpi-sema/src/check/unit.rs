@@ -312,26 +312,31 @@ impl<'a> Body<'_, 'a> {
     fn state_in_function(&mut self, span: Span) {
         let name = &self.unit.name;
         let finding = match self.called_at(span) {
-            Some(node) => {
-                let message = format!("the function `{name}` calls the node `{node}`");
+            Some((kind, node)) => {
+                let message = format!("the function `{name}` calls the {kind} `{node}`");
                 Finding::new(Code::RPI3005, message)
-                    .at(span, "a node may remember earlier cycles")
+                    .at(span, format!("a {kind} may remember earlier cycles"))
                     .help(format!("a function depends on its arguments alone: declare `{node}` as a `function`, too, or `{name}` as a `node`"))
             }
             None => Finding::new(Code::RPI3005, format!("the function `{name}` has state"))
-                .at(span, "this may remember earlier cycles")
+                .at(span, "this remembers earlier cycles")
                 .help("a function depends on its arguments alone; declare a `node`"),
         };
         self.report(finding.also(self.unit.span, "declared as a function here"));
     }
 
-    /// The node that is called at a place.
-    fn called_at(&self, span: Span) -> Option<rpi_syntax::Name> {
+    /// The node or fragment that is called at a place.
+    fn called_at(&self, span: Span) -> Option<(&'static str, rpi_syntax::Name)> {
         let mut here = self.unit.exprs.iter().filter(|expr| expr.span == span);
         here.find_map(|expr| match &expr.kind {
             Kind::Call(call) => {
                 let header = &self.c.entries[call.unit.0 as usize].header;
-                (header.kind == UnitKind::Node).then(|| header.name.clone())
+                let kind = match header.kind {
+                    UnitKind::Node => "node",
+                    UnitKind::Fragment => "fragment",
+                    _ => return None,
+                };
+                Some((kind, header.name.clone()))
             }
             _ => None,
         })
