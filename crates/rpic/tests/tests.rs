@@ -62,11 +62,17 @@ fn coverage_names_what_was_not_seen() {
     assert!(part.contains("never active: lamp.On"), "{part}");
 }
 
+/// What is told of the coverage of a program whose tests pass.
+#[track_caller]
+fn covered(program: &str) -> Vec<String> {
+    let (status, text) = run(program, &["--coverage"]);
+    assert_eq!(status, Some(0), "{text}");
+    let told = text.lines().filter(|line| !line.starts_with("ok"));
+    told.map(str::to_owned).collect()
+}
+
 #[test]
 fn transitions_count_where_they_are_taken() {
-    let (status, text) = run(include_str!("data/gate.rpi"), &["--coverage"]);
-    assert_eq!(status, Some(0), "{text}");
-    let told: Vec<&str> = text.lines().filter(|l| !l.starts_with("ok")).collect();
     let expected = [
         "coverage: 5 of 6 fragments, 0 of 0 branches, 3 of 6 transitions",
         "  never active: k.Locked/k.Out",
@@ -75,29 +81,23 @@ fn transitions_count_where_they_are_taken() {
         "  `n > 100 then Out` never taken: program.rpi:20:19",
         "2 passed, 0 failed",
     ];
-    assert_eq!(told, expected);
+    assert_eq!(covered(include_str!("data/gate.rpi")), expected);
 }
 
 /// The automata of a body, and those of two calls, are told apart.
 #[test]
 fn automata_beside_one_another_have_transitions_of_their_own() {
-    let (status, text) = run(include_str!("data/automata.rpi"), &["--coverage"]);
-    assert_eq!(status, Some(0), "{text}");
-    let told: Vec<&str> = text.lines().filter(|l| !l.starts_with("ok")).collect();
     let expected = [
         "coverage: 4 of 4 fragments, 0 of 0 branches, 3 of 3 transitions",
         "1 passed, 0 failed",
     ];
-    assert_eq!(told, expected);
+    assert_eq!(covered(include_str!("data/automata.rpi")), expected);
 }
 
 /// What a constant or a static parameter decides is a choice like others, inside a branch counts what happens while that is
 /// taken, `->` and the test's own choices are none, and what no test calls is named.
 #[test]
 fn branches_count_where_they_matter() {
-    let (status, text) = run(include_str!("data/reach.rpi"), &["--coverage"]);
-    assert_eq!(status, Some(0), "{text}");
-    let told: Vec<&str> = text.lines().filter(|l| !l.starts_with("ok")).collect();
     let expected = [
         "coverage: 1 of 4 fragments, 5 of 14 branches, 0 of 3 transitions",
         "  never active: s.Rest",
@@ -112,7 +112,7 @@ fn branches_count_where_they_matter() {
         "  never called: node Never: program.rpi:23:6",
         "1 passed, 0 failed",
     ];
-    assert_eq!(told, expected);
+    assert_eq!(covered(include_str!("data/reach.rpi")), expected);
 }
 
 #[test]
