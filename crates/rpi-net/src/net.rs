@@ -6,6 +6,7 @@ use rpi_diag::Span;
 use rpi_image::{PrimDesc, Type, Value};
 use rpi_prims::PrimId;
 use smallvec::SmallVec;
+use std::collections::BTreeSet;
 
 /// Index of a node in [`Net::nodes`].
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Debug)]
@@ -260,7 +261,7 @@ pub struct Net {
     /// What was made from which place of the text, where that was asked for.
     pub landmarks: Landmarks,
     /// Places in fragments where the delay of a fragment around them is read (`last x`).
-    pub outer_delays: Vec<Span>,
+    pub outer_delays: BTreeSet<Span>,
     /// Whether it is a test: one that does not finish fails when it runs.
     pub is_test: bool,
 }
@@ -295,7 +296,7 @@ impl Net {
             alternatives: Vec::new(),
             claims: Vec::new(),
             landmarks: Landmarks::default(),
-            outer_delays: Vec::new(),
+            outer_delays: BTreeSet::new(),
             is_test: false,
         }
     }

@@ -170,7 +170,10 @@ pub(super) fn unit_fault(fault: &UnitFault) -> Finding {
 }
 
 fn is_celsius(name: &str) -> bool {
-    ["degC", "celsius", "Celsius", "C"].contains(&name)
+    // `C` is the coulomb.
+    ["degC", "celsius"]
+        .iter()
+        .any(|one| one.eq_ignore_ascii_case(name))
 }
 
 /// Adds what may mend an operand that a unary operator does not take.

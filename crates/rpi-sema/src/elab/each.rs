@@ -30,7 +30,7 @@ impl<'u> Elab<'u> {
                 None => self.pre(scope, *x, id, at),
                 Some(level) => {
                     if level != at.fragment {
-                        self.net.outer_delays.push(span);
+                        self.net.outer_delays.insert(span);
                     }
                     let around = std::mem::replace(&mut scope.base, level);
                     let wire = self.pre(scope, *x, id, At::fragment(level));

@@ -2,7 +2,7 @@
 
 use super::signal::Signal;
 use super::{At, Elab};
-use crate::hash::Set;
+use crate::hash::Map;
 use crate::typed::Unit;
 use rpi_diag::Span;
 use rpi_image::Scalar;
@@ -11,7 +11,7 @@ use rpi_net::{Choice, Exit, Exits, FragmentId, Net, Side};
 /// Gives fragments and nodes names that no other beside them has: a test finds them in the image by their names, and what is
 /// called twice, or two automata of a body, make some of one name.
 pub(super) fn tell_apart(net: &mut Net) {
-    let mut known: Set<(FragmentId, String)> = Set::default();
+    let mut known = Known::default();
     for fragment in net.fragments.iter_mut().skip(1) {
         let parent = fragment.parent.unwrap_or(FragmentId::ROOT);
         own_name(&mut fragment.name, parent, &mut known);
@@ -22,14 +22,18 @@ pub(super) fn tell_apart(net: &mut Net) {
     }
 }
 
-fn own_name(name: &mut String, inside: FragmentId, known: &mut Set<(FragmentId, String)>) {
-    let mut number = 2;
-    let mut own = name.clone();
-    while !known.insert((inside, own.clone())) {
-        own = format!("{name}#{number}");
+/// The names inside of fragments; with each, the last number that was put behind it.
+type Known = Map<(FragmentId, String), usize>;
+
+fn own_name(name: &mut String, inside: FragmentId, known: &mut Known) {
+    let plain = (inside, name.clone());
+    let mut number = known.get(&plain).copied().unwrap_or(0);
+    while known.contains_key(&(inside, name.clone())) {
         number += 1;
+        *name = format!("{}#{}", plain.1, number + 1);
     }
-    *name = own;
+    known.insert(plain, number);
+    known.entry((inside, name.clone())).or_insert(0);
 }
 
 impl Elab<'_> {

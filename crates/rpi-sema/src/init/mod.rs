@@ -272,20 +272,16 @@ fn finding(net: &Net, flow: Option<&str>, roots: &[NodeId], is_first: bool) -> F
         false => format!("{what} has no value in one of the first cycles"),
     };
     let mut finding = Finding::new(Code::RPI5001, message);
-    if roots
-        .iter()
-        .any(|root| net.outer_delays.contains(&place(root)))
-    {
-        for root in roots {
-            finding = finding.at(place(root), "there is no cycle before the first");
-        }
+    for root in roots {
+        finding = finding.at(place(root), "there is no cycle before the first");
+    }
+    let mut places = roots.iter().map(place);
+    if places.any(|place| net.outer_delays.contains(&place)) {
         // Here `->` would start afresh together with the fragment or state.
         return finding.help("say what it is then, outside of the fragment or state: `before = first -> last x;`, and read that");
     }
-    finding = finding.help("say what it is then: `first -> pre x`");
     let mut fix = Fix::maybe("give it a first value");
     for root in roots {
-        finding = finding.at(place(root), "there is no cycle before the first");
         let first = first_value(net, *root);
         // The whole equation needs no parentheses.
         fix = match net.node(*root).origin.flow {
@@ -296,6 +292,7 @@ fn finding(net: &Net, flow: Option<&str>, roots: &[NodeId], is_first: bool) -> F
             }
         };
     }
+    let finding = finding.help("say what it is then: `first -> pre x`");
     finding.fix(fix)
 }
 

@@ -146,10 +146,11 @@ impl<'a> Builder<'a> {
         // Another automaton beside this one may have states of the same names.
         let names = automaton.states.iter().map(|state| &state.name.name);
         let owners = states.iter().map(|scope| self.index.scope(*scope).owner);
-        let named: Map<&Name, Option<DefId>> = names.zip(owners).collect();
+        let named = names.zip(owners).filter_map(|(name, id)| Some((name, id?)));
+        let named: Map<&Name, DefId> = named.collect();
         for (state, scope) in automaton.states.iter().zip(states) {
             for transition in state.unless.iter().chain(&state.until) {
-                if let Some(Some(target)) = named.get(&transition.target.name) {
+                if let Some(target) = named.get(&transition.target.name) {
                     self.refer(transition.target.span, *target);
                 }
             }
