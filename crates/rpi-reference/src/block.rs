@@ -1,5 +1,7 @@
 //! Blocks: when a fragment or a state is active, and when it starts afresh.
 
+use std::collections::BTreeSet;
+
 use rpi_sema::typed::{Automaton, BlockId, Transition};
 
 use crate::cycle::{Keep, Reference};
@@ -83,7 +85,8 @@ impl<'p> Reference<'p> {
         let automaton = self.automaton(here, block, k);
         let before = self.before(here, block, k);
         let unless = &automaton.states[before.index as usize].unless;
-        let state = self.taken(here, unless)?.unwrap_or(before);
+        let mut state = self.taken(here, unless)?.unwrap_or(before);
+        state.afresh |= self.owed(here, block, k, before).contains(&state.index);
         let now = &mut self.instances[here.instance].now;
         now.states.insert((block, k), state);
         Ok(state)
@@ -97,6 +100,16 @@ impl<'p> Reference<'p> {
         };
         let memory = self.instances[here.instance].memory(Some(block));
         memory.states.get(&k).copied().unwrap_or(start)
+    }
+
+    /// The states that have to start afresh when they run next: also one that was entered so and left before it ran (M14.6).
+    fn owed(&mut self, here: Here, block: BlockId, k: usize, before: State) -> BTreeSet<u32> {
+        let memory = self.instances[here.instance].memory(Some(block));
+        let mut owed = memory.owed.get(&k).cloned().unwrap_or_default();
+        if before.afresh {
+            owed.insert(before.index);
+        }
+        owed
     }
 
     /// The transitions of an automaton: weak ones act in the next cycle. All conditions are evaluated: those of strong
@@ -125,7 +138,9 @@ impl<'p> Reference<'p> {
                 next = self.taken(inside, &inner.until)?.unwrap_or(next);
             }
         }
-        self.keep.push((here, Keep::State(k, next)));
+        let mut owed = self.owed(here, block, k, before);
+        owed.remove(&state.index);
+        self.keep.push((here, Keep::State(k, next, owed)));
         for shared in &automaton.shared {
             let flow = self.instances[here.instance].unit.flow(shared.flow);
             let around = self.inside(here.instance, flow.block);

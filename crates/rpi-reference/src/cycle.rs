@@ -1,5 +1,7 @@
 //! One cycle: everything that is active once (M1.2), then what is kept for the next.
 
+use std::collections::BTreeSet;
+
 use rpi_sema::facts::Facts;
 use rpi_sema::typed::{BlockId, Each, ExprId, FlowId, FlowRole, Kind, Unit, UnitId};
 use rpi_syntax::ast::EndKind;
@@ -37,8 +39,8 @@ pub(crate) enum Keep {
     Begun(ExprId),
     /// Whether a block was active.
     Active(BlockId, bool),
-    /// The state of an automaton.
-    State(usize, State),
+    /// The state of an automaton, and those that still have to start afresh.
+    State(usize, State, BTreeSet<u32>),
 }
 
 /// What is seen of a cycle.
@@ -257,7 +259,10 @@ impl<'p> Reference<'p> {
                 Keep::Begun(id) => drop(memory.begun.insert(id)),
                 Keep::Active(block, true) => drop(memory.was_active.insert(block)),
                 Keep::Active(block, false) => drop(memory.was_active.remove(&block)),
-                Keep::State(k, state) => drop(memory.states.insert(k, state)),
+                Keep::State(k, state, owed) => {
+                    memory.states.insert(k, state);
+                    memory.owed.insert(k, owed);
+                }
                 Keep::Delayed(..) | Keep::Last(..) => {}
             }
         }

@@ -49,7 +49,7 @@ impl<'p> Reference<'p> {
         }
     }
 
-    /// A flow that several states define: the one that runs.
+    /// A flow that several states define: that of the one that runs, or the default if it has none (M14.5).
     fn of_states(
         &mut self,
         instance: InstanceId,
@@ -61,11 +61,15 @@ impl<'p> Reference<'p> {
             return Ok(None);
         }
         for inner in &shared.states {
-            if let Some(value) = self.flow(instance, *inner, k)? {
-                return Ok(Some(value));
+            let state = self.instances[instance].unit.flow(*inner).block;
+            if self.is_active(instance, state)? {
+                return self.flow(instance, *inner, k);
             }
         }
-        Ok(None)
+        match shared.default {
+            Some(default) => self.flow(instance, default, k),
+            None => Ok(None),
+        }
     }
 }
 

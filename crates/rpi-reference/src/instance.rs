@@ -41,6 +41,8 @@ pub(crate) struct Memory {
     pub(crate) was_active: BTreeSet<BlockId>,
     /// For each of its automata the state of the next cycle, and whether it starts afresh.
     pub(crate) states: BTreeMap<usize, State>,
+    /// For each of its automata the states that were entered afresh and left before they ran.
+    pub(crate) owed: BTreeMap<usize, BTreeSet<u32>>,
 }
 
 /// The state of an automaton.

@@ -7,7 +7,7 @@ use super::body::Body;
 use super::locals::Local;
 use super::statement::Later;
 use super::unknown;
-use crate::hash::Map;
+use crate::hash::{Map, Set};
 use crate::program::twice;
 use crate::typed::{Automaton, BlockId, FlowId, FlowRole, Optional, Shared, State, Transition};
 use rpi_diag::{Code, Finding, Span};
@@ -68,14 +68,10 @@ impl<'a> Body<'_, 'a> {
         later.push((self.block, Later::Automaton(index, automaton)));
     }
 
-    /// The flow of the surroundings for each name that states define and do not declare, in text order. What only the
-    /// automata in one state define stays in that state.
+    /// The flow of the surroundings for each name that states define and do not declare (M14.4), in text order.
     fn shared_flows(&mut self, automaton: &'a ast::Automaton) -> (Vec<Shared>, Map<Name, usize>) {
         let (mut flows, mut places) = (Vec::new(), Map::default());
-        for (name, stays) in candidates(automaton) {
-            if stays && !self.is_around(name) {
-                continue;
-            }
+        for name in candidates(automaton) {
             let flow = match self.find_in(self.block, &name.name) {
                 Some(Local::Flow(flow)) if self.unit.flow(flow).role.has_equation() => flow,
                 // What no equation may define, one in a state may not, either.
@@ -90,14 +86,10 @@ impl<'a> Body<'_, 'a> {
                 flow,
                 states: Vec::new(),
                 missing: Vec::new(),
+                default: self.default_beside(flow),
             });
         }
         (flows, places)
-    }
-
-    /// Whether a flow of the surroundings bears a name.
-    fn is_around(&self, name: &Ident) -> bool {
-        matches!(self.find_in(self.block, &name.name), Some(Local::Flow(_)))
     }
 
     /// Declares, in one state, its own version of each flow that it shares.
@@ -116,25 +108,30 @@ impl<'a> Body<'_, 'a> {
                 continue;
             }
             let outer = self.current().automata[index].shared[place].flow;
-            let inner = self.within(block, |body| body.version_of(name, outer));
-            self.shares.insert(inner, outer);
-            self.versions.entry(outer).or_default().push(inner);
+            let inner = self.within(block, |body| {
+                let inner = body.version_of(name, outer);
+                body.declare(name, Local::Flow(inner));
+                inner
+            });
             self.current().automata[index].shared[place]
                 .states
                 .push(inner);
         }
     }
 
-    /// A flow of the current block that stands for one around it.
-    fn version_of(&mut self, name: &'a Ident, outer: FlowId) -> FlowId {
-        let outer = self.unit.flow(outer);
-        let optional = match outer.ty.is_unknown() {
-            true => Optional::Inferred,
-            false => outer.optional,
+    /// A flow of the current block that contributes to `outer`, which states share. Declared `T?`, `outer` may be absent
+    /// because of other states: whether this contribution may be absent is for its own equation to say.
+    pub(super) fn version_of(&mut self, name: &Ident, outer: FlowId) -> FlowId {
+        let shared = self.unit.flow(outer);
+        let optional = match shared.optional {
+            Optional::Declared(false) if !shared.ty.is_unknown() => shared.optional,
+            _ => Optional::Inferred,
         };
-        let inner = self.add_flow(name, outer.ty.clone(), optional, FlowRole::Local);
-        self.declare(name, Local::Flow(inner));
-        inner
+        let ty = shared.ty.clone();
+        let version = self.add_flow(name, ty, optional, FlowRole::Local);
+        self.shares.insert(version, outer);
+        self.versions.entry(outer).or_default().push(version);
+        version
     }
 
     /// The flows of the surroundings that a state's flow is a version of, from the inside out.
@@ -264,24 +261,11 @@ fn initial(automaton: &ast::Automaton) -> u32 {
     index.and_then(|k| u32::try_from(k).ok()).unwrap_or(0)
 }
 
-/// The names that states define and do not declare, each once, in text order; with each, whether only the automata in one
-/// state define it.
-fn candidates(automaton: &ast::Automaton) -> Vec<(&Ident, bool)> {
-    let mut names: Vec<(&Ident, bool)> = Vec::new();
-    let mut places: Map<&Name, (usize, usize)> = Map::default();
-    for (k, state) in automaton.states.iter().enumerate() {
-        let direct = defined_names(state);
-        let count = direct.len();
-        let all = direct.into_iter().chain(defined_by_automata(state));
-        for (name, inner) in all.enumerate().map(|(n, name)| (name, n >= count)) {
-            let (place, first) = *places.entry(&name.name).or_insert((names.len(), k));
-            match names.get_mut(place) {
-                Some((_, stays)) => *stays &= inner && first == k,
-                None => names.push((name, inner)),
-            }
-        }
-    }
-    names
+/// The names that states define and do not declare, also by automata in them: each once, in text order.
+pub(super) fn candidates(automaton: &ast::Automaton) -> Vec<&Ident> {
+    let mut known: Set<&Name> = Set::default();
+    let names = automaton.states.iter().flat_map(all_defined_names);
+    names.filter(|name| known.insert(&name.name)).collect()
 }
 
 /// Plain names that a state or an automaton in it defines, and that it does not declare itself.

@@ -33,6 +33,8 @@ pub(super) struct Body<'c, 'a> {
     pub(super) shares: Map<FlowId, FlowId>,
     /// Of each flow that states share their versions of it.
     pub(super) versions: Map<FlowId, Vec<FlowId>>,
+    /// Of each flow that states share and an equation beside them defines, too, the flow of that equation.
+    pub(super) defaults: Map<FlowId, FlowId>,
     /// Flows that were read before their types were known.
     pub(super) missing: Vec<Missing>,
     /// Flows that a statement with a reported fault seems to define.
@@ -105,6 +107,7 @@ impl<'c, 'a> Body<'c, 'a> {
             defined_by: Vec::new(),
             shares: Map::default(),
             versions: Map::default(),
+            defaults: Map::default(),
             missing: Vec::new(),
             broken: Vec::new(),
             unknown: Told::default(),

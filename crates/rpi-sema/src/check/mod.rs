@@ -42,6 +42,7 @@ mod condact;
 mod consts;
 mod contract;
 mod data;
+mod defaults;
 mod definitions;
 mod device;
 mod dialect;

@@ -69,6 +69,7 @@ impl<'a> Body<'_, 'a> {
         }
         self.state_clocks(body.locals.iter());
         self.count_parts(&body.statements);
+        self.declare_defaults(&body.statements);
         for statement in &body.statements {
             self.declare_statement(statement, later);
         }
@@ -194,8 +195,12 @@ impl<'a> Body<'_, 'a> {
     fn introduced(&mut self, target: &ast::Target, index: usize) -> Option<FlowId> {
         self.hides_no_constant(&target.name);
         let may = target.path.is_empty() && self.mode == Mode::Rpi && target.name.name != "_";
-        let flow = match self.find_in(self.block, &target.name.name) {
-            Some(Local::Flow(flow)) if may && self.waits_for_type(flow) => flow,
+        let own = match self.find_in(self.block, &target.name.name) {
+            Some(Local::Flow(flow)) => Some(self.defined_here(flow)),
+            _ => None,
+        };
+        let flow = match own {
+            Some(flow) if may && self.waits_for_type(flow) => flow,
             _ if !may || self.is_declared(&target.name) => return None,
             _ => self.introduce_flow(&target.name),
         };

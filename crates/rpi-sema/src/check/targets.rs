@@ -107,7 +107,7 @@ impl<'a> Body<'_, 'a> {
     fn place(&mut self, target: &'a ast::Target) -> (Place, Ty) {
         let name = &target.name;
         match self.find_local(&name.name) {
-            Some(Local::Flow(flow)) => self.place_in_flow(flow, target),
+            Some(Local::Flow(flow)) => self.place_in_flow(self.defined_here(flow), target),
             Some(Local::Constant(_)) => self.not_definable(name, "a constant"),
             Some(Local::Block(_)) => self.not_definable(name, "a fragment"),
             Some(Local::State(_) | Local::States(..)) => self.not_definable(name, "a state"),

@@ -75,7 +75,7 @@ fn of_states(unit: &Unit) -> Vec<bool> {
     let mut of_states = vec![false; unit.flows.len()];
     let automata = unit.blocks.iter().flat_map(|block| &block.automata);
     for shared in automata.flat_map(|automaton| &automaton.shared) {
-        for flow in shared.states.iter().chain([&shared.flow]) {
+        for flow in shared.contributions().chain([shared.flow]) {
             of_states[flow.0 as usize] = true;
         }
     }

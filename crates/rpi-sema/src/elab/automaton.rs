@@ -3,9 +3,9 @@
 use super::expr::leaf_scalars;
 use super::families::Family;
 use super::scope::Scope;
-use super::signal::Signal;
+use super::signal::{Signal, Wire};
 use super::{At, Elab, Mode};
-use crate::typed::{Automaton, Shared, Transition};
+use crate::typed::{Automaton, FlowId, Shared, Transition};
 use rpi_diag::Span;
 use rpi_image::{Scalar, Value};
 use rpi_net::prim;
@@ -36,7 +36,8 @@ impl<'u> Elab<'u> {
         let mut chosen = stay(&current.state);
         for (k, state) in automaton.states.iter().enumerate() {
             let here = self.is_state(&current.state, k, at, span);
-            let fragment = self.state_fragment(scope, automaton, k, &here, &current.afresh, at);
+            let afresh = self.starts_afresh((automaton, k), &here, [&memory, &current], at);
+            let fragment = self.state_fragment(scope, automaton, k, &here, &afresh, at);
             scope.fragments[state.block.0 as usize] = Some(fragment);
             if !state.until.is_empty() {
                 let inner = At::fragment(fragment);
@@ -54,7 +55,7 @@ impl<'u> Elab<'u> {
         self.bind_alias(next[0], &chosen.state);
         self.bind_alias(next[1], &chosen.afresh);
         for shared in &automaton.shared {
-            self.shared(scope, shared, at, span);
+            self.shared(scope, shared, (automaton, &current.state), at);
         }
     }
 
@@ -177,6 +178,36 @@ impl<'u> Elab<'u> {
         Next { state, afresh }
     }
 
+    /// Whether a state starts afresh if it runs in this cycle: also if it was entered so before and left by a strong
+    /// transition before it ran (M14.6).
+    fn starts_afresh(
+        &mut self,
+        (automaton, k): (&Automaton, usize),
+        here: &Signal,
+        [memory, current]: [&Next; 2],
+        at: At,
+    ) -> Signal {
+        if !may_owe_a_start(automaton, k) {
+            return current.afresh.clone();
+        }
+        let span = automaton.span;
+        let and = prim!("Core::BooleanAnd");
+        let later = self.new_alias(Scalar::Bool);
+        let no = Signal::Const(Value::bool(false));
+        let owed = self.delay(Family::Pre, Scalar::Bool, &Signal::Port(later), at, span);
+        let first = self.first(at.fragment, span);
+        let owed = [first, no.clone(), owed];
+        let owed = self.family(Family::Conditional, Scalar::Bool, &owed, at, span);
+        let entered = self.is_state(&memory.state, k, at, span);
+        let entered = self.simple(and, &[entered, memory.afresh.clone()], at, span);
+        let owed = self.simple(prim!("Core::BooleanOr"), &[owed, entered], at, span);
+        let rest = [here.clone(), no, owed.clone()];
+        let rest = self.family(Family::Conditional, Scalar::Bool, &rest, at, span);
+        self.bind_alias(later, &rest);
+        let afresh = [owed, current.afresh.clone()];
+        self.simple(prim!("Core::BooleanOr"), &afresh, at, span)
+    }
+
     fn is_state(&mut self, state: &Signal, k: usize, at: At, span: Span) -> Signal {
         self.simple(
             prim!("Core::IntEquals"),
@@ -203,44 +234,97 @@ impl<'u> Elab<'u> {
         self.fragment(&path, at.fragment, activation, restart, block.span)
     }
 
-    /// A flow that states define: what the active one makes of it.
-    fn shared(&mut self, scope: &mut Scope<'u>, shared: &'u Shared, at: At, span: Span) {
+    /// A flow that states define: what the active one makes of it, or the default.
+    fn shared(
+        &mut self,
+        scope: &mut Scope<'u>,
+        shared: &'u Shared,
+        (automaton, state): (&'u Automaton, &Signal),
+        at: At,
+    ) {
         let flow = scope.unit.flow(shared.flow);
         self.begin(&format!("{}{}", scope.prefix, flow.name));
-        let scalars = leaf_scalars(&flow.ty);
         let before = self.net.nodes.len();
-        let mut merged: Option<Vec<Signal>> = None;
+        let merged = match shared.default {
+            Some(default) => self.with_default(scope, shared, default, (automaton, state), at),
+            None => self.first_present(scope, shared, at, automaton.span),
+        };
+        if self.mode == Mode::Steps {
+            let path = format!("{}{}", scope.prefix, flow.name);
+            self.name_leaves(&path, &flow.ty, &merged, before);
+        }
+        self.define(scope, shared.flow, 0, &merged);
+    }
+
+    /// The flow of the state that is active: those of the others are absent.
+    fn first_present(
+        &mut self,
+        scope: &mut Scope<'u>,
+        shared: &'u Shared,
+        at: At,
+        span: Span,
+    ) -> Wire {
+        let scalars = leaf_scalars(&scope.unit.flow(shared.flow).ty);
+        let mut merged: Option<Wire> = None;
         for inner in &shared.states {
             let place = scope.unit.flow(*inner).span;
-            let wire = self.read_flow(scope, *inner, at, place).to_vec();
-            merged = Some(match merged {
-                None => wire,
-                Some(so_far) => {
-                    let pairs = so_far.into_iter().zip(wire).zip(&scalars);
-                    let pairs: Vec<((Signal, Signal), Scalar)> =
-                        pairs.map(|(p, s)| (p, *s)).collect();
-                    pairs
-                        .into_iter()
-                        .map(|((a, b), scalar)| {
-                            self.family(Family::Coalesce, scalar, &[a, b], at, span)
-                        })
-                        .collect()
-                }
+            let wire = self.read_flow(scope, *inner, at, place);
+            let Some(so_far) = merged else {
+                merged = Some(wire);
+                continue;
+            };
+            let pairs = so_far.iter().zip(&*wire).zip(&scalars);
+            let both = pairs.map(|((a, b), scalar)| {
+                let inputs = [a.clone(), b.clone()];
+                self.family(Family::Coalesce, *scalar, &inputs, at, span)
             });
+            merged = Some(both.collect());
         }
-        if let Some(merged) = merged {
-            let merged = merged.into();
-            if self.mode == Mode::Steps {
-                let path = format!("{}{}", scope.prefix, flow.name);
-                self.name_leaves(&path, &flow.ty, &merged, before);
-            }
-            self.define(scope, shared.flow, 0, &merged);
+        merged.unwrap_or_else(super::signal::nothing)
+    }
+
+    /// The flow of the state that is active if it has one, which may be absent even so; else the default.
+    fn with_default(
+        &mut self,
+        scope: &mut Scope<'u>,
+        shared: &'u Shared,
+        default: FlowId,
+        (automaton, state): (&'u Automaton, &Signal),
+        at: At,
+    ) -> Wire {
+        let span = scope.unit.flow(default).span;
+        let scalars = leaf_scalars(&scope.unit.flow(shared.flow).ty);
+        let mut chosen = self.read_flow(scope, default, at, span);
+        for inner in &shared.states {
+            let (block, place) = (scope.unit.flow(*inner).block, scope.unit.flow(*inner).span);
+            let Some(k) = automaton.states.iter().position(|s| s.block == block) else {
+                continue;
+            };
+            let here = self.is_state(state, k, at, automaton.span);
+            let wire = self.read_flow(scope, *inner, at, place);
+            let pairs = wire.iter().zip(&*chosen).zip(&scalars);
+            let either = pairs.map(|((own, other), scalar)| {
+                let inputs = [here.clone(), own.clone(), other.clone()];
+                self.family(Family::Conditional, *scalar, &inputs, at, automaton.span)
+            });
+            chosen = either.collect();
         }
+        chosen
     }
 }
 
 fn number(k: usize) -> Signal {
     Signal::Const(Value::int(k as i64))
+}
+
+/// Whether a state may be entered afresh, left before it runs, and entered again by `continue`. Others need no memory of it.
+fn may_owe_a_start(automaton: &Automaton, k: usize) -> bool {
+    let weak = automaton.states.iter().flat_map(|state| &state.until);
+    let strong = automaton.states.iter().flat_map(|state| &state.unless);
+    let enters = |one: &&Transition| one.target as usize == k;
+    !automaton.states[k].unless.is_empty()
+        && weak.clone().filter(enters).any(|one| !one.resumes)
+        && weak.chain(strong).filter(enters).any(|one| one.resumes)
 }
 
 /// No transition: the state goes on.

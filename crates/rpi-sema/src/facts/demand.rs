@@ -82,7 +82,7 @@ fn flows(
 fn left_open(inference: &Inference<'_>, shared: &Shared) -> Option<Finding> {
     let unit = inference.unit;
     let (first, others) = shared.missing.split_first()?;
-    if !inference.must_be_present(shared.flow) {
+    if shared.default.is_some() || !inference.must_be_present(shared.flow) {
         return None;
     }
     let flow = unit.flow(shared.flow);
@@ -97,7 +97,7 @@ fn left_open(inference: &Inference<'_>, shared: &Shared) -> Option<Finding> {
     let others = others.iter().map(|block| unit.block(*block).span);
     let finding = others.fold(finding, |f, state| f.also(state, "and neither does this"));
     Some(finding.help(format!(
-        "define it there, too; `{0} = last {0};` keeps it as it was in the cycle before",
+        "define it there, too (`{0} = last {0};` keeps it), or once beside the automaton: `{0} = ...;`",
         flow.name
     )))
 }

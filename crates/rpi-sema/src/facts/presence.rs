@@ -224,8 +224,8 @@ impl<'u> Inference<'u> {
             }
             Definition::Shared(shared) => {
                 let count = self.unit.flow(shared.flow).ty.leaf_count();
-                let mut absence = Absence::All(!shared.missing.is_empty());
-                for inner in &shared.states {
+                let mut absence = Absence::All(shared.is_left_open());
+                for inner in shared.contributions() {
                     let inner = self.flows[inner.0 as usize].clone();
                     absence = absence.with(&inner, count, |a, b| a || b);
                 }

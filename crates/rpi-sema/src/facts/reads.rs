@@ -92,9 +92,8 @@ fn defined(definitions: &[Definition<'_>], exprs: usize) -> Vec<(u32, u32)> {
         match definition {
             Definition::Equation(_, equation) => pairs.push((equation.value.0, k)),
             Definition::Shared(shared) => {
-                let inner = shared.states.iter();
-                let at = |flow: &FlowId| u32::try_from(exprs).unwrap_or(u32::MAX) + flow.0;
-                pairs.extend(inner.map(|flow| (at(flow), k)));
+                let at = |flow: FlowId| u32::try_from(exprs).unwrap_or(u32::MAX) + flow.0;
+                pairs.extend(shared.contributions().map(|flow| (at(flow), k)));
             }
         }
     }

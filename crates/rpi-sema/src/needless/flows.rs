@@ -65,11 +65,11 @@ fn read(unit: &Unit) -> Vec<bool> {
         read[clock.flow.0 as usize] = true;
     }
     let automata = unit.blocks.iter().flat_map(|block| &block.automata);
-    for state in automata
+    for contribution in automata
         .flat_map(|a| &a.shared)
-        .flat_map(|shared| &shared.states)
+        .flat_map(|shared| shared.contributions())
     {
-        read[state.0 as usize] = true;
+        read[contribution.0 as usize] = true;
     }
     read
 }

@@ -263,6 +263,22 @@ pub struct Shared {
     pub states: Vec<FlowId>,
     /// States that may be active and do not define it: some of them if there are many.
     pub missing: Vec<BlockId>,
+    /// What the flow is in states that do not define it: the flow of an equation beside the automaton. Without one it is
+    /// absent there.
+    pub default: Option<FlowId>,
+}
+
+impl Shared {
+    /// All flows that contribute: those of the states, then the default.
+    pub fn contributions(&self) -> impl Iterator<Item = FlowId> + '_ {
+        self.states.iter().copied().chain(self.default)
+    }
+
+    /// Whether the flow may be absent because an active state does not define it.
+    #[must_use]
+    pub fn is_left_open(&self) -> bool {
+        self.default.is_none() && !self.missing.is_empty()
+    }
 }
 
 /// An expression.
