@@ -121,6 +121,7 @@ codes! {
     RPI2013 Error "array defined by its elements the wrong way";
     RPI2014 Error "variable that stands for many values";
     RPI2015 Warning "division read as in Lustre V6";
+    RPI2019 Error "type that does not satisfy its constraint";
     RPI2101 Error "link between ports of different types";
     RPI2102 Error "text is no value of the parameter's type";
     RPI2103 Error "in-port not connected";

@@ -45,6 +45,50 @@ fn reals_and_their_functions() {
     ]);
 }
 
+/// The operators of SMT-LIB's theory of bit vectors: `bvadd`, `bvudiv`, `bvsrem`, `bvashr` and their like.
+#[test]
+fn machine_integers() {
+    let (i8, u8, u64) = (-8_i64, 8_i64, 64_i64);
+    let three = |name, a: i64, b: i64, width: i64, result: i64| {
+        check(&[(name, &[of(a), of(b), of(width)], &[of(result)])]);
+    };
+    three("Rpi::MachineAdd", 127, 1, i8, -128);
+    three("Rpi::MachineAdd", 255, 1, u8, 0);
+    three("Rpi::MachineSubtract", 0, 1, u8, 255);
+    three("Rpi::MachineSubtract", 0, -128, i8, -128);
+    three("Rpi::MachineMultiply", 16, 17, u8, 16);
+    three("Rpi::MachineDivide", -128, -1, i8, -128);
+    three("Rpi::MachineDivide", -7, 2, i8, -3);
+    three("Rpi::MachineDivide", 7, 0, u8, 255);
+    three("Rpi::MachineDivide", 7, 0, i8, -1);
+    three("Rpi::MachineDivide", -7, 0, i8, 1);
+    three("Rpi::MachineDivide", -1, 10, u64, 1_844_674_407_370_955_161);
+    three("Rpi::MachineModulo", -7, 3, i8, -1);
+    three("Rpi::MachineModulo", 7, 0, u8, 7);
+    three("Rpi::MachineModulo", -1, 10, u64, 5);
+    three("Rpi::MachineShiftLeft", 129, 1, u8, 2);
+    three("Rpi::MachineShiftLeft", 1, 8, u8, 0);
+    three("Rpi::MachineShiftLeft", 1, -1, u64, 0);
+    three("Rpi::MachineShiftRight", -128, 2, i8, -32);
+    three("Rpi::MachineShiftRight", -1, 200, i8, -1);
+    three("Rpi::MachineShiftRight", 255, 12, u8, 0);
+    let two = |name, a: i64, b: i64, result: i64| check(&[(name, &[of(a), of(b)], &[of(result)])]);
+    two("Rpi::MachineWrap", 300, u8, 44);
+    two("Rpi::MachineWrap", 200, i8, -56);
+    two("Rpi::MachineNot", 5, u8, 250);
+    two("Rpi::MachineNot", 5, i8, -6);
+    two("Rpi::MachineAnd", 12, 10, 8);
+    two("Rpi::MachineOr", 12, 3, 15);
+    two("Rpi::MachineToInt", 200, u8, 200);
+    let compared = |name, a: i64, b: i64, width: i64, result: bool| {
+        check(&[(name, &[of(a), of(b), of(width)], &[of(result)])]);
+    };
+    compared("Rpi::MachineGreater", -1, 1, u64, true);
+    compared("Rpi::MachineGreater", -1, 1, i8, false);
+    compared("Rpi::MachineGreaterOrEqual", 1, -1, u64, false);
+    compared("Rpi::MachineGreaterOrEqual", 7, 7, u8, true);
+}
+
 #[test]
 fn integers_booleans_and_times() {
     check(&[

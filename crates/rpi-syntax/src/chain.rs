@@ -3,7 +3,7 @@
 //! The grammar hands over `a + b * c` piece by piece. Operators whose right operand may still grow
 //! wait on a stack; one is applied as soon as an operator arrives that binds less strongly.
 
-use crate::ast::{Binary, Clock, Expr, ExprKind, Ident, If, Quantified, VarDecl, When};
+use crate::ast::{Binary, Clock, Expr, ExprKind, Ident, If, Quantified, StaticArg, VarDecl, When};
 use crate::context::Context;
 use crate::ops::{BinaryOp, Grouping, LEVEL_IF, LEVEL_WHEN, Level, UnaryOp};
 use rpi_diag::Span;
@@ -12,7 +12,7 @@ use rpi_diag::Span;
 pub(crate) enum Prefix {
     Unary(UnaryOp),
     /// `int8 x`: the conversion.
-    Convert(Ident),
+    Convert(Ident, Vec<StaticArg>),
     /// `if c then x else`: whether it is static, the condition, the first branch.
     If(Box<(bool, Expr, Expr)>),
     /// `forall (x: int)`: whether for all, and over what.
@@ -57,7 +57,7 @@ impl Waiting {
         match self {
             Waiting::Binary { op, .. } => op.level(),
             Waiting::Prefix(Prefix::Unary(op), _) => op.level(),
-            Waiting::Prefix(Prefix::Convert(_), _) => UnaryOp::ToInt.level(),
+            Waiting::Prefix(Prefix::Convert(..), _) => UnaryOp::ToInt.level(),
             Waiting::Prefix(Prefix::If(_) | Prefix::Quantifier(..), _) => LEVEL_IF,
         }
     }
@@ -161,7 +161,7 @@ fn applied(cx: &Context<'_>, waiting: Waiting, rhs: Expr) -> Expr {
 fn prefixed(cx: &Context<'_>, prefix: Prefix, start: u32, operand: Expr) -> Expr {
     let span = cx.span(start, operand.span.end);
     let kind = match prefix {
-        Prefix::Convert(to) => return cx.converted(start, to, operand),
+        Prefix::Convert(to, bits) => return cx.converted(start, to, bits, operand),
         Prefix::Unary(op) => ExprKind::Unary(op, Box::new(operand)),
         Prefix::Quantifier(for_all, vars) => ExprKind::Quantified(Box::new(Quantified {
             for_all,

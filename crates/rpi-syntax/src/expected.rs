@@ -189,6 +189,7 @@ fn is_of_kind2(token: Token) -> bool {
     word || matches!(
         token,
         BitAnd
+            | Append
             | Property
             | BitOr
             | BitNot

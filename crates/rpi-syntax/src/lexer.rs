@@ -172,6 +172,7 @@ impl<'t> Lexer<'t> {
             OpenStr => self.open_str(lexeme),
             Foreign => self.foreign(lexeme),
             BitAnd | BitOr | BitNot if self.mode == Mode::Rpi => self.foreign(lexeme),
+            Append if self.mode == Mode::Rpi => self.two_signs(Plus, lexeme),
             TickParen if self.mode == Mode::Lustre => self.push(LParen, lexeme),
             TickParen => {
                 self.unknown(lexeme.start, lexeme.start + 1);
@@ -198,7 +199,9 @@ impl<'t> Lexer<'t> {
     }
 
     fn number(&mut self, lexeme: Lexeme) {
-        if let Some(finding) = lexical::check_number(self.span(lexeme), self.slice(lexeme)) {
+        let is_machine = self.is_converted();
+        let finding = lexical::check_number(self.span(lexeme), self.slice(lexeme), is_machine);
+        if let Some(finding) = finding {
             self.out.findings.push(finding);
         }
         self.push(lexeme.token, lexeme);
@@ -294,6 +297,39 @@ impl<'t> Lexer<'t> {
         self.out
             .lexemes
             .push(bracket(Token::RBracket, at(text.len())));
+    }
+
+    /// `(uint64 18446744073709551615)`: whether a number is one for the bits of a machine integer.
+    fn is_converted(&self) -> bool {
+        use Token::{Gt, Int64, LParen, UInt64};
+        let mut before = self
+            .out
+            .lexemes
+            .iter()
+            .rev()
+            .take(4)
+            .map(|lexeme| lexeme.token);
+        let before = before.find(|token| *token != LParen);
+        self.mode == Mode::Lustre && matches!(before, Some(UInt64 | Int64 | Gt))
+    }
+
+    /// `++` where that is no sign.
+    fn two_signs(&mut self, sign: Token, lexeme: Lexeme) {
+        let middle = lexeme.start + 1;
+        self.push(
+            sign,
+            Lexeme {
+                end: middle,
+                ..lexeme
+            },
+        );
+        self.push(
+            sign,
+            Lexeme {
+                start: middle,
+                ..lexeme
+            },
+        );
     }
 
     /// `==`: reported, and read as what is meant.

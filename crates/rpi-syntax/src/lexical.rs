@@ -161,14 +161,15 @@ pub(crate) fn grouped_digits(span: Span, text: &str) -> Option<Finding> {
     Some(finding)
 }
 
-/// A number that no 64-bit value holds.
-pub(crate) fn check_number(span: Span, text: &str) -> Option<Finding> {
+/// A number that no 64-bit value holds; `is_machine` if one without sign may be meant.
+pub(crate) fn check_number(span: Span, text: &str, is_machine: bool) -> Option<Finding> {
     // So short a number without an exponent always fits.
     if text.len() < 16 && text.bytes().all(|b| b.is_ascii_digit() || b == b'.') {
         return None;
     }
     let number = Number { text: text.into() };
     let (holds, kind) = match number.is_int() {
+        true if is_machine => (number.bits().is_some(), "a 64-bit integer"),
         true => (number.int().is_some(), "a 64-bit integer"),
         false => (number.real().is_finite(), "a 64-bit real"),
     };

@@ -192,14 +192,14 @@ impl Context<'_> {
         self.expr(l, ExprKind::Ascribed(Box::new(Ascribed { value, ty })), r)
     }
 
-    /// `int8 x`, which begins at `l`: a call of the conversion.
-    pub(crate) fn converted(&self, l: u32, to: Ident, value: Expr) -> Expr {
+    /// `int8 x`, `sint@<25> x`, which begins at `l`: a call of the conversion.
+    pub(crate) fn converted(&self, l: u32, to: Ident, bits: Vec<StaticArg>, value: Expr) -> Expr {
         let r = value.span.end;
         let value = match value.kind {
             ExprKind::Paren(inner) => *inner,
             _ => value,
         };
-        let callee = self.callee(to.span.start, to.clone(), Vec::new(), to.span.end);
+        let callee = self.callee(to.span.start, to.clone(), bits, to.span.end);
         let args = vec![Arg { name: None, value }];
         self.call(l, crate::make::call(*callee, Activation::Always, args), r)
     }

@@ -143,6 +143,9 @@ fn is_operator(token: Token) -> bool {
             | UInt16
             | UInt32
             | UInt64
+            | SInt
+            | UInt
+            | Append
     )
 }
 

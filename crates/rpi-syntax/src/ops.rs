@@ -123,6 +123,7 @@ binary_ops! {
     Add      "+"   10 Left  "sum";
     Sub      "-"   10 Left  "difference";
     BitOr    "||"  10 Left  "machine integers: bits of either" Lustre;
+    Append   "++"  10 Left  "machine integers: the bits of one above those of the other" Lustre;
     Mul      "*"   11 Left  "product";
     Div      "/"   11 Left  "quotient";
     IntDiv   "div" 11 Left  "integer quotient, towards zero";

@@ -292,6 +292,8 @@ tokens! {
         UInt16      "uint16"      Lustre Conversion   "a machine integer without sign";
         UInt32      "uint32"      Lustre Conversion   "a machine integer without sign";
         UInt64      "uint64"      Lustre Conversion   "a machine integer without sign";
+        SInt        "sint"        Lustre Conversion   "a machine integer of so many bits";
+        UInt        "uint"        Lustre Conversion   "a machine integer of so many bits, without sign";
     }
     signs {
         Arrow "->"; Implies "=>"; Coalesce "??"; Question "?";
@@ -301,7 +303,7 @@ tokens! {
         Hash "#"; Ampersand "&"; At "@";
         LParen "("; RParen ")"; LBracket "["; RBracket "]"; LBrace "{"; RBrace "}";
         Comma ","; Semi ";"; Colon ":"; Dot "."; DotDot "..";
-        BitAnd "&&"; BitOr "||"; BitNot "!";
+        BitAnd "&&"; BitOr "||"; BitNot "!"; Append "++";
     }
 }
 

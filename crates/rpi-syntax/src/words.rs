@@ -372,9 +372,9 @@ impl Around {
 
     /// `(int8 x)`
     fn converts(&self) -> bool {
-        use Token::{Colon, Ident, Int, LParen, Minus};
+        use Token::{At, Colon, Ident, Int, LParen, Minus};
         let is_type = matches!(self.before, Some(Colon | Token::Of));
-        !is_type && matches!(self.after, Some(Ident | Int | LParen | Minus))
+        !is_type && matches!(self.after, Some(At | Ident | Int | LParen | Minus))
     }
 
     fn is_alternative(&self) -> bool {

@@ -78,6 +78,8 @@ syntax match rpiKeyword /\.\@1<!\<uint8\>\(\s*[=:,)]\)\@!/
 syntax match rpiKeyword /\.\@1<!\<uint16\>\(\s*[=:,)]\)\@!/
 syntax match rpiKeyword /\.\@1<!\<uint32\>\(\s*[=:,)]\)\@!/
 syntax match rpiKeyword /\.\@1<!\<uint64\>\(\s*[=:,)]\)\@!/
+syntax match rpiKeyword /\.\@1<!\<sint\>\(\s*[=:,)]\)\@!/
+syntax match rpiKeyword /\.\@1<!\<uint\>\(\s*[=:,)]\)\@!/
 syntax match rpiOperator /->\|??\|<>\|<=\|>=\|[-+*\/%^|#=<>?]/
 syntax match rpiNumber /\<\d\+\(\.\d*\)\?\([eE][-+]\?\d\+\)\?\>\?/
 syntax match rpiNumber /\<0[xX]\x\+\>/

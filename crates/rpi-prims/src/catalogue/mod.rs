@@ -69,6 +69,7 @@ const FAMILIES: &[&[Prim]] = &[
     own::commands::ALL,
     own::guarded::ALL,
     own::int::ALL,
+    own::machine::ALL,
     own::logic::ALL,
     own::profile::ALL,
     own::reach::ALL,

@@ -11,7 +11,7 @@ use super::types::PortTy;
 use crate::program::DeclId;
 use crate::ty::Ty;
 use crate::typed::{Activation, ClockOn, Equation, FlowId, FlowRole, Place, Target};
-use rpi_diag::Span;
+use rpi_diag::{Severity, Span};
 use rpi_syntax::Name;
 use rpi_syntax::ast::{Callee, Ident};
 use std::rc::Rc;
@@ -69,7 +69,9 @@ impl Checker<'_> {
         if open.is_empty() {
             return header;
         }
-        let sound = self.findings.len() == before;
+        let sound = !self.findings[before..]
+            .iter()
+            .any(|finding| finding.severity() == Severity::Error);
         self.findings.truncate(before);
         let header = header.filter(|_| sound)?;
         let ports = header.inputs.iter().enumerate();
@@ -188,7 +190,7 @@ impl<'a> Body<'_, 'a> {
         let params = self.c.params_of(id);
         let is_type = |name: &Name| {
             let mut params = params.iter();
-            params.any(|param| matches!(param, Param::Type(_)) && param.name().name == *name)
+            params.any(|param| matches!(param, Param::Type(..)) && param.name().name == *name)
         };
         if open.iter().any(is_type) {
             // A call will tell.

@@ -70,7 +70,6 @@ impl<'a> Body<'_, 'a> {
         given: Vec<Given<'a>>,
         span: Span,
     ) -> ExprId {
-        let given = self.spread_tuples(given);
         if let Some(args) = self.match_ports(header, &given, span) {
             self.fit_args(header, &args, &mut Subst::default());
         }

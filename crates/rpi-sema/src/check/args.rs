@@ -1,11 +1,10 @@
 //! Arguments of a call, matched with ports.
 
-use super::access::leaves;
 use super::body::Body;
 use super::header::{Header, Port};
 use super::names::plain_name;
-use super::order::flatten;
 use super::report::{Wanted, listed};
+use super::spread::{self, Piece};
 use crate::program::DeclId;
 use crate::ty::{Subst, Ty, fit};
 use crate::typed::{ExprId, FlowRole, Kind, UnitKind};
@@ -104,19 +103,43 @@ impl<'a> Body<'_, 'a> {
         all
     }
 
+    /// Tuples among arguments by place are taken apart as far as the ports want no tuples.
+    fn spread_for(&mut self, header: &Header, given: &[Given<'a>]) -> Vec<Given<'a>> {
+        let is_tuple = |arg: &Given<'_>| matches!(self.ty_of(arg.value), Ty::Tuple(_));
+        let (named, placed): (Vec<Given<'a>>, Vec<Given<'a>>) =
+            given.iter().partition(|arg| arg.name.is_some());
+        if !placed.iter().any(is_tuple) {
+            return given.to_vec();
+        }
+        let is_named = |k: &usize| {
+            let mut names = named.iter().filter_map(|arg| arg.name);
+            names.any(|name| name.name == header.inputs[*k].name)
+        };
+        let ports = by_place(header).into_iter().filter(|k| !is_named(k));
+        let wanted: Vec<Option<&Ty>> = ports.map(|k| Some(&header.inputs[k].ty)).collect();
+        let values: Vec<ExprId> = placed.iter().map(|arg| arg.value).collect();
+        let types: Vec<Ty> = values.iter().map(|id| self.ty_of(*id).clone()).collect();
+        let pieces = spread::pieces(&types, &wanted).into_iter();
+        let spread = pieces.map(|piece| match piece.ty == types[piece.of] {
+            true => placed[piece.of],
+            false => Given::plain(self.piece(values[piece.of], piece)),
+        });
+        named
+            .into_iter()
+            .chain(spread.collect::<Vec<_>>())
+            .collect()
+    }
+
+    fn piece(&mut self, base: ExprId, piece: Piece) -> ExprId {
+        let span = self.span_of(base);
+        let at = piece.at;
+        self.add(Kind::Part { base, at }, piece.ty, span)
+    }
+
     /// The elements of a tuple as expressions.
     pub(super) fn parts_of(&mut self, base: ExprId) -> Vec<ExprId> {
-        let span = self.span_of(base);
-        let mut types = Vec::new();
-        flatten(&self.ty_of(base).clone(), &mut types);
-        let mut at = 0;
-        let mut parts = Vec::with_capacity(types.len());
-        for ty in types {
-            let size = leaves(&ty);
-            parts.push(self.add(Kind::Part { base, at }, ty, span));
-            at += size;
-        }
-        parts
+        let pieces = spread::all(self.ty_of(base)).into_iter();
+        pieces.map(|piece| self.piece(base, piece)).collect()
     }
 
     /// For each port of a callable the argument that is for it.
@@ -126,6 +149,7 @@ impl<'a> Body<'_, 'a> {
         given: &[Given<'a>],
         span: Span,
     ) -> Option<Vec<Option<ExprId>>> {
+        let given = &self.spread_for(header, given)[..];
         let mut args = vec![None; header.inputs.len()];
         let mut places = by_place(header).into_iter();
         let mut sound = true;

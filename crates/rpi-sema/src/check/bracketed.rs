@@ -13,7 +13,7 @@ impl<'a> Body<'_, 'a> {
         let (left, right) = (self.expr(&binary.lhs), self.expr(&binary.rhs));
         let before = self.findings.len();
         let ty = self.common_type(left, right, "both sides have one type");
-        if self.findings.len() > before && self.compares_too_early(binary) {
+        if self.has_error_since(before) && self.compares_too_early(binary) {
             return self.fault(span);
         }
         self.add(Kind::Each(each, [left, right].into()), ty, span)

@@ -8,7 +8,7 @@ use super::header::Header;
 use super::locals::Local;
 use super::report::not_a;
 use super::special::{SPECIALS, Special};
-use super::statics::{Static, Statics, missing};
+use super::statics::{Static, Statics};
 use super::unit::is_callable;
 use crate::elab::NotConstant;
 use crate::program::{DeclId, DeclKind, Lookup, Space};
@@ -431,10 +431,12 @@ impl<'a> Body<'_, 'a> {
         &mut self,
         id: DeclId,
         mut statics: Statics,
-        given: Vec<Given<'a>>,
+        mut given: Vec<Given<'a>>,
         span: Span,
     ) -> Result<Fitted, Ty> {
-        let given = self.spread_tuples(given);
+        if self.is_rpi() {
+            given = self.spread_tuples(given);
+        }
         if !self.bind_sizes_of_arguments(id, &given, &mut statics) {
             return Err(Ty::Unknown);
         }
@@ -444,6 +446,9 @@ impl<'a> Body<'_, 'a> {
             if !self.report_strangers(id, &given) {
                 self.report_missing(id, &open, span);
             }
+            return Err(Ty::Unknown);
+        }
+        if !self.satisfies(id, &statics, span) {
             return Err(Ty::Unknown);
         }
         let header = self.c.header(id, Rc::new(statics.clone()));
@@ -463,7 +468,8 @@ impl<'a> Body<'_, 'a> {
         let of_units = header.inputs.iter().any(|port| port.ty.has_unknown());
         let told = args.iter().flatten();
         let all_told = told.copied().all(|arg| !self.ty_of(arg).has_unknown());
-        let header = self.instance(&header, statics, &open, &subst, all_told.then_some(span));
+        let told_at = all_told.then_some(span);
+        let header = self.instance(&header, statics, &open, &subst, (span, told_at));
         let header = header.ok_or(Ty::Unknown)?;
         // Types in whose units parameters stand are known only now.
         sound = sound && (!of_units || self.fit_args(&header, &args, &mut subst));
@@ -475,44 +481,6 @@ impl<'a> Body<'_, 'a> {
             }),
             false => Err(header.result_type().substituted(&subst)),
         }
-    }
-
-    /// The instance of a generic callable for the types of its arguments. What these do not tell is reported at `span`;
-    /// without it that is no fault of this call.
-    fn instance(
-        &mut self,
-        header: &Rc<Header>,
-        mut statics: Statics,
-        open: &[Name],
-        subst: &Subst,
-        span: Option<Span>,
-    ) -> Option<Rc<Header>> {
-        let mut left = Vec::new();
-        for name in open {
-            match (statics.get(name), subst.types.get(name)) {
-                (Some(Static::Ty(_)), Some(ty)) if ty.has_unknown() => return None,
-                (Some(Static::Ty(_)), Some(ty)) => {
-                    statics.insert(name.clone(), Static::Ty(ty.clone()));
-                }
-                (Some(Static::Opaque), _) => {}
-                _ => left.push(name.clone()),
-            }
-        }
-        if !left.is_empty() {
-            span.into_iter()
-                .for_each(|span| self.report_missing(header.decl, &left, span));
-            return None;
-        }
-        match open.is_empty() {
-            true => Some(header.clone()),
-            false => self.c.header(header.decl, Rc::new(statics)),
-        }
-    }
-
-    fn report_missing(&mut self, id: DeclId, left: &[Name], span: Span) {
-        let decl = self.c.program.decl(id);
-        let finding = missing(&decl.name, left, span, decl.span);
-        self.report(finding);
     }
 
     fn call_unit(&mut self, fitted: Fitted, activation: Activation, span: Span) -> ExprId {

@@ -14,7 +14,7 @@ impl<'a> Body<'_, 'a> {
     /// A call of `condact`.
     pub(super) fn condact_of(&mut self, call: &'a Call, span: Span) -> ExprId {
         let given = self.given(&call.args);
-        let mut given = self.spread_tuples(given).into_iter();
+        let mut given = self.first_of_list(given).into_iter();
         let (Some(every), [callee, default]) = (given.next(), &call.callee.statics[..]) else {
             let finding = Finding::new(Code::RPI1010, "`condact` lacks arguments")
                 .at(span, "not of the right form")
@@ -44,6 +44,12 @@ impl<'a> Body<'_, 'a> {
             }
             _ => self.held(&callable, rest, [every.value, default], span),
         }
+    }
+
+    /// The condition may come first in a list: what a call gives.
+    fn first_of_list(&mut self, mut given: Vec<Given<'a>>) -> Vec<Given<'a>> {
+        let rest = given.split_off(given.len().min(1));
+        self.spread_tuples(given).into_iter().chain(rest).collect()
     }
 
     /// The value before the first activation; between them it is that of the last.

@@ -7,7 +7,7 @@ use super::body::Body;
 use super::bound::Unwatched;
 use crate::ty::Ty;
 use crate::typed::{BlockId, Claim, ClaimKind, ExprId, FlowRole, Kind, Leaf};
-use rpi_diag::{Code, Finding, Severity, Span};
+use rpi_diag::{Code, Finding, Span};
 use rpi_syntax::Name;
 use rpi_syntax::ast::{self, Contract, ContractMode, Locals};
 use rpi_syntax::ops::BinaryOp;
@@ -177,8 +177,7 @@ impl<'a> Body<'_, 'a> {
         let Unwatched(Some(span)) = self.claim.take().unwrap_or_default() else {
             return Some(value);
         };
-        let is_fault = |finding: &Finding| finding.severity() == Severity::Error;
-        if !self.findings[before..].iter().any(is_fault) {
+        if !self.has_error_since(before) {
             self.report(
                 Finding::new(Code::RPI1013, "this claim is not watched")
                     .at(span, "it speaks of more values than can be looked at"),

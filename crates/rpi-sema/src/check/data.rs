@@ -60,7 +60,7 @@ impl<'a> Body<'_, 'a> {
         };
         let params = params(&def.statics).into_iter();
         params
-            .filter(|p| matches!(p, Param::Type(_)))
+            .filter(|p| matches!(p, Param::Type(..)))
             .map(|p| p.name().name.clone())
             .collect()
     }

@@ -67,16 +67,15 @@ impl<'a> Body<'_, 'a> {
             return self.add(Kind::Literal(Leaf::real(value)), Ty::REAL, span);
         }
         let Some(value) = number.int() else {
-            // The parser has reported it.
+            // The parser has reported it, except behind a sign that may end `uint@<64>`.
+            if number.bits().is_some() && !self.is_rpi() {
+                return self.fault_with(too_large(span), span);
+            }
             return self.fault(span);
         };
         match signed(value, negative) {
             Some(value) => self.add(Kind::Literal(Leaf::int(value)), Ty::Int, span),
-            None => self.fault_with(
-                Finding::new(Code::RPI2010, "the integer does not fit into 64 bits")
-                    .at(span, "from -2^63 to 2^63 - 1"),
-                span,
-            ),
+            None => self.fault_with(too_large(span), span),
         }
     }
 
@@ -278,25 +277,15 @@ impl<'a> Body<'_, 'a> {
     }
 
     fn tuple(&mut self, elements: &'a [ast::Expr], span: Span) -> ExprId {
-        let mut elements: Vec<ExprId> = elements.iter().map(|e| self.expr(e)).collect();
-        if !self.is_rpi() {
-            elements = self.flat(&elements);
-        }
+        let elements: Vec<ExprId> = elements.iter().map(|e| self.expr(e)).collect();
         let ty = Ty::tuple(elements.iter().map(|id| self.ty_of(*id).clone()));
         self.add(Kind::Build(elements.into()), ty, span)
     }
+}
 
-    /// In Lustre a tuple in a tuple is the list of its elements.
-    fn flat(&mut self, elements: &[ExprId]) -> Vec<ExprId> {
-        let mut flat = Vec::with_capacity(elements.len());
-        for element in elements {
-            match self.ty_of(*element) {
-                Ty::Tuple(_) => flat.extend(self.parts_of(*element)),
-                _ => flat.push(*element),
-            }
-        }
-        flat
-    }
+fn too_large(span: Span) -> Finding {
+    Finding::new(Code::RPI2010, "the integer does not fit into 64 bits")
+        .at(span, "from -2^63 to 2^63 - 1")
 }
 
 fn signed(value: u64, negative: bool) -> Option<i64> {

@@ -234,7 +234,7 @@ impl<'a> Body<'_, 'a> {
     /// In Lustre a type parameter is not called like a type of the file.
     fn types_are_new(&mut self, id: DeclId) {
         for param in self.c.params_of(id) {
-            let super::statics::Param::Type(name) = param else {
+            let super::statics::Param::Type(name, _) = param else {
                 continue;
             };
             let found = self

@@ -1,11 +1,15 @@
 //! Instances of what has static parameters: keys that tell them apart, and their names in messages.
 
-use super::statics::{Param, Static, Statics};
+use super::body::Body;
+use super::header::Header;
+use super::statics::{Param, Static, Statics, missing};
 use crate::program::{DeclId, Program};
-use crate::ty::Ty;
+use crate::ty::{Subst, Ty};
 use crate::typed::Leaf;
+use rpi_diag::Span;
 use rpi_syntax::Name;
 use std::fmt::Write;
+use std::rc::Rc;
 
 /// A key that tells one choice of static arguments from another.
 pub(super) fn key(id: DeclId, statics: &Statics) -> String {
@@ -57,6 +61,48 @@ pub(super) fn display(
     match shown.is_empty() {
         true => name.clone(),
         false => format!("{name}<<{}>>", shown.join(", ")).into(),
+    }
+}
+
+impl Body<'_, '_> {
+    /// The instance of a generic callable for the types of its arguments. What these do not tell is reported at the second
+    /// place; without it that is no fault of this call.
+    pub(super) fn instance(
+        &mut self,
+        header: &Rc<Header>,
+        mut statics: Statics,
+        open: &[Name],
+        subst: &Subst,
+        (span, told_at): (Span, Option<Span>),
+    ) -> Option<Rc<Header>> {
+        let mut left = Vec::new();
+        for name in open {
+            match (statics.get(name), subst.types.get(name)) {
+                (Some(Static::Ty(_)), Some(ty)) if ty.has_unknown() => return None,
+                (Some(Static::Ty(_)), Some(ty)) => {
+                    statics.insert(name.clone(), Static::Ty(ty.clone()));
+                }
+                (Some(Static::Opaque), _) => {}
+                _ => left.push(name.clone()),
+            }
+        }
+        if !left.is_empty() {
+            told_at
+                .into_iter()
+                .for_each(|span| self.report_missing(header.decl, &left, span));
+            return None;
+        }
+        match open.is_empty() {
+            true => Some(header.clone()),
+            false if !self.satisfies(header.decl, &statics, span) => None,
+            false => self.c.header(header.decl, Rc::new(statics)),
+        }
+    }
+
+    pub(super) fn report_missing(&mut self, id: DeclId, left: &[Name], span: Span) {
+        let decl = self.c.program.decl(id);
+        let finding = missing(&decl.name, left, span, decl.span);
+        self.report(finding);
     }
 }
 

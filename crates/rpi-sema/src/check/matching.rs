@@ -57,10 +57,10 @@ impl<'a> Body<'_, 'a> {
                 .map_or(Ty::Unknown, |case| self.ty_of(case.then).clone());
             return self.add(Kind::Fault, ty, span);
         };
-        if self.findings.len() == before {
+        if !self.has_error_since(before) {
             self.fit_some_case(&all, value, of, &cases, span);
         }
-        if self.findings.len() > before {
+        if self.has_error_since(before) {
             return self.fault(span);
         }
         let mut cases = cases.into_iter().rev();

@@ -10,11 +10,13 @@
 //! | `unit.rs`, `header.rs`, `alias.rs`, `statics.rs`, `instance.rs`, `sizes.rs` | callables, their ports and static arguments |
 //! | `assumptions.rs` | what contracts assume, and which they take up |
 //! | `types.rs`, `device.rs`, `consts.rs` | types and constants |
-//! | `body.rs`, `locals.rs`, `order.rs`, `untold.rs`, `nothing.rs`, `statement.rs`, `contract.rs`, `targets.rs`, `definitions.rs`, `automaton.rs` | bodies, their flows and equations |
+//! | `body.rs`, `locals.rs`, `order.rs`, `untold.rs`, `nothing.rs`, `statement.rs`, `contract.rs`, `targets.rs`, `spread.rs`, `definitions.rs`, `automaton.rs` | bodies, their flows and equations |
 //! | `blocks.rs`, `elements.rs` | blocks of equations, and arrays that are defined element by element |
+//! | `constraint.rs`, `generic.rs` | constraints of type parameters, and generic bodies, checked for all types that these admit |
 //! | `sample.rs` | what needs arguments that nobody gives, checked all the same |
 //! | `bound.rs`, `quantifier.rs`, `data.rs` | names that expressions bring in: quantifiers, conditions of types, alternatives |
-//! | `expr.rs`, `names.rs`, `ops.rs`, `bracketed.rs`, `access.rs`, `compose.rs`, `update.rs`, `clocked.rs`, `case.rs` | expressions |
+//! | `expr.rs`, `names.rs`, `ops.rs`, `apart.rs`, `bracketed.rs`, `access.rs`, `compose.rs`, `update.rs`, `clocked.rs`, `case.rs` | expressions |
+//! | `machine.rs` | machine integers of Kind 2 |
 //! | `call.rs`, `callable.rs`, `args.rs`, `applied.rs`, `prim.rs`, `predef.rs`, `special.rs`, `spatial.rs`, `parts.rs`, `iterate.rs`, `condact.rs`, `meant.rs`, `misread.rs` | calls |
 //! | `task.rs` | tasks: steps, branches, results |
 //! | `nesting.rs`, `recursion.rs` | how deep declarations may need one another, and calls without end |
@@ -24,11 +26,11 @@
 
 mod access;
 mod alias;
+mod apart;
 mod applied;
 mod args;
 mod assumptions;
 mod automaton;
-mod bits;
 mod blocks;
 mod body;
 mod bound;
@@ -39,6 +41,7 @@ mod case;
 mod clocked;
 mod compose;
 mod condact;
+mod constraint;
 mod consts;
 mod contract;
 mod data;
@@ -51,11 +54,13 @@ mod elsewhere;
 mod expr;
 mod foreign;
 mod frames;
+mod generic;
 mod header;
 mod imported;
 mod instance;
 mod iterate;
 mod locals;
+mod machine;
 mod matching;
 mod meant;
 mod misread;
@@ -76,6 +81,7 @@ mod sample;
 mod sizes;
 mod spatial;
 mod special;
+mod spread;
 mod statement;
 mod statics;
 mod targets;
@@ -154,6 +160,7 @@ impl Checked {
 pub fn check(program: &Program<'_>) -> Checked {
     let mut checker = Checker::new(program);
     let mut runnable = Vec::new();
+    checker.check_generics();
     for id in &program.root().decls {
         runnable.extend(checker.declaration(*id).map(|unit| (*id, unit)));
     }
@@ -225,6 +232,8 @@ struct Checker<'a> {
     too_many_units: bool,
     /// What has been told of instances, by what they are instances of.
     told_of_instances: BTreeSet<(DeclId, Code, Span)>,
+    /// Generic declarations with a fault that has been reported: none of their instances is reported as well.
+    faulty_generics: Set<DeclId>,
     /// Expressions and flows of the units that have been checked.
     written_out: usize,
     /// How many there may be.
@@ -272,6 +281,7 @@ impl<'a> Checker<'a> {
             entries: Vec::new(),
             too_many_units: false,
             told_of_instances: BTreeSet::new(),
+            faulty_generics: Set::default(),
             written_out: 0,
             most: nesting::most(program),
             depth: 0,

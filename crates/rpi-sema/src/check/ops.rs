@@ -3,7 +3,7 @@
 use super::body::Body;
 use super::order::Guess;
 use super::quantity;
-use super::report::{Wanted, listed};
+use super::report::Wanted;
 use super::types::{FOREIGN, is_foreign};
 use crate::ty::{Geometry, Ty, join};
 use crate::typed::{Each, ExprId, Kind, Leaf, Unit, UnitKind};
@@ -165,6 +165,11 @@ impl<'a> Body<'_, 'a> {
             let wanted = Wanted::By(Span::NONE, "an integer has no unit".into());
             self.expect(operand, &Ty::REAL, &wanted);
         }
+        if let Ty::Machine(of) = ty
+            && let Some(value) = self.machine_unary(op, operand, of, span)
+        {
+            return value;
+        }
         if is_foreign(&ty, FOREIGN) && matches!(op, UnaryOp::Neg | UnaryOp::BitNot | UnaryOp::ToInt)
         {
             let ty = if op == UnaryOp::ToInt { Ty::Int } else { ty };
@@ -206,6 +211,7 @@ impl<'a> Body<'_, 'a> {
     pub(super) fn binary(&mut self, binary: &'a Binary, span: Span) -> ExprId {
         match binary.op {
             BinaryOp::Concat => self.concat(binary, span),
+            BinaryOp::Append => self.append(binary, span),
             BinaryOp::Repeat => self.repeat(binary, span),
             BinaryOp::Coalesce => self.each_of_two(Each::Coalesce, binary, span),
             BinaryOp::Arrow => {
@@ -296,6 +302,9 @@ impl<'a> Body<'_, 'a> {
             let faulty = !self.inferring && a.is_unknown() && b.is_unknown();
             let guess = if faulty { Ty::Unknown } else { guess };
             return self.add(Kind::Fault, guess, span);
+        }
+        if let Some(value) = self.machine_binary(op, [left, right], span) {
+            return value;
         }
         let shifts = matches!(op, BinaryOp::ShiftLeft | BinaryOp::ShiftRight) && b == Ty::Int;
         if is_foreign(&a, FOREIGN) && (a == b || shifts) {
@@ -456,7 +465,13 @@ impl<'a> Body<'_, 'a> {
         self.add(Kind::Each(Each::Arrow, [left, delayed].into()), ty, span)
     }
 
-    fn no_operator(&mut self, op: BinaryOp, left: ExprId, right: ExprId, span: Span) -> ExprId {
+    pub(super) fn no_operator(
+        &mut self,
+        op: BinaryOp,
+        left: ExprId,
+        right: ExprId,
+        span: Span,
+    ) -> ExprId {
         let (a, b) = (self.ty_of(left).clone(), self.ty_of(right).clone());
         let text = op.spelling();
         let finding = Finding::new(
@@ -473,61 +488,6 @@ impl<'a> Body<'_, 'a> {
     }
 }
 
-impl Body<'_, '_> {
-    /// Adds what may mend two operands that no operator takes.
-    fn operands_apart(
-        &self,
-        finding: Finding,
-        op: BinaryOp,
-        (left, a): (ExprId, &Ty),
-        (right, b): (ExprId, &Ty),
-    ) -> Finding {
-        let scales = matches!(op, Mul | Div | Pow);
-        let mixed = |finding: Finding, int: ExprId, dim: Dim| match self.is_number(int)
-            && dim != Dim::ONE
-            && !scales
-        {
-            true => quantity::with_units(finding, dim, self.span_of(int)),
-            false => finding.fix(self.as_real(int)),
-        };
-        match (a, b) {
-            (Ty::Bool | Ty::Int | Ty::Real(_), Ty::Bool | Ty::Int | Ty::Real(_))
-                if matches!(op, And | Or | Xor | Implies) =>
-            {
-                finding.help("a condition is a comparison: `x <> 0`, `x > 0.0`")
-            }
-            (Ty::Int, Ty::Real(dim)) => mixed(finding, left, *dim),
-            (Ty::Real(dim), Ty::Int) => mixed(finding, right, *dim),
-            (Ty::Tuple(members), _) | (_, Ty::Tuple(members)) => {
-                let names = members.iter().filter_map(|m| m.name.as_deref());
-                finding.help(format!(
-                    "a call with several outputs gives one by its name: {}",
-                    listed(names)
-                ))
-            }
-            (Ty::Bool, _) | (_, Ty::Bool) => {
-                finding.help("a number by a condition is `if c then 1 else 0`")
-            }
-            (Ty::Array(_, n), Ty::Array(_, m)) if n == m => finding.help(format!(
-                "element by element it is `map<<{}, {n}>>(a, b)`",
-                op.spelling()
-            )),
-            (Ty::Array(_, n), _) | (_, Ty::Array(_, n)) => finding.help(format!(
-                "`x^{n}` is an array of {n} times `x`; element by element `map<<{}, {n}>>(a, b)` computes",
-                op.spelling()
-            )),
-            (Ty::Spatial(Pose, _), Ty::Spatial(Pose, _)) => finding
-                .help("poses are composed by `*`: `(b in a) * (c in b)` is the pose of `c` in `a`"),
-            (Ty::Spatial(Vector, _), Ty::Real(_)) | (Ty::Real(_), Ty::Spatial(Vector, _)) => {
-                finding.help(
-                    "a vector is added to a vector: `point(x, y, z)`; a number scales it by `*`",
-                )
-            }
-            _ => finding,
-        }
-    }
-}
-
 /// `a < b < c`, which the parser has reported.
 fn is_chained(binary: &Binary) -> bool {
     let single = |op: BinaryOp| op.grouping() == Grouping::None;
@@ -540,7 +500,7 @@ fn is_chained(binary: &Binary) -> bool {
 /// The machine type for which operators are looked up: enums and results have none.
 fn operand_kind(ty: &Ty) -> Option<Scalar> {
     match ty {
-        Ty::Enum(_) | Ty::Result => None,
+        Ty::Enum(_) | Ty::Result | Ty::Machine(_) => None,
         other => other.scalar(),
     }
 }

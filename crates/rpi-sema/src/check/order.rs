@@ -8,6 +8,7 @@
 //! The search keeps its own stack, so that a chain of any length does no harm.
 
 use super::body::Body;
+use super::spread;
 use crate::ty::Ty;
 use crate::typed::{BlockId, ExprId, FlowId};
 use rpi_diag::Span;
@@ -186,7 +187,14 @@ impl<'a> Body<'_, 'a> {
     /// Takes what is known of a value's type for the flows that it defines.
     fn guess(&mut self, index: usize, ty: &Ty) {
         let flows = self.pending[index].introduces.clone();
-        let types = spread(ty, flows.len());
+        let types: SmallVec<[Ty; 1]> = match flows.len() {
+            1 => SmallVec::from([ty.clone()]),
+            count => {
+                let pieces = spread::pieces(std::slice::from_ref(ty), &vec![None; count]);
+                pieces.into_iter().map(|piece| piece.ty).collect()
+            }
+        };
+        let types = types.into_iter().chain(std::iter::repeat(Ty::Unknown));
         for (flow, ty) in flows.iter().zip(types) {
             let Some(flow) = *flow else {
                 continue;
@@ -266,24 +274,5 @@ impl<'a> Body<'_, 'a> {
         self.no_clocks.forget_from(mark.findings);
         self.made_real = self.made_real.filter(|at| *at < mark.findings);
         self.state_at = mark.state_at;
-    }
-}
-
-/// The types of so many targets: of the parts if the value is a tuple.
-pub(super) fn spread(ty: &Ty, targets: usize) -> SmallVec<[Ty; 1]> {
-    if targets == 1 {
-        return SmallVec::from([ty.clone()]);
-    }
-    let mut parts = Vec::new();
-    flatten(ty, &mut parts);
-    parts.resize(targets.max(parts.len()), Ty::Unknown);
-    parts.into()
-}
-
-/// The elements of a tuple, tuples in it taken apart.
-pub(super) fn flatten(ty: &Ty, parts: &mut Vec<Ty>) {
-    match ty {
-        Ty::Tuple(members) => members.iter().for_each(|member| flatten(&member.ty, parts)),
-        other => parts.push(other.clone()),
     }
 }

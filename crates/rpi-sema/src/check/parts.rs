@@ -121,11 +121,11 @@ impl<'a> Body<'_, 'a> {
                 self.report(no_part(scalar, &field.field, Use::Literal));
             }
         }
-        if !left_out.is_empty() && self.findings.len() == before {
+        if !left_out.is_empty() && !self.has_error_since(before) {
             let message = format!("{} of `{scalar}` left out", listed(left_out));
             self.report(Finding::new(Code::RPI1010, message).at(span, "not all parts are given"));
         }
-        (self.findings.len() == before).then_some(parts)
+        (!self.has_error_since(before)).then_some(parts)
     }
 
     fn part_of_base(&mut self, base: ExprId, name: &str, span: Span) -> ExprId {

@@ -7,12 +7,18 @@ use crate::ty::{Misfit, Ty};
 use crate::typed::{ExprId, Kind};
 use crate::units::Dim;
 use rpi_diag::counted;
-use rpi_diag::{Code, Finding, Fix, Span};
+use rpi_diag::{Code, Finding, Fix, Severity, Span};
 
 impl Body<'_, '_> {
     /// Takes up a finding about this body.
     pub(super) fn report(&mut self, finding: Finding) {
         self.findings.push(finding);
+    }
+
+    /// Whether an error has been reported since there were so many findings. Notes and warnings leave a value that runs.
+    pub(super) fn has_error_since(&self, before: usize) -> bool {
+        let mut new = self.findings.iter().skip(before);
+        new.any(|finding| finding.severity() == Severity::Error)
     }
 
     /// Reports that an expression does not have the type that its place wants.

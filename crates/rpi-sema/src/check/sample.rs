@@ -3,13 +3,13 @@
 //! is wrong with its names and with types that are known.
 
 use super::callable::Callable;
+use super::constraint::nothing_known;
 use super::statics::{Param, Static, Statics, tells_apart};
 use super::{Checker, Constant};
 use crate::program::{DeclId, DeclKind};
-use crate::ty::{StructTy, Ty};
+use crate::ty::Ty;
 use crate::typed::Leaf;
 use rpi_diag::{Code, Finding, Severity};
-use rpi_syntax::Name;
 use rpi_syntax::ast::{StaticParam, StaticParamKind};
 use std::rc::Rc;
 
@@ -25,7 +25,7 @@ pub(super) fn may_be_its_fault(finding: &Finding) -> bool {
 }
 
 /// Whether a finding about a sample is one about what it is a sample of.
-fn is_its_fault(finding: &Finding) -> bool {
+pub(super) fn is_its_fault(finding: &Finding) -> bool {
     !may_be_its_fault(finding) && finding.code != Code::RPI1012
 }
 
@@ -71,6 +71,7 @@ fn weighs_less(finding: Finding) -> Finding {
 pub(super) fn value(ty: &Ty) -> Option<Rc<[Leaf]>> {
     Some(match ty {
         Ty::Bool => [Leaf::bool(false)].into(),
+        Ty::Machine(_) => [Leaf::int(0)].into(),
         Ty::Int | Ty::Enum(_) => [Leaf::int(if *ty == Ty::Int { SIZE } else { 0 })].into(),
         Ty::Real(_) => [Leaf::real(1.0)].into(),
         Ty::Array(element, n) => {
@@ -91,9 +92,12 @@ impl Checker<'_> {
             }
             let before = self.findings.len();
             let is_of_kind2 = self.is_of_kind2(id);
-            let (sample, is_told): (_, fn(&Finding) -> bool) = match is_of_kind2 {
-                true => (self.sample(id), is_its_fault),
-                false => (Some(self.unknown(id)), is_about_text),
+            let is_checked = !self.is_lustre(id) && self.has_type_params(id);
+            let (sample, is_told): (_, fn(&Finding) -> bool) = match (is_of_kind2, is_checked) {
+                (true, _) => (self.sample(id), is_its_fault),
+                // For all types that its constraints admit.
+                (_, true) => (Some(self.unknown(id)), |_| false),
+                _ => (Some(self.unknown(id)), is_about_text),
             };
             if let Some(statics) = sample.map(Rc::new) {
                 self.check_sample(id, statics);
@@ -126,7 +130,7 @@ impl Checker<'_> {
     /// Whether it is a node of Kind 2, `<<T>>`, whose types are opaque. Those of Lustre V6, `<<type t>>`, are like text
     /// that is put in.
     fn is_of_kind2(&self, id: DeclId) -> bool {
-        let of_kind2 = |param: &StaticParam| matches!(&param.kind, StaticParamKind::Type(name) if name.span == param.span);
+        let of_kind2 = |param: &StaticParam| matches!(&param.kind, StaticParamKind::Type(name, _) if name.span == param.span);
         match self.program.decl(id).kind {
             DeclKind::Node(node) if self.is_lustre(id) => {
                 node.signature.statics.iter().all(of_kind2)
@@ -135,12 +139,17 @@ impl Checker<'_> {
         }
     }
 
+    fn has_type_params(&self, id: DeclId) -> bool {
+        let params = self.params_of(id);
+        params.iter().any(|param| matches!(param, Param::Type(..)))
+    }
+
     /// Static arguments of which as little as possible is known.
-    fn unknown(&mut self, id: DeclId) -> Statics {
+    pub(super) fn unknown(&mut self, id: DeclId) -> Statics {
         let mut statics = Statics::new();
         for param in self.params_of(id) {
             let unknown = match param {
-                Param::Type(_) => Static::Ty(Ty::Unknown),
+                Param::Type(..) => Static::Ty(Ty::Unknown),
                 Param::Value(_, def) => {
                     let ty = self.static_ty(id, def, &statics);
                     match value(&ty).filter(|_| tells_apart(&ty)) {
@@ -164,7 +173,7 @@ impl Checker<'_> {
         for param in self.params_of(id) {
             let name = param.name().name.clone();
             let sample = match param {
-                Param::Type(_) => Static::Ty(nothing_known(&name)),
+                Param::Type(..) => Static::Ty(nothing_known(&name)),
                 Param::Value(_, def) => {
                     let ty = self.static_ty(id, def, &statics);
                     let leaves = value(&ty)?;
@@ -176,12 +185,4 @@ impl Checker<'_> {
         }
         Some(statics)
     }
-}
-
-fn nothing_known(name: &Name) -> Ty {
-    Ty::Struct(Rc::new(StructTy {
-        name: name.clone(),
-        fields: Vec::new(),
-        defaults: Vec::new(),
-    }))
 }

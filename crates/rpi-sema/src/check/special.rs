@@ -2,11 +2,9 @@
 
 use super::args::Given;
 use super::body::Body;
-use super::quantifier::foreign_ty;
 use super::report::Wanted;
 use super::spatial::SpatialOp;
-use super::types::{FOREIGN, is_foreign};
-use crate::ty::Ty;
+use crate::ty::{MachineInt, Ty};
 use crate::typed::{Activation, Each, ExprId, Kind};
 use crate::units::{Dim, Ratio};
 use rpi_diag::counted;
@@ -51,6 +49,8 @@ pub(super) const SPECIALS: &[Special] = &[
     Special::Machine("uint16"),
     Special::Machine("uint32"),
     Special::Machine("uint64"),
+    Special::Machine("sint"),
+    Special::Machine("uint"),
     Special::Spatial(SpatialOp::Vector),
     Special::Spatial(SpatialOp::Dot),
     Special::Spatial(SpatialOp::Cross),
@@ -97,6 +97,9 @@ impl<'a> Body<'_, 'a> {
         if special == Special::Condact {
             return self.condact(call, span);
         }
+        if let Special::Machine(name) = special {
+            return self.machine_conversion(name, call, span);
+        }
         let given = self.given(&call.args);
         if let (Special::Any | Special::Choose, [of], []) =
             (special, &call.callee.statics[..], &given[..])
@@ -141,7 +144,10 @@ impl<'a> Body<'_, 'a> {
             (Special::Spatial(op), values) if values.len() == op.operands() => {
                 self.spatial_op(op, values, span)
             }
-            (Special::Machine(to), [x]) => self.converted_for_machine(to, *x, span),
+            (Special::Machine(to), [x]) => match MachineInt::named(to) {
+                Some(to) => self.converted_to(*x, to, span),
+                None => self.fault(span),
+            },
             _ => {
                 let message = format!(
                     "`{}` does not take {}",
@@ -154,19 +160,6 @@ impl<'a> Body<'_, 'a> {
                 self.fault_with(finding, span)
             }
         }
-    }
-
-    /// `(int8 x)`
-    fn converted_for_machine(&mut self, to: &str, x: ExprId, span: Span) -> ExprId {
-        let found = self.ty_of(x).clone();
-        let is_number = matches!(found, Ty::Int | Ty::Unknown) || is_foreign(&found, FOREIGN);
-        if !is_number {
-            let finding = Finding::new(Code::RPI2006, format!("`{to}` can not take `{found}`"))
-                .at(self.span_of(x), format!("this is `{found}`"));
-            return self.fault_with(finding, span);
-        }
-        self.machine_integer(span);
-        self.add(Kind::Outside, foreign_ty(to.to_owned()), span)
     }
 
     fn sqrt(&mut self, x: ExprId, span: Span) -> ExprId {

@@ -36,8 +36,8 @@ pub(super) type Statics = BTreeMap<Name, Static>;
 /// A static parameter, declared.
 #[derive(Clone, Copy)]
 pub(crate) enum Param<'a> {
-    /// `type t`
-    Type(&'a Ident),
+    /// `type t`, `type T: number`
+    Type(&'a Ident, Option<&'a Ident>),
     /// `n: int = 3`
     Value(&'a Ident, &'a ConstDef),
     /// `node f (...) returns (...)`
@@ -47,7 +47,7 @@ pub(crate) enum Param<'a> {
 impl<'a> Param<'a> {
     pub(crate) fn name(&self) -> &'a Ident {
         match self {
-            Param::Type(name) | Param::Value(name, _) => name,
+            Param::Type(name, _) | Param::Value(name, _) => name,
             Param::Node(signature) => &signature.name,
         }
     }
@@ -58,7 +58,9 @@ pub(crate) fn params<'a>(statics: &'a [StaticParam]) -> Vec<Param<'a>> {
     let mut all = Vec::new();
     for param in statics {
         match &param.kind {
-            StaticParamKind::Type(name) => all.push(Param::Type(name)),
+            StaticParamKind::Type(name, constraint) => {
+                all.push(Param::Type(name, constraint.as_ref()));
+            }
             StaticParamKind::Value(def) => {
                 all.extend(def.names.iter().map(|name| Param::Value(name, def)));
             }
@@ -274,7 +276,7 @@ impl<'a> Body<'_, 'a> {
     ) {
         let name = param.name();
         let value = match param {
-            Param::Type(_) => self.static_type(arg).map(Static::Ty),
+            Param::Type(..) => self.static_type(arg).map(Static::Ty),
             Param::Node(signature) => {
                 let known = bound.statics.clone();
                 let callable = self.static_callable(arg);
@@ -415,7 +417,7 @@ impl<'a> Checker<'a> {
     pub(super) fn static_ty(&mut self, id: DeclId, def: &'a ConstDef, statics: &Statics) -> Ty {
         let mut known = statics.clone();
         for param in self.params_of(id) {
-            if let Param::Type(name) = param {
+            if let Param::Type(name, _) = param {
                 let open = || Static::Ty(Ty::Unknown);
                 known.entry(name.name.clone()).or_insert_with(open);
             }
@@ -494,7 +496,7 @@ impl<'a> Checker<'a> {
                     }
                     statics.insert(name.clone(), value.unwrap_or(Static::Opaque));
                 }
-                Param::Type(_) => {
+                Param::Type(..) => {
                     open.push(name.clone());
                     statics.insert(name.clone(), Static::Ty(Ty::Generic(name.clone())));
                 }

@@ -2,14 +2,16 @@
 
 use super::body::Body;
 use super::locals::Local;
-use super::order::{Goal, flatten};
+use super::order::Goal;
 use super::report::{Wanted, unknown};
+use super::spread;
 use crate::program::Lookup;
 use crate::ty::{Subst, Ty, fit, join};
 use crate::typed::{Equation, ExprId, FlowId, FlowRole, Place, Target, UnitKind};
 use rpi_diag::counted;
 use rpi_diag::{Code, Finding, Span};
 use rpi_syntax::ast::{self, Ident};
+use smallvec::SmallVec;
 
 impl<'a> Body<'_, 'a> {
     /// Checks an equation's value against what it defines.
@@ -20,11 +22,15 @@ impl<'a> Body<'_, 'a> {
             Goal::Targets(targets) => targets.len(),
             Goal::Var(_) => 1,
         };
-        let mut parts = Vec::new();
-        match count {
-            1 => parts.push(self.ty_of(value).clone()),
-            _ => flatten(&self.ty_of(value).clone(), &mut parts),
-        }
+        let mut parts: SmallVec<[Ty; 1]> = match goal {
+            Goal::Targets(targets) if count > 1 => {
+                let wanted = targets.iter().map(|target| self.declared_type(target));
+                let wanted: Vec<Option<&Ty>> = wanted.collect();
+                let pieces = spread::pieces(std::slice::from_ref(self.ty_of(value)), &wanted);
+                pieces.into_iter().map(|piece| piece.ty).collect()
+            }
+            _ => SmallVec::from([self.ty_of(value).clone()]),
+        };
         if parts.len() != count && !self.ty_of(value).is_unknown() {
             return self.wrong_count(index, value, count, parts.len());
         }
@@ -43,6 +49,13 @@ impl<'a> Body<'_, 'a> {
             value,
             span,
         });
+    }
+
+    /// The type of the flow that a target defines as a whole, as far as it is known.
+    fn declared_type(&self, target: &ast::Target) -> Option<&Ty> {
+        let flow = self.local_flow(&target.name.name)?;
+        let ty = &self.unit.flow(flow).ty;
+        (target.path.is_empty() && !ty.has_unknown()).then_some(ty)
     }
 
     fn wrong_count(&mut self, index: usize, value: ExprId, targets: usize, parts: usize) {

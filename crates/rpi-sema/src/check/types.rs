@@ -233,6 +233,10 @@ impl<'a> Body<'_, 'a> {
     /// A type of Kind 2 of which only the name is known here.
     fn foreign_type(&mut self, named: &'a NamedType) -> Ty {
         let (name, span) = (named.name.name.as_str(), named.name.span);
+        if !matches!(name, "set" | "map" | "history") {
+            let machine = self.machine_named(name, &named.statics, span);
+            return machine.map_or(Ty::Unknown, Ty::Machine);
+        }
         let args: Vec<String> = named
             .statics
             .iter()
@@ -240,8 +244,7 @@ impl<'a> Body<'_, 'a> {
             .collect();
         match name {
             "set" | "map" => self.foreign(&format!("a {name}"), SETS, span),
-            "history" => self.history(named),
-            _ => self.machine_integer(span),
+            _ => self.history(named),
         }
         match &args[..] {
             _ if args.iter().any(String::is_empty) => Ty::Unknown,
@@ -249,14 +252,6 @@ impl<'a> Body<'_, 'a> {
             [] => foreign_ty(name.to_owned()),
             args => foreign_ty(format!("{name}<{}>", args.join(", "))),
         }
-    }
-
-    pub(super) fn machine_integer(&mut self, span: Span) {
-        self.foreign(
-            "a machine integer",
-            "`int` has 64 bits here, and no overflow goes unnoticed",
-            span,
-        );
     }
 
     /// An argument of such a type, as text; empty after a fault.
@@ -551,7 +546,11 @@ impl<'a> Body<'_, 'a> {
 
 /// A type parameter in a unit that stands for something without unit.
 fn no_quantity(name: &Ident, ty: &Ty) -> Finding {
-    let message = format!("`{}` is `{ty}` here, which has no unit", name.name);
+    let message = match ty.to_string() == name.name.as_str() {
+        // A type parameter that is checked for all types.
+        true => format!("`{ty}` may be a type without unit"),
+        false => format!("`{}` is `{ty}` here, which has no unit", name.name),
+    };
     Finding::new(Code::RPI2003, message).at(name.span, "a type of reals is needed")
 }
 
@@ -562,7 +561,7 @@ const FOREIGN_TYPES: &[&str] = &[
 ];
 
 /// How the names of those begin on whose values operators are not checked.
-pub(super) const FOREIGN: &[&str] = &["set<", "map<", "int", "uint", "sint"];
+pub(super) const FOREIGN: &[&str] = &["set<", "map<"];
 
 fn is_foreign_name(name: &str) -> bool {
     FOREIGN_TYPES.contains(&name)

@@ -221,8 +221,11 @@ impl<'a> Checker<'a> {
 impl<'a> Body<'_, 'a> {
     /// Names the call that a generic callable is checked for, beside what is wrong in it.
     fn say_for_whom(&mut self, header: &Header, called: Span) {
-        let findings = std::mem::take(&mut self.findings);
+        let mut findings = std::mem::take(&mut self.findings);
         let is_error = |finding: &Finding| finding.severity() == Severity::Error;
+        if self.c.faulty_generics.contains(&header.decl) {
+            findings.retain(|finding| !is_error(finding));
+        }
         let text = format!("in `{}`, called here", header.name);
         if self.c.is_of_library(header.decl) {
             // It is without a fault: whatever is told comes of what this call gives it.

@@ -104,8 +104,17 @@ const CALLS: &[(&str, &str, &str)] = &[
 ];
 
 /// Conversions of `.lus` files.
-const MACHINE: [&str; 8] = [
-    "int8", "int16", "int32", "int64", "uint8", "uint16", "uint32", "uint64",
+const MACHINE: [(&str, &str); 10] = [
+    ("int8", "(int8 x)"),
+    ("int16", "(int16 x)"),
+    ("int32", "(int32 x)"),
+    ("int64", "(int64 x)"),
+    ("uint8", "(uint8 x)"),
+    ("uint16", "(uint16 x)"),
+    ("uint32", "(uint32 x)"),
+    ("uint64", "(uint64 x)"),
+    ("sint", "(sint@<n> x)"),
+    ("uint", "(uint@<n> x)"),
 ];
 
 /// Everything that is there without a declaration in a `.rpi` file, in a fixed order.
@@ -116,10 +125,10 @@ pub fn builtins() -> impl Iterator<Item = Builtin> {
         doc: "The absent value.".to_owned(),
         is_call: false,
     };
-    let machine = MACHINE.iter().map(|name| Builtin {
+    let machine = MACHINE.iter().map(|(name, form)| Builtin {
         name,
-        form: format!("({name} x)"),
-        doc: "Kind 2's machine integers: x, as far as it fits.".to_owned(),
+        form: (*form).to_owned(),
+        doc: "Machine integer of Kind 2 with the lowest bits of x.".to_owned(),
         is_call: true,
     });
     let calls = CALLS.iter().map(|(name, form, doc)| Builtin {

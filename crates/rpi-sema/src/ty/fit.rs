@@ -84,7 +84,7 @@ pub fn fit(expected: &Ty, found: &Ty, subst: &mut Subst) -> Result<(), Misfit> {
                 found: *found,
             }),
         },
-        (Ty::Tuple(expected), Ty::Tuple(found)) => fit_members(expected, found, subst),
+        (Ty::Tuple(expected), Ty::Tuple(found)) => fit_tuples(expected, found, subst),
         (Ty::Struct(a), Ty::Struct(b)) if a.name == b.name || is_instance(b, a) => {
             fit_members(&a.fields, &b.fields, subst)
         }
@@ -155,6 +155,36 @@ fn fit_frame(
     }
 }
 
+/// Lists are flat: `(a, (b, c))` has the leaves of `(a, b, c)`, in the same order.
+fn fit_tuples(expected: &[Member], found: &[Member], subst: &mut Subst) -> Result<(), Misfit> {
+    if expected.len() == found.len() {
+        let mut tried = subst.clone();
+        let fits = fit_members(expected, found, &mut tried);
+        let is_nested = |members: &[Member]| members.iter().any(|m| matches!(m.ty, Ty::Tuple(_)));
+        if fits.is_ok() || !is_nested(expected) && !is_nested(found) {
+            *subst = tried;
+            return fits;
+        }
+    }
+    let (mut wanted, mut given) = (Vec::new(), Vec::new());
+    expected
+        .iter()
+        .for_each(|member| flat(&member.ty, &mut wanted));
+    found.iter().for_each(|member| flat(&member.ty, &mut given));
+    if wanted.len() != given.len() {
+        return Err(Misfit::Kind);
+    }
+    let mut pairs = wanted.into_iter().zip(given);
+    pairs.try_for_each(|(wanted, given)| fit(wanted, given, subst))
+}
+
+fn flat<'t>(ty: &'t Ty, parts: &mut Vec<&'t Ty>) {
+    match ty {
+        Ty::Tuple(members) => members.iter().for_each(|member| flat(&member.ty, parts)),
+        other => parts.push(other),
+    }
+}
+
 fn fit_members(expected: &[Member], found: &[Member], subst: &mut Subst) -> Result<(), Misfit> {
     if expected.len() != found.len() {
         return Err(Misfit::Kind);
@@ -176,15 +206,12 @@ pub fn join(a: &Ty, b: &Ty) -> Result<Ty, Misfit> {
             Ty::Spatial(*scalar, Rc::new(join_geometry(a, b)))
         }
         (Ty::Array(a, n), Ty::Array(b, _)) => Ty::Array(Rc::new(join(a, b)?), *n),
-        (Ty::Tuple(a), Ty::Tuple(b)) => {
-            let member = |(a, b): (&Member, &Member)| {
-                Ok(Member {
-                    name: a.name.clone(),
-                    ty: join(&a.ty, &b.ty)?,
-                })
+        (Ty::Tuple(a), Ty::Tuple(b)) if a.len() == b.len() => {
+            let member = |(a, b): (&Member, &Member)| Member {
+                name: a.name.clone(),
+                ty: join(&a.ty, &b.ty).unwrap_or_else(|_| a.ty.clone()),
             };
-            let members: Result<Vec<Member>, Misfit> = a.iter().zip(b.iter()).map(member).collect();
-            Ty::Tuple(members?.into())
+            Ty::Tuple(a.iter().zip(b.iter()).map(member).collect())
         }
         _ => a.clone(),
     })

@@ -4,9 +4,11 @@
 //! elaboration knows of them. This module must not know syntax.
 
 mod fit;
+mod machine;
 mod print;
 
 pub use fit::{Misfit, Subst, fit, join};
+pub use machine::MachineInt;
 
 use crate::units::Dim;
 use rpi_image::{Scalar, Value};
@@ -22,6 +24,8 @@ pub enum Ty {
     Bool,
     /// 64-bit integer.
     Int,
+    /// Machine integer of Kind 2, in Lustre only.
+    Machine(MachineInt),
     /// IEEE double of a dimension, in coherent SI units.
     Real(Dim),
     /// Point in time.
@@ -203,7 +207,7 @@ impl Ty {
     pub fn scalar(&self) -> Option<Scalar> {
         Some(match self {
             Ty::Bool => Scalar::Bool,
-            Ty::Int | Ty::Enum(_) | Ty::Result => Scalar::Int,
+            Ty::Int | Ty::Machine(_) | Ty::Enum(_) | Ty::Result => Scalar::Int,
             Ty::Real(_) => Scalar::Real,
             Ty::Time => Scalar::Time,
             Ty::Spatial(scalar, _) => *scalar,

@@ -11,6 +11,7 @@ impl fmt::Display for Ty {
             Ty::Unknown => f.write_str("_"),
             Ty::Bool => f.write_str("bool"),
             Ty::Int => f.write_str("int"),
+            Ty::Machine(machine) => write!(f, "{machine}"),
             Ty::Real(Dim::ONE) => f.write_str("real"),
             Ty::Real(dim) => write!(f, "real[{dim}]"),
             Ty::Time => f.write_str("Time"),

@@ -24,13 +24,23 @@ pub enum Base {
     Angle,
 }
 
-const BASES: usize = 8;
+/// The base dimensions of [`Base`].
+const KNOWN: usize = 8;
 
-/// The units of the base dimensions, in the order of [`Base`], which is the order of printing.
-const BASE_UNITS: [&str; BASES] = ["kg", "m", "s", "A", "K", "mol", "cd", "rad"];
+/// The free dimensions: what a type parameter measures, while its declaration is checked by itself. Three do not make
+/// [`crate::ty::Ty`] larger; a declaration with more of them is checked in several rounds.
+pub const FREE: usize = 3;
+
+const BASES: usize = KNOWN + FREE;
+
+/// The units of the base dimensions, in the order of [`Base`], which is the order of printing. Free ones have no name of
+/// their own: who checks a declaration replaces these signs by the names of its parameters.
+const BASE_UNITS: [&str; BASES] = [
+    "kg", "m", "s", "A", "K", "mol", "cd", "rad", "\u{E000}", "\u{E001}", "\u{E002}",
+];
 
 /// Dimensions that print by a name of their own.
-const NAMED: [(&str, [i32; BASES]); 8] = [
+const NAMED: [(&str, [i32; KNOWN]); 8] = [
     ("N", [1, 1, -2, 0, 0, 0, 0, 0]),
     ("N*m", [1, 2, -2, 0, 0, 0, 0, 0]),
     ("W", [1, 2, -3, 0, 0, 0, 0, 0]),
@@ -42,7 +52,7 @@ const NAMED: [(&str, [i32; BASES]); 8] = [
 ];
 
 /// What people call quantities, with the article.
-const QUANTITIES: [(&str, [i32; BASES]); 20] = [
+const QUANTITIES: [(&str, [i32; KNOWN]); 20] = [
     ("a mass", [1, 0, 0, 0, 0, 0, 0, 0]),
     ("a length", [0, 1, 0, 0, 0, 0, 0, 0]),
     ("an area", [0, 2, 0, 0, 0, 0, 0, 0]),
@@ -87,9 +97,29 @@ impl Dim {
         Dim(exponents)
     }
 
+    /// What nothing is known of but that it is itself: the free dimension of this place, below [`FREE`].
+    #[must_use]
+    pub fn free(place: usize) -> Dim {
+        let mut exponents = [Ratio::ZERO; BASES];
+        exponents[KNOWN + place % FREE] = Ratio::ONE;
+        Dim(exponents)
+    }
+
+    /// Whether a free dimension is a factor of it.
+    #[must_use]
+    pub fn has_free(self) -> bool {
+        self.0[KNOWN..].iter().any(|exponent| !exponent.is_zero())
+    }
+
+    /// The sign that stands for a free dimension in texts.
+    #[must_use]
+    pub fn free_sign(place: usize) -> &'static str {
+        BASE_UNITS[KNOWN + place % FREE]
+    }
+
     /// Whole exponents in the order of [`Base`]; none if one does not fit.
     #[must_use]
-    pub fn whole(exponents: [i32; BASES]) -> Option<Dim> {
+    pub fn whole(exponents: [i32; KNOWN]) -> Option<Dim> {
         let mut dim = Dim::ONE;
         for (to, from) in dim.0.iter_mut().zip(exponents) {
             *to = Ratio::whole(from)?;
@@ -183,8 +213,8 @@ impl Dim {
 }
 
 /// The name of a dimension in a table.
-fn named(table: &[(&'static str, [i32; BASES])], dim: Dim) -> Option<&'static str> {
-    let is = |row: &&(&str, [i32; BASES])| Dim::whole(row.1) == Some(dim);
+fn named(table: &[(&'static str, [i32; KNOWN])], dim: Dim) -> Option<&'static str> {
+    let is = |row: &&(&str, [i32; KNOWN])| Dim::whole(row.1) == Some(dim);
     table.iter().find(is).map(|row| row.0)
 }
 

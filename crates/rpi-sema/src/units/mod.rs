@@ -13,7 +13,7 @@ mod ratio;
 mod resolve;
 mod table;
 
-pub use dim::{Base, Dim};
+pub use dim::{Base, Dim, FREE};
 pub use ratio::Ratio;
 pub use resolve::{Measure, UnitFault, is_unit, resolve};
 pub use table::{Factor, UNITS, UnitRow};

@@ -117,8 +117,8 @@ pub struct StaticParam {
 /// What a static parameter can be.
 #[derive(Clone, PartialEq, Debug)]
 pub enum StaticParamKind {
-    /// `type t`
-    Type(Ident),
+    /// `type t`, `type T: number`
+    Type(Ident, Option<Ident>),
     /// `a, b: T = d`, `const n: int`
     Value(ConstDef),
     /// `node f (x: int) returns (y: int)`

@@ -21,11 +21,15 @@ impl Number {
 
     /// The value of an integer. [`None`] for a real and beyond 2^63, which the parser has reported.
     pub fn int(&self) -> Option<u64> {
-        let value = match self.hex() {
-            Some(digits) => u64::from_str_radix(digits, 16).ok()?,
-            None => self.text.parse().ok()?,
-        };
-        (value <= 1 << 63).then_some(value)
+        self.bits().filter(|value| *value <= 1 << 63)
+    }
+
+    /// The value of an integer of 64 bits without sign, as a machine integer of Kind 2 takes it.
+    pub fn bits(&self) -> Option<u64> {
+        match self.hex() {
+            Some(digits) => u64::from_str_radix(digits, 16).ok(),
+            None => self.text.parse().ok(),
+        }
     }
 
     /// The value as a real; of an integer the nearest one.

@@ -101,7 +101,7 @@ impl<'a> Walk<'_, 'a> {
     fn statics(&mut self, params: &'a [StaticParam]) {
         for param in params {
             match &param.kind {
-                StaticParamKind::Type(_) => {}
+                StaticParamKind::Type(..) => {}
                 StaticParamKind::Value(def) => self.constant(def),
                 StaticParamKind::Node(_, signature) => self.signature(signature),
             }

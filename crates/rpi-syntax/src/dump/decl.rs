@@ -104,7 +104,9 @@ impl Dumper {
         }
         nodes("statics", params, |param| {
             let declared = match &param.kind {
-                StaticParamKind::Type(ident) => node("type", [name(ident)]),
+                StaticParamKind::Type(ident, constraint) => {
+                    node("type", [ident].into_iter().chain(constraint).map(name))
+                }
                 StaticParamKind::Value(def) => self.const_def(def),
                 StaticParamKind::Node(kind, signature) => {
                     node("node", [word(kind), self.signature(signature)])

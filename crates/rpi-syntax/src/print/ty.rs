@@ -182,7 +182,12 @@ impl Printer<'_> {
 
     fn static_param(&mut self, param: &StaticParam) -> Doc {
         let written = match &param.kind {
-            StaticParamKind::Type(name) => concat([word("type "), self.name(name)]),
+            StaticParamKind::Type(name, constraint) => {
+                let constraint = constraint.as_ref().map_or_else(nothing, |constraint| {
+                    concat([word(": "), self.name(constraint)])
+                });
+                concat([word("type "), self.name(name), constraint])
+            }
             StaticParamKind::Value(def) => {
                 // Lustre V6 has no parameter without a word before it.
                 let head = if self.mode == Mode::Lustre {
@@ -236,7 +241,7 @@ pub(super) fn dotted(dotted: &Dotted) -> String {
 /// `<T; U>` behind the name of a type, and of a node of Kind 2.
 pub(super) fn type_params(params: &[StaticParam]) -> Doc {
     let names = params.iter().filter_map(|param| match &param.kind {
-        StaticParamKind::Type(name) => Some(name.name.as_str()),
+        StaticParamKind::Type(name, _) => Some(name.name.as_str()),
         _ => None,
     });
     let names: Vec<&str> = names.collect();
@@ -248,5 +253,5 @@ pub(super) fn type_params(params: &[StaticParam]) -> Doc {
 
 /// Whether a parameter is written `T`, without the word `type`.
 fn is_bare(param: &StaticParam) -> bool {
-    matches!(&param.kind, StaticParamKind::Type(name) if name.span == param.span && !param.span.is_none())
+    matches!(&param.kind, StaticParamKind::Type(name, _) if name.span == param.span && !param.span.is_none())
 }

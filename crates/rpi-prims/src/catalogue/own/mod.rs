@@ -5,6 +5,7 @@ mod devices;
 pub(super) mod guarded;
 pub(super) mod int;
 pub(super) mod logic;
+pub(super) mod machine;
 pub(super) mod profile;
 pub(super) mod reach;
 pub(super) mod real;

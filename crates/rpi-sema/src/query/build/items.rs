@@ -193,7 +193,7 @@ impl<'a> Builder<'a> {
             ..at
         };
         match &param.kind {
-            StaticParamKind::Type(name) => {
+            StaticParamKind::Type(name, _) => {
                 self.define(at, name, DefKind::Static);
             }
             StaticParamKind::Value(def) => self.constants(at, def, DefKind::Static),

@@ -1,0 +1,77 @@
+//! Operands that no operator takes: what would mend them.
+
+use super::body::Body;
+use super::quantity;
+use super::report::listed;
+use crate::ty::{MachineInt, Ty};
+use crate::typed::ExprId;
+use crate::units::Dim;
+use rpi_diag::Finding;
+use rpi_image::Scalar::{Pose, Vector};
+use rpi_syntax::ops::BinaryOp::{
+    self, And, Div, Implies, Mul, Or, Pow, ShiftLeft, ShiftRight, Xor,
+};
+
+impl Body<'_, '_> {
+    /// Adds what may mend two operands that no operator takes.
+    pub(super) fn operands_apart(
+        &self,
+        finding: Finding,
+        op: BinaryOp,
+        (left, a): (ExprId, &Ty),
+        (right, b): (ExprId, &Ty),
+    ) -> Finding {
+        let scales = matches!(op, Mul | Div | Pow);
+        let mixed = |finding: Finding, int: ExprId, dim: Dim| match self.is_number(int)
+            && dim != Dim::ONE
+            && !scales
+        {
+            true => quantity::with_units(finding, dim, self.span_of(int)),
+            false => finding.fix(self.as_real(int)),
+        };
+        match (a, b) {
+            (Ty::Bool | Ty::Int | Ty::Real(_), Ty::Bool | Ty::Int | Ty::Real(_))
+                if matches!(op, And | Or | Xor | Implies) =>
+            {
+                finding.help("a condition is a comparison: `x <> 0`, `x > 0.0`")
+            }
+            (Ty::Int, Ty::Real(dim)) => mixed(finding, left, *dim),
+            (Ty::Real(dim), Ty::Int) => mixed(finding, right, *dim),
+            (Ty::Tuple(members), _) | (_, Ty::Tuple(members)) => {
+                let names = members.iter().filter_map(|m| m.name.as_deref());
+                finding.help(format!(
+                    "a call with several outputs gives one by its name: {}",
+                    listed(names)
+                ))
+            }
+            (Ty::Machine(of), Ty::Int) => self.as_machine(finding, *of, right),
+            (Ty::Int, Ty::Machine(of)) => self.as_machine(finding, *of, left),
+            (Ty::Machine(of), Ty::Machine(_)) if matches!(op, ShiftLeft | ShiftRight) => {
+                let to = MachineInt { signed: false, ..*of }.conversion();
+                finding.help(format!("the number of places has no sign: `({to} n)`"))
+            }
+            (Ty::Machine(of), Ty::Machine(_)) => {
+                finding.help(format!("convert one of them: `({} x)`", of.conversion()))
+            }
+            (Ty::Bool, _) | (_, Ty::Bool) => {
+                finding.help("a number by a condition is `if c then 1 else 0`")
+            }
+            (Ty::Array(_, n), Ty::Array(_, m)) if n == m => finding.help(format!(
+                "element by element it is `map<<{}, {n}>>(a, b)`",
+                op.spelling()
+            )),
+            (Ty::Array(_, n), _) | (_, Ty::Array(_, n)) => finding.help(format!(
+                "`x^{n}` is an array of {n} times `x`; element by element `map<<{}, {n}>>(a, b)` computes",
+                op.spelling()
+            )),
+            (Ty::Spatial(Pose, _), Ty::Spatial(Pose, _)) => finding
+                .help("poses are composed by `*`: `(b in a) * (c in b)` is the pose of `c` in `a`"),
+            (Ty::Spatial(Vector, _), Ty::Real(_)) | (Ty::Real(_), Ty::Spatial(Vector, _)) => {
+                finding.help(
+                    "a vector is added to a vector: `point(x, y, z)`; a number scales it by `*`",
+                )
+            }
+            _ => finding,
+        }
+    }
+}

@@ -1,0 +1,304 @@
+//! Machine integers of Kind 2, `int8` to `uint64` and `uint<N>`: conversions, operators, and bits of them. Results wrap around.
+
+use super::body::Body;
+use crate::ty::{MachineInt, Ty};
+use crate::typed::{ExprId, Kind, Leaf};
+use rpi_diag::{Code, Finding, Fix, Span};
+use rpi_net::prim;
+use rpi_prims::PrimId;
+use rpi_syntax::ast::{Binary, Bits, Call, Expr, ExprKind, StaticArg, StaticValue};
+use rpi_syntax::ops::{BinaryOp, UnaryOp};
+
+impl<'a> Body<'_, 'a> {
+    /// `(int8 x)`, `(sint@<25> x)`: as a machine integer.
+    pub(super) fn machine_conversion(&mut self, name: &str, call: &'a Call, span: Span) -> ExprId {
+        let [arg] = &call.args[..] else {
+            let finding = Finding::new(Code::RPI1010, format!("`{name}` converts one value"))
+                .at(span, "wrong number of values");
+            return self.fault_with(finding, span);
+        };
+        let Some(to) = self.machine_named(name, &call.callee.statics, span) else {
+            self.expr(&arg.value);
+            return self.fault(span);
+        };
+        match large_number(&arg.value) {
+            Some(bits) => {
+                let bits = self.add(Kind::Literal(Leaf::int(bits)), Ty::Int, arg.value.span);
+                self.wrapped(bits, to, span)
+            }
+            None => {
+                let value = self.expr(&arg.value);
+                self.converted_to(value, to, span)
+            }
+        }
+    }
+
+    /// A machine integer by its name and width; none after a fault, or for one with more bits than there are here.
+    pub(super) fn machine_named(
+        &mut self,
+        name: &str,
+        statics: &'a [StaticArg],
+        span: Span,
+    ) -> Option<MachineInt> {
+        let bits = match statics {
+            [] => return MachineInt::named(name),
+            [
+                StaticArg {
+                    value: StaticValue::Expr(bits),
+                    ..
+                },
+            ] => self.integer(bits)?,
+            _ => return None,
+        };
+        let found = MachineInt::new(name == "sint", bits);
+        if found.is_none() && bits < 1 {
+            let message = format!("{bits} is no number of bits");
+            let finding = Finding::new(Code::RPI2009, message);
+            self.report(finding.at(span, "a machine integer has at least one bit"));
+        } else if found.is_none() {
+            self.foreign(
+                "a machine integer of more than 64 bits",
+                "values of at most 64 bits are computed here",
+                span,
+            );
+        }
+        found
+    }
+
+    /// A checked value as a machine integer.
+    pub(super) fn converted_to(&mut self, value: ExprId, to: MachineInt, span: Span) -> ExprId {
+        match self.ty_of(value).clone() {
+            Ty::Unknown => self.add(Kind::Fault, Ty::Machine(to), span),
+            Ty::Int | Ty::Machine(_) => self.wrapped(value, to, span),
+            found => {
+                let finding = Finding::new(Code::RPI2006, format!("`{to}` can not take `{found}`"))
+                    .at(self.span_of(value), format!("this is `{found}`"));
+                self.fault_with(finding, span)
+            }
+        }
+    }
+
+    fn wrapped(&mut self, value: ExprId, to: MachineInt, span: Span) -> ExprId {
+        let width = self.width(to, span);
+        self.prim_typed(
+            prim!("Rpi::MachineWrap"),
+            &[value, width],
+            Ty::Machine(to),
+            span,
+        )
+    }
+
+    fn width(&mut self, of: MachineInt, span: Span) -> ExprId {
+        self.number_of_bits(of.width(), span)
+    }
+
+    fn number_of_bits(&mut self, bits: i64, span: Span) -> ExprId {
+        self.add(Kind::Literal(Leaf::int(bits)), Ty::Int, span)
+    }
+
+    /// A unary operator on a machine integer; none if there is no such operator.
+    pub(super) fn machine_unary(
+        &mut self,
+        op: UnaryOp,
+        operand: ExprId,
+        of: MachineInt,
+        span: Span,
+    ) -> Option<ExprId> {
+        let width = self.width(of, span);
+        let ty = Ty::Machine(of);
+        Some(match op {
+            UnaryOp::Neg => {
+                let zero = self.number_of_bits(0, span);
+                let operands = [zero, operand, width];
+                self.prim_typed(prim!("Rpi::MachineSubtract"), &operands, ty, span)
+            }
+            UnaryOp::BitNot => {
+                self.prim_typed(prim!("Rpi::MachineNot"), &[operand, width], ty, span)
+            }
+            UnaryOp::ToInt => {
+                self.prim_typed(prim!("Rpi::MachineToInt"), &[operand, width], Ty::Int, span)
+            }
+            _ => return None,
+        })
+    }
+
+    /// A binary operator on two machine integers; none if there is no such operator for them.
+    pub(super) fn machine_binary(
+        &mut self,
+        op: BinaryOp,
+        [left, right]: [ExprId; 2],
+        span: Span,
+    ) -> Option<ExprId> {
+        let Ty::Machine(of) = *self.ty_of(left) else {
+            return None;
+        };
+        let right = self.shifted_by(op, right, of, span);
+        let has_place = match (op, self.ty_of(right)) {
+            (BinaryOp::ShiftLeft | BinaryOp::ShiftRight, Ty::Machine(by)) => !by.signed,
+            (_, Ty::Machine(other)) => *other == of,
+            _ => false,
+        };
+        if !has_place {
+            return None;
+        }
+        if let Some((prim, swapped)) = comparison(op) {
+            let width = self.width(of, span);
+            let operands = if swapped {
+                [right, left, width]
+            } else {
+                [left, right, width]
+            };
+            return Some(self.prim_typed(prim, &operands, Ty::Bool, span));
+        }
+        let prim = arithmetic(op)?;
+        let mut operands = vec![left, right];
+        if prim.desc().inputs.len() > 2 {
+            operands.push(self.width(of, span));
+        }
+        Some(self.prim_typed(prim, &operands, Ty::Machine(of), span))
+    }
+
+    /// `x lsh 3`: an integer that is a constant may say by how many places.
+    fn shifted_by(&mut self, op: BinaryOp, by: ExprId, of: MachineInt, span: Span) -> ExprId {
+        let shifts = matches!(op, BinaryOp::ShiftLeft | BinaryOp::ShiftRight);
+        match shifts && *self.ty_of(by) == Ty::Int {
+            true => self.wrapped(
+                by,
+                MachineInt {
+                    signed: false,
+                    ..of
+                },
+                span,
+            ),
+            false => by,
+        }
+    }
+
+    /// `x ++ y` of Kind 2.
+    pub(super) fn append(&mut self, binary: &'a Binary, span: Span) -> ExprId {
+        let both = [self.expr(&binary.lhs), self.expr(&binary.rhs)];
+        if both.iter().any(|id| self.ty_of(*id).is_unknown()) {
+            return self.fault(span);
+        }
+        let joined = self.bits_joined(both, span);
+        joined.unwrap_or_else(|| self.no_operator(BinaryOp::Append, both[0], both[1], span))
+    }
+
+    /// An integer beside a machine integer.
+    pub(super) fn as_machine(&self, finding: Finding, of: MachineInt, int: ExprId) -> Finding {
+        let span = self.span_of(int);
+        let to = of.conversion();
+        let fix = Fix::maybe(format!("convert it by `{to}`"));
+        finding.fix(
+            fix.insert_before(span, format!("({to} "))
+                .insert_after(span, ")"),
+        )
+    }
+
+    /// The bits of one above those of the other; none if they are no machine integers.
+    fn bits_joined(&mut self, [high, low]: [ExprId; 2], span: Span) -> Option<ExprId> {
+        let (&Ty::Machine(above), &Ty::Machine(below)) = (self.ty_of(high), self.ty_of(low)) else {
+            return None;
+        };
+        let bits = i64::from(above.bits) + i64::from(below.bits);
+        let Some(whole) = MachineInt::new(above.signed, bits) else {
+            self.foreign(
+                "a machine integer of more than 64 bits",
+                "values of at most 64 bits are computed here",
+                span,
+            );
+            return Some(self.fault(span));
+        };
+        let (plain, ty) = (
+            MachineInt {
+                signed: false,
+                ..below
+            },
+            Ty::Machine(whole),
+        );
+        let places = self.number_of_bits(i64::from(below.bits), span);
+        let width = self.width(whole, span);
+        let shift = prim!("Rpi::MachineShiftLeft");
+        let high = self.prim_typed(shift, &[high, places, width], ty.clone(), span);
+        let low = self.wrapped(low, plain, span);
+        Some(self.prim_typed(prim!("Rpi::MachineOr"), &[high, low], ty, span))
+    }
+
+    /// `x[7:0]`: bits of a machine integer.
+    pub(super) fn bits(&mut self, of: &'a Bits, span: Span) -> ExprId {
+        let base = self.expr(&of.base);
+        let bounds = [&of.high, &of.low].map(|bound| self.integer(bound));
+        let ty = self.ty_of(base).clone();
+        let known = ty.is_unknown() || bounds.contains(&None);
+        let [Some(high), Some(low)] = bounds else {
+            return self.fault(span);
+        };
+        // Elsewhere the grammar has told that there are none.
+        if known || self.is_rpi() {
+            return self.fault(span);
+        }
+        let Ty::Machine(machine) = ty else {
+            let finding = Finding::new(Code::RPI2006, "only a machine integer has bits")
+                .at(of.base.span, format!("this is `{ty}`"));
+            return self.fault_with(finding, span);
+        };
+        for (bit, at) in [(high, &of.high), (low, &of.low)] {
+            if !(0..i64::from(machine.bits)).contains(&bit) {
+                return self.fault_with(no_bit(bit, machine, at), span);
+            }
+        }
+        let Some(part) = MachineInt::new(false, high - low + 1) else {
+            let finding = Finding::new(Code::RPI2009, "these bits end before they begin")
+                .at(span, format!("from {high} down to {low}"))
+                .help("the highest bit comes first: `x[7:0]`");
+            return self.fault_with(finding, span);
+        };
+        let (places, width) = (self.number_of_bits(low, span), self.width(machine, span));
+        let shift = prim!("Rpi::MachineShiftRight");
+        let moved = self.prim_typed(shift, &[base, places, width], Ty::Machine(machine), span);
+        self.wrapped(moved, part, span)
+    }
+}
+
+/// The bits of a number that is no integer of 64 bits with a sign.
+fn large_number(value: &Expr) -> Option<i64> {
+    match &value.kind {
+        ExprKind::Number(number) => {
+            let bits = number.bits().filter(|bits| i64::try_from(*bits).is_err());
+            bits.map(u64::cast_signed)
+        }
+        _ => None,
+    }
+}
+
+/// The primitive that compares, and whether it takes the right operand first.
+fn comparison(op: BinaryOp) -> Option<(PrimId, bool)> {
+    Some(match op {
+        BinaryOp::Gt => (prim!("Rpi::MachineGreater"), false),
+        BinaryOp::Lt => (prim!("Rpi::MachineGreater"), true),
+        BinaryOp::Ge => (prim!("Rpi::MachineGreaterOrEqual"), false),
+        BinaryOp::Le => (prim!("Rpi::MachineGreaterOrEqual"), true),
+        _ => return None,
+    })
+}
+
+fn arithmetic(op: BinaryOp) -> Option<PrimId> {
+    Some(match op {
+        BinaryOp::Add => prim!("Rpi::MachineAdd"),
+        BinaryOp::Sub => prim!("Rpi::MachineSubtract"),
+        BinaryOp::Mul => prim!("Rpi::MachineMultiply"),
+        BinaryOp::Div | BinaryOp::IntDiv => prim!("Rpi::MachineDivide"),
+        BinaryOp::Mod => prim!("Rpi::MachineModulo"),
+        BinaryOp::BitAnd => prim!("Rpi::MachineAnd"),
+        BinaryOp::BitOr => prim!("Rpi::MachineOr"),
+        BinaryOp::ShiftLeft => prim!("Rpi::MachineShiftLeft"),
+        BinaryOp::ShiftRight => prim!("Rpi::MachineShiftRight"),
+        _ => return None,
+    })
+}
+
+fn no_bit(bit: i64, of: MachineInt, at: &Expr) -> Finding {
+    let bits = rpi_diag::counted(usize::from(of.bits), "bit");
+    Finding::new(Code::RPI2009, format!("there is no bit {bit}"))
+        .at(at.span, format!("the integer has {bits}, counted from 0"))
+}

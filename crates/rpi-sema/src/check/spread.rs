@@ -1,0 +1,141 @@
+//! Tuples, taken apart for as many flows or ports as they are for.
+//!
+//! Lists of values are flat in Lustre: `a, b, c = (f(x), z)` where `f` gives two values. A tuple inside of a tuple is one
+//! value, too, where one is wanted: `c, ab = (e[0], e[1])` with `ab: [int, int]`. So the types that are wanted decide, and
+//! where these are not known the number of values: the outermost tuples are taken apart first.
+
+use super::access::leaves;
+use crate::ty::{Member, Subst, Ty, fit};
+
+/// A part of one of several values.
+#[derive(Clone, PartialEq, Debug)]
+pub(super) struct Piece {
+    /// Which value it is of.
+    pub(super) of: usize,
+    /// Where it begins among the leaves of that.
+    pub(super) at: u32,
+    pub(super) ty: Ty,
+}
+
+/// The pieces of a list of values for flows whose types are known as far as `wanted` says; all that there are if they can not
+/// be as many.
+pub(super) fn pieces(list: &[Ty], wanted: &[Option<&Ty>]) -> Vec<Piece> {
+    let whole: Vec<Piece> = (list.iter().cloned().enumerate())
+        .map(|(of, ty)| Piece { of, at: 0, ty })
+        .collect();
+    let by_type = by_type(&whole, wanted);
+    by_type.unwrap_or_else(|| by_number(whole, wanted.len()))
+}
+
+/// Takes apart only what does not fit as a whole.
+fn by_type(whole: &[Piece], wanted: &[Option<&Ty>]) -> Option<Vec<Piece>> {
+    let mut pieces = Vec::with_capacity(wanted.len());
+    // What is still to be taken, the next one last.
+    let mut open: Vec<Piece> = whole.iter().rev().cloned().collect();
+    for wanted in wanted {
+        let wanted = (*wanted)?;
+        let mut next = open.pop()?;
+        while fit(wanted, &next.ty, &mut Subst::default()).is_err() {
+            let inner = next.opened()?;
+            open.extend(inner.into_iter().rev());
+            next = open.pop()?;
+        }
+        pieces.push(next);
+    }
+    open.is_empty().then_some(pieces)
+}
+
+/// Takes apart level by level.
+fn by_number(mut level: Vec<Piece>, count: usize) -> Vec<Piece> {
+    while level.len() < count {
+        let is_whole = |piece: &Piece| !matches!(piece.ty, Ty::Tuple(_));
+        if level.iter().all(is_whole) {
+            break;
+        }
+        level = level.into_iter().flat_map(Piece::opened_or_whole).collect();
+    }
+    match level.len() == count {
+        true => level,
+        false => flattened(level),
+    }
+}
+
+/// The elements of a tuple, tuples in it taken apart; the value itself if it is none.
+pub(super) fn all(ty: &Ty) -> Vec<Piece> {
+    let (of, at, ty) = (0, 0, ty.clone());
+    flattened(vec![Piece { of, at, ty }])
+}
+
+fn flattened(mut level: Vec<Piece>) -> Vec<Piece> {
+    while level.iter().any(|piece| matches!(piece.ty, Ty::Tuple(_))) {
+        level = level.into_iter().flat_map(Piece::opened_or_whole).collect();
+    }
+    level
+}
+
+impl Piece {
+    /// The elements of a tuple.
+    fn opened(&self) -> Option<Vec<Piece>> {
+        let Ty::Tuple(members) = &self.ty else {
+            return None;
+        };
+        let mut at = self.at;
+        let inner = members.iter().map(|Member { ty, .. }| {
+            let piece = Piece {
+                of: self.of,
+                at,
+                ty: ty.clone(),
+            };
+            at += leaves(ty);
+            piece
+        });
+        Some(inner.collect())
+    }
+
+    fn opened_or_whole(self) -> Vec<Piece> {
+        self.opened().unwrap_or_else(|| vec![self])
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn pair() -> Ty {
+        Ty::tuple([Ty::Int, Ty::Int])
+    }
+
+    fn types(value: Ty, wanted: &[Option<&Ty>]) -> Vec<Ty> {
+        let pieces = pieces(&[value], wanted).into_iter();
+        pieces.map(|piece| piece.ty).collect()
+    }
+
+    #[test]
+    fn the_types_that_are_wanted_decide() {
+        let (int, bool, pair) = (Ty::Int, Ty::Bool, pair());
+        let value = Ty::tuple([Ty::Bool, pair.clone()]);
+        let found = types(value.clone(), &[Some(&bool), Some(&pair)]);
+        assert_eq!(found, [Ty::Bool, pair.clone()]);
+        let found = types(value, &[Some(&bool), Some(&int), Some(&int)]);
+        assert_eq!(found, [Ty::Bool, Ty::Int, Ty::Int]);
+        let two = Ty::tuple([pair.clone(), pair.clone()]);
+        let found = types(two, &[Some(&int), Some(&int), Some(&pair)]);
+        assert_eq!(found, [Ty::Int, Ty::Int, pair]);
+    }
+
+    #[test]
+    fn without_types_the_number_decides() {
+        let value = Ty::tuple([Ty::Bool, pair()]);
+        assert_eq!(types(value.clone(), &[None, None]), [Ty::Bool, pair()]);
+        assert_eq!(types(value.clone(), &[None; 3]).len(), 3);
+        assert_eq!(types(value, &[None; 4]).len(), 3);
+    }
+
+    #[test]
+    fn pieces_say_where_they_begin() {
+        let value = Ty::tuple([pair(), Ty::Bool]);
+        let found = pieces(&[Ty::Int, value], &[None; 4]);
+        let places: Vec<(usize, u32)> = found.iter().map(|piece| (piece.of, piece.at)).collect();
+        assert_eq!(places, [(0, 0), (1, 0), (1, 1), (1, 2)]);
+    }
+}
