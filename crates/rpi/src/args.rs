@@ -290,7 +290,7 @@ pub(crate) struct NodeArgs {
     /// Ask for the inputs of each cycle.
     #[arg(long, conflicts_with = "inputs", help_heading = "Nodes by themselves")]
     pub(crate) step: bool,
-    /// Make inputs up, from this number on, for as many cycles as --cycles says.
+    /// Make inputs up that keep what the node assumes of them, from this number on, for as many cycles as --cycles says.
     #[arg(long, value_name = "SEED", conflicts_with_all = ["inputs", "step"], help_heading = "Nodes by themselves")]
     pub(crate) random: Option<u64>,
     /// Write values of enums as numbers.

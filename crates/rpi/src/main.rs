@@ -7,6 +7,7 @@ mod args;
 mod exit;
 mod interrupt;
 mod latency;
+mod made_up;
 mod node;
 mod output;
 mod program;

@@ -6,12 +6,13 @@ use std::io::{BufRead, BufReader, BufWriter, Write, stdin, stdout};
 use std::path::Path;
 
 use rpi_diag::{Severity, SourceMap, Style, render};
-use rpi_driver::{Kind, NodeCompiled};
+use rpi_driver::{Claims, Input, Kind, NodeCompiled};
 use rpi_host::node::{NodeRun, Reader, Row, header, line};
 use rpi_net::Column;
 
-use crate::args::{NodeArgs, RunArgs};
+use crate::args::{Contracts, NodeArgs, RunArgs};
 use crate::exit::{Exit, Outcome};
+use crate::made_up::Trial;
 use crate::output::create;
 use crate::random::Random;
 use crate::target::PERIOD;
@@ -48,8 +49,8 @@ pub(crate) fn run(args: &RunArgs) -> Outcome {
         (Some(path), _) => session.table(path, &node.inputs, args.target.cycles),
         (None, true) => session.steps(&node.inputs),
         (None, false) => {
-            let random = args.node.random.map(Random::new);
-            session.made_up(&node.inputs, random, args.target.cycles)
+            let rows = made_up(args, &input, &node.inputs)?;
+            session.rows(&rows)
         }
     };
     session.out.flush()?;
@@ -199,27 +200,37 @@ impl Session {
         Ok(Exit::Good)
     }
 
-    /// Inputs are made up, or there are none.
-    fn made_up(
-        &mut self,
-        columns: &[Column],
-        random: Option<Random>,
-        cycles: Option<u64>,
-    ) -> Outcome {
-        if let (Some(column), None) = (columns.first(), &random) {
-            let key = &column.key;
-            return Err(format!(
-                "the node reads `{key}`; say where from: --inputs FILE, --step or --random SEED"
-            )
-            .into());
-        }
-        let mut random = random.unwrap_or_else(|| Random::new(0));
-        for _ in 0..cycles.ok_or("how long? Say --cycles N")? {
-            let given: Row = columns.iter().map(|c| random.given(c)).collect();
-            if !self.cycle(&given)? {
+    fn rows(&mut self, rows: &[Row]) -> Outcome {
+        for row in rows {
+            if !self.cycle(row)? {
                 return Ok(Exit::Fault);
             }
         }
         Ok(Exit::Good)
     }
+}
+
+/// Inputs that are made up, or none for a node without in-ports. They keep what the node assumes of them.
+fn made_up(args: &RunArgs, input: &Input, columns: &[Column]) -> Result<Vec<Row>, Box<dyn Error>> {
+    if let (Some(column), None) = (columns.first(), args.node.random) {
+        let key = &column.key;
+        return Err(format!(
+            "the node reads `{key}`; say where from: --inputs FILE, --step or --random SEED"
+        )
+        .into());
+    }
+    let cycles = args.target.cycles.ok_or("how long? Say --cycles N")?;
+    let Some(seed) = args.node.random else {
+        return Ok(vec![Row::new(); usize::try_from(cycles)?]);
+    };
+    let claims = match args.contracts {
+        Contracts::Off => Claims::Off,
+        Contracts::Report | Contracts::Fault => Claims::Report,
+    };
+    let name = args.node.node.as_deref();
+    let compiled = rpi_driver::compile_node(input, name, claims, false)?;
+    let node = compiled.node.ok_or("the node does not compile")?;
+    let image = rpi_driver::lower_to_run(&node.net, args.target.period.unwrap_or(PERIOD))?;
+    let trial = Trial::new(image, columns, &node.net.claims);
+    Ok(trial.rows(&mut Random::new(seed), cycles)?)
 }

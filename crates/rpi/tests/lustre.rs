@@ -211,11 +211,15 @@ fn columns(table: &str) -> Vec<(String, Vec<String>)> {
     head.iter().enumerate().map(column).collect()
 }
 
+/// Programs with primitives that Lustre V6 has not: machine integers.
+const NOT_EMITTED: &[&str] = &["machine_integers.lus"];
+
 #[test]
 fn what_is_emitted_as_lustre_gives_the_same_bits() {
     let mut wrong = Vec::new();
     let mut programs = files_below("tests/lustre", &[".lus"]);
     programs.extend(files_below("tests/nodes", &[".rpi"]));
+    programs.retain(|path| !NOT_EMITTED.iter().any(|name| path.ends_with(name)));
     for program in programs {
         let inputs = with(&program, "in.csv");
         let path = program.display().to_string();

@@ -39,6 +39,8 @@ enum Expected {
     Refusal,
     Kinds(Vec<String>),
     Run,
+    /// The reason why it is excluded, if it is.
+    Kept(Option<String>),
 }
 
 /// How far values may be apart.
@@ -52,6 +54,7 @@ pub(crate) fn cases(options: &Options) -> Result<Vec<Case>, String> {
         Wanted::Reject => all(&options.programs, || Expected::Refusal)?,
         Wanted::Kinds(table) => listed(&options.programs, table)?,
         Wanted::Run => all(&options.programs, || Expected::Run)?,
+        Wanted::Keep(list) => kept(&options.programs, list)?,
     };
     cases.retain(|case| case.name.contains(only));
     match cases.is_empty() {
@@ -86,6 +89,22 @@ fn listed(programs: &Path, table: &Path) -> Result<Vec<Case>, String> {
         wanted: Expected::Kinds(codes),
     };
     Ok(table.into_iter().map(case).collect())
+}
+
+/// All programs of a folder, and a list of those among them that are excluded: a JSON object of reasons by file.
+fn kept(programs: &Path, list: &Path) -> Result<Vec<Case>, String> {
+    let bad = |e: &dyn std::fmt::Display| format!("{}: {e}", list.display());
+    let text = std::fs::read_to_string(list).map_err(|e| bad(&e))?;
+    let mut reasons: std::collections::BTreeMap<String, String> =
+        serde_json::from_str(&text).map_err(|e| bad(&e))?;
+    let mut cases = all(programs, || Expected::Kept(None))?;
+    for case in &mut cases {
+        case.wanted = Expected::Kept(reasons.remove(&case.name));
+    }
+    match reasons.into_keys().next() {
+        Some(name) => Err(bad(&format!("there is no {name}"))),
+        None => Ok(cases),
+    }
 }
 
 fn all(programs: &Path, wanted: fn() -> Expected) -> Result<Vec<Case>, String> {
@@ -128,12 +147,49 @@ impl Case {
             Expected::Trace(Some(trace)) => against(trace, &path, tools),
             Expected::Refusal => refusal(&checked(tools, &path)),
             Expected::Kinds(codes) => of_kind(codes, &checked(tools, &path)),
+            Expected::Kept(reason) => excluded(reason.as_deref(), keeps(tools, &path)),
             Expected::Run => {
                 let args = ["run", &path, "--random", "1", "--cycles", "12"];
                 let ended = tools.run("rpi", &args);
                 failure(&ended).unwrap_or_else(|| Fate::Good(String::new()))
             }
         }
+    }
+}
+
+/// How many cycles a program runs to show that it keeps its claims.
+const KEPT_CYCLES: &str = "100";
+
+/// Whether a program is accepted, and keeps its claims for made-up inputs that keep its assumptions.
+fn keeps(tools: &Tools, path: &str) -> Fate {
+    let checked = checked(tools, path);
+    if checked.status != Some(0) {
+        return of_kind(&[], &checked);
+    }
+    let random = ["--random", "1", "--cycles", KEPT_CYCLES];
+    let args = [&["run", path, "--contracts", "fault"][..], &random].concat();
+    let ended = tools.run("rpi", &args);
+    match failure(&ended) {
+        Some(_) if ended.err.contains(NO_NODE) => {
+            Fate::Good("nothing in it runs by itself".to_owned())
+        }
+        Some(fate) => fate,
+        None => Fate::Good(String::new()),
+    }
+}
+
+/// What `rpi run` says of a program that has only generic nodes, types or constants.
+const NO_NODE: &str = "there is no node in it that can be run";
+
+/// A reason stands for a program that is not as it should be, and for no other.
+fn excluded(reason: Option<&str>, fate: Fate) -> Fate {
+    match (reason, fate) {
+        (Some(_), Fate::Good(_)) => {
+            Fate::Differs("is excluded, and all is well with it".to_owned())
+        }
+        (Some(_), Fate::Broken(why)) => Fate::Broken(why),
+        (Some(reason), _) => Fate::Good(format!("excluded: {reason}")),
+        (None, fate) => fate,
     }
 }
 

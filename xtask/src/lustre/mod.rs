@@ -1,8 +1,8 @@
 //! `cargo xtask lustre-corpus`: Lustre programs written elsewhere, run by our tools.
 //!
 //! The programs stay outside of the repository. With traces each program must give what the trace says; with `--reject`
-//! each must be refused, with a table after `--kinds` for the reason that it gives; with
-//! none of them each must run. The tools are run as their users run them, one process per program.
+//! each must be refused, with a table after `--kinds` for the reason that it gives; with a list after `--excluded` each
+//! must be accepted and keep its claims, or stand in the list with the reason why it does not; with none of them each must run. The tools are run as their users run them, one process per program.
 //!
 //! | file | idea |
 //! |---|---|

@@ -13,6 +13,8 @@ pub(crate) enum Wanted {
     Kinds(PathBuf),
     /// Run.
     Run,
+    /// Be accepted and keep their claims, but for those that a list excludes, each with its reason.
+    Keep(PathBuf),
 }
 
 /// The options of the chore.
@@ -31,7 +33,7 @@ pub(crate) struct Options {
 }
 
 const USAGE: &str =
-    "usage: cargo xtask lustre-corpus --programs DIR [--traces FILE.json | --reject | --kinds FILE.json]
+    "usage: cargo xtask lustre-corpus --programs DIR [--traces FILE.json | --reject | --kinds FILE.json | --excluded FILE.json]
     [--groups FILE.json] [--only TEXT] [--list]";
 
 impl Options {
@@ -52,6 +54,7 @@ impl Options {
                 "--traces" => options.wanted = Wanted::Match(value()?.into()),
                 "--reject" => options.wanted = Wanted::Reject,
                 "--kinds" => options.wanted = Wanted::Kinds(value()?.into()),
+                "--excluded" => options.wanted = Wanted::Keep(value()?.into()),
                 "--groups" => options.groups = Some(value()?.into()),
                 "--only" => options.only = Some(value()?.clone()),
                 "--list" => options.list = true,
