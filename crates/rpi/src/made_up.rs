@@ -22,15 +22,15 @@ pub(crate) struct Trial {
 impl Trial {
     /// Claims that are watched and do not end the run; those that inputs must keep are picked out.
     pub(crate) fn new(image: Image, inputs: &[Column], claims: &[Claim]) -> Trial {
-        let is_own = |claim: &&Claim| match claim.kind {
+        let is_assumed = |claim: &&Claim| match claim.kind {
             ClaimKind::Assert => true,
-            ClaimKind::Assume | ClaimKind::Modes => claim.path.is_empty(),
+            ClaimKind::Assume | ClaimKind::Modes => is_own(&claim.path),
             ClaimKind::Check | ClaimKind::Guarantee => false,
         };
         Trial {
             image,
             inputs: inputs.to_vec(),
-            assumed: claims.iter().filter(is_own).cloned().collect(),
+            assumed: claims.iter().filter(is_assumed).cloned().collect(),
         }
     }
 
@@ -42,11 +42,7 @@ impl Trial {
         let mut rows: Vec<Row> = Vec::new();
         let (mut run, mut tries) = (self.run_after(&rows)?, 0);
         while (rows.len() as u64) < cycles {
-            let row: Row = self
-                .inputs
-                .iter()
-                .map(|column| random.given(column))
-                .collect();
+            let row = self.drawn(random, rows.last().filter(|_| tries % 2 == 1));
             let cycle = run.cycle(&row);
             if cycle.row.is_none() || cycle.findings.is_empty() || self.assumed.is_empty() {
                 rows.push(row);
@@ -68,6 +64,18 @@ impl Trial {
         Ok(rows)
     }
 
+    /// A row; of a second try many values are those of the cycle before.
+    fn drawn(&self, random: &mut Random, last: Option<&Row>) -> Row {
+        let mut row = Row::with_capacity(self.inputs.len());
+        for (k, column) in self.inputs.iter().enumerate() {
+            row.push(match last {
+                Some(last) if random.keeps() => last[k].clone(),
+                _ => random.given(column),
+            });
+        }
+        row
+    }
+
     fn run_after(&self, rows: &[Row]) -> Result<NodeRun, String> {
         let mut run = NodeRun::load(self.image.clone(), &self.inputs, &[], &self.assumed)?;
         for row in rows {
@@ -75,4 +83,9 @@ impl Trial {
         }
         Ok(run)
     }
+}
+
+/// Whether a claim is one of the node that runs: of its contract, or of one that this imports.
+fn is_own(path: &str) -> bool {
+    path.split('.').all(|part| matches!(part, "" | "_"))
 }

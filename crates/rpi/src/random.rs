@@ -19,6 +19,11 @@ impl Random {
         self.0 >> 11
     }
 
+    /// Whether a value stays: three times of four.
+    pub(crate) fn keeps(&mut self) -> bool {
+        !self.next().is_multiple_of(4)
+    }
+
     /// The cells of one value; of four that may be absent, one is.
     pub(crate) fn given(&mut self, column: &Column) -> Option<Vec<u64>> {
         match column.optional && self.next().is_multiple_of(4) {

@@ -30,6 +30,12 @@ pub(super) enum Constraint {
 pub(super) const CONSTRAINTS: [Constraint; 3] =
     [Constraint::Number, Constraint::Real, Constraint::Plain];
 
+/// Their words, and the types that they admit.
+pub(crate) fn constraints() -> impl Iterator<Item = (&'static str, &'static str)> {
+    let all = CONSTRAINTS.into_iter();
+    all.map(|constraint| (constraint.word(), constraint.described()))
+}
+
 impl Constraint {
     fn of(word: &str) -> Option<Constraint> {
         CONSTRAINTS.into_iter().find(|one| one.word() == word)

@@ -106,6 +106,7 @@ use std::cell::Cell;
 use std::collections::{BTreeMap, BTreeSet, VecDeque};
 use std::rc::Rc;
 
+pub(crate) use constraint::constraints;
 pub(crate) use names::predeclared_name;
 pub use names::result_identity;
 pub(crate) use prim::{machine_type, packed, param_default};

@@ -143,7 +143,18 @@ pub fn builtins() -> impl Iterator<Item = Builtin> {
 /// The one of this name.
 #[must_use]
 pub fn builtin(name: &str) -> Option<Builtin> {
-    builtins().find(|builtin| builtin.name == name)
+    let mut all = builtins().chain(constraints());
+    all.find(|builtin| builtin.name == name)
+}
+
+/// The constraints of type parameters, which stand nowhere else.
+fn constraints() -> impl Iterator<Item = Builtin> {
+    check::constraints().map(|(name, admitted)| Builtin {
+        name,
+        form: format!("type T: {name}"),
+        doc: format!("Constraint of a type parameter: {admitted}."),
+        is_call: false,
+    })
 }
 
 fn flows() -> impl Iterator<Item = Builtin> {
