@@ -211,8 +211,9 @@ fn columns(table: &str) -> Vec<(String, Vec<String>)> {
     head.iter().enumerate().map(column).collect()
 }
 
-/// Programs with primitives that Lustre V6 has not: machine integers.
-const NOT_EMITTED: &[&str] = &["machine_integers.lus"];
+/// Programs that cannot be compared: machine integers have no primitives in Lustre V6, and values that a program leaves
+/// open become in-ports, for which the tables have no columns.
+const NOT_EMITTED: &[&str] = &["machine_integers.lus", "open_values.lus"];
 
 #[test]
 fn what_is_emitted_as_lustre_gives_the_same_bits() {
