@@ -121,6 +121,8 @@ codes! {
     RPI2013 Error "array defined by its elements the wrong way";
     RPI2014 Error "variable that stands for many values";
     RPI2015 Warning "division read as in Lustre V6";
+    RPI2017 Error "value outside of its subrange";
+    RPI2018 Error "subrange without values";
     RPI2019 Error "type that does not satisfy its constraint";
     RPI2101 Error "link between ports of different types";
     RPI2102 Error "text is no value of the parameter's type";
@@ -132,6 +134,7 @@ codes! {
     RPI3005 Error "function with state";
     RPI3006 Error "automaton without one initial state";
     RPI3007 Error "clocks that do not meet";
+    RPI3008 Warning "operand with state that can fault";
     RPI3101 Warning "flow that nothing uses";
     RPI3102 Warning "claim that can never hold";
     RPI3103 Warning "state that nothing leads to";

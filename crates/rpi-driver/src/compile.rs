@@ -47,6 +47,8 @@ pub struct Asked {
     pub claims: Claims,
     /// Whether the analyses tell what they established.
     pub told: bool,
+    /// Whether it is told what can fault while the program runs.
+    pub faults: bool,
     /// Whether it is told what tests can reach.
     pub marks: bool,
     /// Whether the text comes from somebody who may not read files of this machine: none but itself is looked for.
@@ -60,6 +62,7 @@ impl From<Claims> for Asked {
         Asked {
             claims,
             told: false,
+            faults: false,
             marks: false,
             alone: false,
             period_ns: None,

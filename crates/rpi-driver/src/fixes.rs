@@ -123,6 +123,7 @@ fn neutral(ty: &Ty) -> Option<String> {
     match ty {
         Ty::Bool => Some("false".to_owned()),
         Ty::Int => Some("0".to_owned()),
+        Ty::Subrange(range) => Some(range.nearest(0).to_string()),
         Ty::Real(dim) if *ty == Ty::REAL || dim.is_plain() => Some("0.0".to_owned()),
         Ty::Real(dim) => Some(format!("0[{dim}]")),
         Ty::Enum(values) => values.values.first().map(ToString::to_string),

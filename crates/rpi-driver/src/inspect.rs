@@ -14,7 +14,9 @@ use rpi_sema::query::{Def, Index, Typed, type_around, types_of_flows, types_of_r
 use rpi_syntax::ast::Item;
 use rpi_syntax::{Mode, with_stack};
 
+use crate::compile::Asked;
 use crate::doctext;
+use crate::faults::FaultPlace;
 use crate::files::Files;
 use crate::input::stem;
 use crate::modules::Modules;
@@ -32,6 +34,7 @@ pub struct Inspected {
     index: OnceCell<Index>,
     facts: OnceCell<Vec<Facts>>,
     flows: OnceCell<BTreeMap<Span, Vec<Typed>>>,
+    faults: OnceCell<Vec<FaultPlace>>,
 }
 
 /// Takes a text through all stages; other files that it needs come from `files`. The name of the file tells the language.
@@ -51,6 +54,7 @@ pub fn inspect(path: &Path, text: &str, files: &dyn Files) -> Inspected {
         index: OnceCell::new(),
         facts: OnceCell::new(),
         flows: OnceCell::new(),
+        faults: OnceCell::new(),
     }
 }
 
@@ -96,6 +100,28 @@ impl Inspected {
     #[must_use]
     pub fn type_around(&self, file: FileId, offset: u32) -> Option<(Span, Vec<Typed>)> {
         with_stack(|| type_around(&self.checked.units, self.facts(), file, offset))
+    }
+
+    /// The smallest operation around a place that can fault while the program runs, and how it can.
+    pub fn faults_around(&self, file: FileId, offset: u32) -> Vec<FaultPlace> {
+        let is_around = |one: &&FaultPlace| {
+            one.span.file == file && one.span.start <= offset && offset < one.span.end
+        };
+        let around = || self.faults().iter().filter(is_around);
+        let length = |one: &FaultPlace| one.span.end - one.span.start;
+        let smallest = around().map(length).min();
+        let all = around().filter(|one| Some(length(one)) == smallest);
+        all.copied().collect()
+    }
+
+    /// Worked out when it is first asked for: that takes the program through the later stages again.
+    fn faults(&self) -> &[FaultPlace] {
+        let asked = Asked {
+            faults: true,
+            ..Asked::from(Claims::Off)
+        };
+        let faults = || build_modules(&self.modules, &self.sources, asked).0.faults;
+        self.faults.get_or_init(faults)
     }
 
     /// The top-level declaration around a place.

@@ -8,6 +8,7 @@ mod agreed;
 mod compile;
 mod doctext;
 pub mod emit;
+mod faults;
 mod files;
 mod fixes;
 pub mod graph;
@@ -32,6 +33,7 @@ pub use compile::{
     lower_with_work,
 };
 pub use doctext::{doc_blocks, doc_links, examples};
+pub use faults::FaultPlace;
 pub use files::{Disk, Files};
 pub use input::{Input, InputError, Kind, read, unreadable, utf8};
 pub use inspect::{Inspected, inspect};

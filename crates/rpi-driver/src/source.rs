@@ -5,7 +5,7 @@ use std::collections::BTreeSet;
 use std::path::Path;
 
 use rpi_diag::{Finding, Severity, SourceMap, Span};
-use rpi_net::passes::{Analysis, Machine, over_budget};
+use rpi_net::passes::{Analysis, CanFault, Machine, over_budget};
 use rpi_net::{FragmentId, Net};
 use rpi_sema::elab::{Argument, Claims, Elaborated, Room, elaborate, elaborate_steps, hides_ring};
 use rpi_sema::facts::{self, Facts};
@@ -16,6 +16,7 @@ use rpi_syntax::with_stack;
 
 use crate::agreed::Found;
 use crate::compile::Asked;
+use crate::faults::{self, FaultPlace};
 use crate::files::Disk;
 use crate::modules::Modules;
 use crate::task::{self, Instance, Task};
@@ -33,6 +34,8 @@ pub(crate) struct Built {
     pub(crate) findings: Vec<Finding>,
     /// What was established.
     pub(crate) told: Vec<Told>,
+    /// What can fault while it runs, in the order of the text, if that was asked for.
+    pub(crate) faults: Vec<FaultPlace>,
     /// Its tasks, in the order of the text.
     pub(crate) tasks: Vec<Task>,
 }
@@ -69,6 +72,8 @@ pub(crate) struct Front<'p> {
     pub(crate) room: Room,
     /// What was found out about each unit so far, if anybody wants to know.
     told: RefCell<Option<Vec<Told>>>,
+    /// What can fault in the nets so far, if anybody wants to know.
+    faults: RefCell<Option<BTreeSet<FaultPlace>>>,
 }
 
 /// What the analyses found out about something that can be run: its name, and a line per analysis.
@@ -92,6 +97,7 @@ pub(crate) fn build_modules(
         nets: roots.nets,
         tests: roots.tests,
         told: roots.told,
+        faults: roots.faults,
         tasks: roots.tasks,
         findings,
     };
@@ -131,6 +137,7 @@ fn checked<T>(
         machine: modules.machine,
         room: Room::of(&program, &checked),
         told: RefCell::default(),
+        faults: RefCell::default(),
     };
     let (is_faulty, before) = (has_errors(&findings), findings.len());
     let made = back(&front, &mut findings);
@@ -163,12 +170,14 @@ struct Roots {
     nets: Vec<Net>,
     tests: Vec<Test>,
     told: Vec<Told>,
+    faults: Vec<FaultPlace>,
     tasks: Vec<Task>,
 }
 
 fn roots(front: &Front<'_>, asked: Asked, findings: &mut Vec<Finding>) -> Roots {
     let (claims, checked) = (asked.claims, front.checked);
     front.told.replace(asked.told.then(Vec::new));
+    front.faults.replace(asked.faults.then(BTreeSet::new));
     let called = called(&checked.units);
     let (mut roots, mut found) = (Roots::default(), Found::default());
     for (_, unit) in &checked.runnable {
@@ -203,6 +212,12 @@ fn roots(front: &Front<'_>, asked: Asked, findings: &mut Vec<Finding>) -> Roots 
     findings.extend(found.agreed());
     roots.tasks = tasks;
     roots.told = front.told.take().unwrap_or_default();
+    roots.faults = front
+        .faults
+        .take()
+        .unwrap_or_default()
+        .into_iter()
+        .collect();
     roots
 }
 
@@ -296,7 +311,7 @@ pub(crate) fn analysed(
                 found.extend(rings(front, unit, args));
             }
             Ok(Some(analysis)) => {
-                front.tell(unit, &analysis, &made);
+                found.extend(front.faults(unit, &analysis, &made));
                 found.extend(analysis.findings);
                 let over = over_budget(&analysis.net, &analysis.work, front.machine);
                 found.extend(over);
@@ -334,8 +349,23 @@ impl Front<'_> {
         }
     }
 
+    /// What can fault in a net, looked for only if that matters to somebody.
+    fn faults(&self, unit: UnitId, analysis: &Analysis, made: &Elaborated) -> Vec<Finding> {
+        let mut kept = self.faults.borrow_mut();
+        let is_told = self.told.borrow().is_some();
+        if !is_told && kept.is_none() && made.operands.is_empty() {
+            return Vec::new();
+        }
+        let found = faults::of(analysis);
+        if let Some(kept) = kept.as_mut() {
+            kept.append(&mut faults::places(&found));
+        }
+        self.tell(unit, analysis, made, &found);
+        faults::of_operands(&made.operands, &found)
+    }
+
     /// Keeps what was found out about a unit.
-    fn tell(&self, unit: UnitId, analysis: &Analysis, made: &Elaborated) {
+    fn tell(&self, unit: UnitId, analysis: &Analysis, made: &Elaborated, faults: &[CanFault]) {
         let mut told = self.told.borrow_mut();
         let Some(told) = told.as_mut() else {
             return;
@@ -344,6 +374,7 @@ impl Front<'_> {
         lines.extend(analysis.told.iter().cloned());
         lines.push(("initialisation", rpi_sema::init::told(&analysis.net)));
         lines.push(("budget", budget(analysis, self.machine)));
+        lines.extend(faults::lines(faults, self.sources));
         if made.has_claims {
             let count = analysis.net.claims.len();
             lines.push((

@@ -20,13 +20,26 @@ pub(crate) fn hover(world: &mut World, params: HoverParams) -> Option<Hover> {
     let (span, description) = named(&seen, offset)
         .or_else(|| built_in(&seen, offset))
         .or_else(|| expression(&seen, offset))?;
+    let faults = faults(&seen, span, offset);
     Some(Hover {
         contents: HoverContents::Markup(MarkupContent {
             kind: MarkupKind::Markdown,
-            value: description.markdown(),
+            value: description.markdown() + &faults,
         }),
         range: Some(places.range(span)),
     })
+}
+
+/// How the operation at a place can fault while the program runs. Of a name in it nothing is said.
+fn faults(seen: &Inspected, described: Span, offset: u32) -> String {
+    let all = seen.faults_around(FileId(0), offset);
+    let here = all.iter().filter(|one| described.contains(one.span));
+    let lines = here.map(|one| format!("- {}\n", one.text()));
+    let lines: String = lines.collect();
+    match lines.is_empty() {
+        true => lines,
+        false => format!("\n\nCan fault while it runs:\n\n{lines}"),
+    }
 }
 
 /// A name that the program declares.

@@ -40,6 +40,8 @@ pub enum FaultCode {
     Discontinuity,
     /// An assertion or contract does not hold.
     AssertionFailed,
+    /// A value lies outside of the subrange that it is declared to lie in.
+    OutsideSubrange,
     /// The command itself has asked for an emergency stop.
     EmergencyStop,
 }

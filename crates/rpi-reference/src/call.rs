@@ -1,6 +1,6 @@
 //! Calls: behind each stands an instance of its own, which lives as long as the block that calls (M6.5).
 
-use rpi_sema::typed::{Activation, Call, ExprId, UnitId, UnitKind};
+use rpi_sema::typed::{Activation, Call, Each, ExprId, Kind, UnitId, UnitKind};
 
 use crate::cycle::{Keep, Reference};
 use crate::instance::{Here, Instance, InstanceId};
@@ -81,8 +81,10 @@ impl<'p> Reference<'p> {
     }
 
     fn instance(&mut self, here: Here, id: ExprId, call: &'p Call, afresh: bool) -> InstanceId {
-        let kind = self.is_function(call.unit);
-        let around = if kind { here } else { here.unguarded() };
+        let around = match self.follows_choice(call) {
+            true => here,
+            false => here.unguarded(),
+        };
         let caller = Some((around, &call.args[..]));
         let calls = &self.instances[here.instance].memory(here.block).calls;
         let known = calls.get(&id).copied().filter(|_| !afresh);
@@ -111,8 +113,33 @@ impl<'p> Reference<'p> {
         Err(Stop::Beyond("an out-port that is not there".to_owned()))
     }
 
-    /// Whether a unit has no state.
-    pub(crate) fn is_function(&self, unit: UnitId) -> bool {
-        self.units[unit.0 as usize].kind == UnitKind::Function
+    /// Whether what a call computes is needed only where the call is: it has no state, nor has anything that it calls
+    /// (M6.7).
+    pub(crate) fn follows_choice(&self, call: &Call) -> bool {
+        matches!(call.activation, Activation::Always) && self.is_stateless(call.unit)
+    }
+
+    fn is_stateless(&self, id: UnitId) -> bool {
+        let unit = &self.units[id.0 as usize];
+        match unit.kind {
+            UnitKind::Function => return true,
+            UnitKind::Node => {}
+            _ => return false,
+        }
+        // Fragments and states in it; contracts are part of it.
+        let mut inner = unit.blocks.iter().skip(1);
+        let has_parts = inner.any(|block| !block.is_contract)
+            || unit.blocks.iter().any(|block| !block.automata.is_empty());
+        !has_parts && !unit.exprs.iter().any(|expr| self.is_state(&expr.kind))
+    }
+
+    fn is_state(&self, kind: &Kind) -> bool {
+        match kind {
+            Kind::Each(each, _) => matches!(each, Each::Pre | Each::Last | Each::Hold),
+            Kind::Current(_) => true,
+            Kind::Prim(call) => !matches!(call.prim.desc().state, rpi_image::State::None),
+            Kind::Call(call) => !self.follows_choice(call),
+            _ => false,
+        }
     }
 }

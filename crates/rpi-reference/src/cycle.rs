@@ -3,7 +3,9 @@
 use std::collections::BTreeSet;
 
 use rpi_sema::facts::Facts;
-use rpi_sema::typed::{BlockId, Each, ExprId, FlowId, FlowRole, Kind, Unit, UnitId};
+use rpi_sema::typed::{
+    BlockId, Each, Equation, ExprId, FlowId, FlowRole, Kind, Place, PrimCall, Unit, UnitId,
+};
 use rpi_syntax::ast::EndKind;
 
 use crate::instance::{Here, Instance, InstanceId, Now, State};
@@ -105,6 +107,7 @@ impl<'p> Reference<'p> {
     /// Evaluates all that stands in an instance and is active.
     pub(crate) fn body(&mut self, instance: InstanceId) -> Result<(), Stop> {
         let unit = self.instances[instance].unit;
+        self.ports(instance)?;
         for (id, block) in (0..).map(BlockId).zip(&unit.blocks) {
             self.condition(instance, id)?;
             if !self.is_active(instance, id)? {
@@ -113,6 +116,7 @@ impl<'p> Reference<'p> {
             let here = self.inside(instance, id);
             for equation in &block.equations {
                 self.visit(here, equation.value)?;
+                self.targets(instance, equation)?;
             }
             for claim in &block.claims {
                 self.visit(here, claim.condition)?;
@@ -125,6 +129,30 @@ impl<'p> Reference<'p> {
             }
             for end in &block.ends {
                 self.visit(here, end.condition)?;
+            }
+        }
+        Ok(())
+    }
+
+    /// What an equation defines must lie in the subranges of the flows.
+    fn targets(&mut self, instance: InstanceId, equation: &Equation) -> Result<(), Stop> {
+        for target in &equation.targets {
+            if let Place::Flow { flow, at } = target.place {
+                for (k, _) in target.ty.subranges(false) {
+                    self.flow(instance, flow, at as usize + k)?;
+                }
+            }
+        }
+        Ok(())
+    }
+
+    /// What comes in must lie in the subranges of the in-ports.
+    fn ports(&mut self, instance: InstanceId) -> Result<(), Stop> {
+        let unit = self.instances[instance].unit;
+        let from_outside = self.instances[instance].caller.is_none();
+        for flow in &unit.inputs {
+            for (k, _) in unit.flow(*flow).ty.subranges(from_outside) {
+                self.flow(instance, *flow, k)?;
             }
         }
         Ok(())
@@ -156,6 +184,9 @@ impl<'p> Reference<'p> {
         }
         let mut operands = Vec::new();
         expr.kind.operands(&mut |operand| operands.push(operand));
+        if let Kind::Each(Each::Coalesce, of) = &expr.kind {
+            self.needed(here, id, of[0], of[1])?;
+        }
         for (k, operand) in operands.into_iter().enumerate() {
             if self.is_text(here, id, k)? {
                 let there = self.operand(here, id, k)?;
@@ -163,6 +194,36 @@ impl<'p> Reference<'p> {
             }
         }
         Ok(())
+    }
+
+    /// Evaluates what `x ?? y` needs of y: of what is put together in place the parts of which a leaf is absent in x, of
+    /// anything else all if any leaf is (M6.7).
+    fn needed(&mut self, here: Here, id: ExprId, x: ExprId, y: ExprId) -> Result<(), Stop> {
+        let unit = self.instances[here.instance].unit;
+        let mut absent = Vec::new();
+        for k in 0..unit.expr(id).ty.leaf_count() {
+            absent.push(self.read_by(here, id, x, k)?.is_none());
+        }
+        self.where_absent(here, y, &absent)
+    }
+
+    fn where_absent(&mut self, here: Here, y: ExprId, absent: &[bool]) -> Result<(), Stop> {
+        let unit = self.instances[here.instance].unit;
+        if let Kind::Build(parts) = &unit.expr(y).kind
+            && !unit.has_clocks
+        {
+            let mut first = 0;
+            for part in parts {
+                let size = unit.expr(*part).ty.leaf_count();
+                self.where_absent(here, *part, &absent[first..first + size])?;
+                first += size;
+            }
+            return Ok(());
+        }
+        match absent.contains(&true) {
+            true => self.visit(here, y),
+            false => Ok(()),
+        }
     }
 
     /// Whether the operand of this number is part of the text: not the branch that static parameters rule out (M5.4).
@@ -176,7 +237,7 @@ impl<'p> Reference<'p> {
         })
     }
 
-    /// Where the operand of this number is evaluated.
+    /// Where the operand of this number is evaluated. An operand is chosen where the operator needs it (M6.7).
     pub(crate) fn operand(&mut self, here: Here, id: ExprId, number: usize) -> Result<Here, Stop> {
         let unit = self.instances[here.instance].unit;
         Ok(match &unit.expr(id).kind {
@@ -194,8 +255,29 @@ impl<'p> Reference<'p> {
             Kind::Each(Each::Pre | Each::Last | Each::Hold, _) | Kind::Current(_) => {
                 here.unguarded()
             }
-            Kind::Call(call) if !self.is_function(call.unit) => here.unguarded(),
+            // What leaves of the right operand are needed for has been worked out before.
+            Kind::Each(Each::Coalesce, _) if number == 1 => Here {
+                chosen: false,
+                ..here
+            },
+            Kind::Prim(call) if number == 1 && is_lazy(call) => self.second(here, call)?,
+            Kind::Prim(call) if remembers(call) => here.unguarded(),
+            Kind::Call(call) if !self.follows_choice(call) => here.unguarded(),
             _ => here,
+        })
+    }
+
+    /// Where the right operand of `and`, `or` and `=>` is evaluated: chosen unless the left one decides; an absent one does
+    /// not (M4.4).
+    fn second(&mut self, here: Here, call: &PrimCall) -> Result<Here, Stop> {
+        let left = match call.inputs[0] {
+            Some(left) => self.truth(here, left)?,
+            None => None,
+        };
+        let decides = left == Some(call.prim.desc().name == "Core::BooleanOr");
+        Ok(Here {
+            chosen: here.chosen && !decides,
+            ..here
         })
     }
 
@@ -282,4 +364,15 @@ impl<'p> Reference<'p> {
     pub(crate) fn time(&self) -> Value {
         Value::Real((self.cycle - 1) as f64 * self.dt)
     }
+}
+
+/// Whether an operator needs its right operand only where the left one does not decide.
+fn is_lazy(call: &PrimCall) -> bool {
+    let name = call.prim.desc().name;
+    ["Core::BooleanAnd", "Core::BooleanOr", "Rpi::BooleanImplies"].contains(&name)
+}
+
+/// Whether a primitive that is called by its name has state.
+fn remembers(call: &PrimCall) -> bool {
+    !matches!(call.prim.desc().state, rpi_image::State::None)
 }

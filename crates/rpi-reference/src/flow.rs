@@ -4,16 +4,32 @@ use rpi_sema::typed::{BlockId, ExprId, FlowId, Place, Shared, Unit};
 
 use crate::cycle::Reference;
 use crate::instance::InstanceId;
-use crate::value::{Leaf, Stop};
+use crate::value::{Leaf, Stop, Value};
 
 impl<'p> Reference<'p> {
-    /// A leaf of a flow.
+    /// A leaf of a flow. What is declared as a subrange lies in it, or the cycle faults where the flow is defined (M2.4).
     pub(crate) fn flow(
         &mut self,
         instance: InstanceId,
         flow: FlowId,
         k: usize,
     ) -> Result<Leaf, Stop> {
+        let leaf = self.unchecked(instance, flow, k)?;
+        let unit = self.instances[instance].unit;
+        let ty = &unit.flow(flow).ty;
+        let from_outside = self.instances[instance].caller.is_none() && unit.inputs.contains(&flow);
+        let range = ty.subranges(from_outside).into_iter().find(|of| of.0 == k);
+        match (leaf, range) {
+            (Some(Value::Int(number)), Some((_, range)))
+                if !range.contains(number) && self.instances[instance].now.chosen =>
+            {
+                Err(Stop::Fault("subrange"))
+            }
+            _ => Ok(leaf),
+        }
+    }
+
+    fn unchecked(&mut self, instance: InstanceId, flow: FlowId, k: usize) -> Result<Leaf, Stop> {
         let unit = self.instances[instance].unit;
         if let Some(port) = unit.inputs.iter().position(|input| *input == flow) {
             return self.given(instance, port, k);

@@ -54,7 +54,11 @@ impl<'p> Reference<'p> {
                 self.leaf(here, *base, element as usize * size + k % size)
             }
             Kind::Select { base, index } => self.select(here, *base, *index, k),
-            Kind::Build(parts) => self.built(here, parts, k),
+            Kind::Build(parts) => {
+                let leaf = self.built(here, parts, k)?;
+                let is_struct = matches!(expr.ty, Ty::Struct(_));
+                in_field(here, leaf, &expr.ty, k, is_struct)
+            }
             Kind::Repeat(element) => {
                 let size = unit.expr(*element).ty.leaf_count();
                 self.leaf(here, *element, k % size)
@@ -63,7 +67,10 @@ impl<'p> Reference<'p> {
                 let at = *at as usize;
                 let size = unit.expr(*value).ty.leaf_count();
                 match (at..at + size).contains(&k) {
-                    true => self.leaf(here, *value, k - at),
+                    true => {
+                        let leaf = self.leaf(here, *value, k - at)?;
+                        in_field(here, leaf, &expr.ty, k, true)
+                    }
                     false => self.leaf(here, *base, k),
                 }
             }
@@ -236,7 +243,13 @@ impl<'p> Reference<'p> {
 
     /// An operand of an operator that looks at its presence: absent where its clock does not tick and the operator's does
     /// (M4.7).
-    fn read_by(&mut self, here: Here, id: ExprId, operand: ExprId, k: usize) -> Result<Leaf, Stop> {
+    pub(crate) fn read_by(
+        &mut self,
+        here: Here,
+        id: ExprId,
+        operand: ExprId,
+        k: usize,
+    ) -> Result<Leaf, Stop> {
         let leaf = self.leaf(here, operand, k)?;
         for on in self.clocks(here).beyond(operand, id) {
             if self.is_on(here, *on)? != Some(true) {
@@ -248,8 +261,9 @@ impl<'p> Reference<'p> {
 
     fn operator(&mut self, here: Here, id: ExprId, call: &PrimCall) -> Result<Leaf, Stop> {
         let mut operands = Vec::with_capacity(call.inputs.len());
-        for input in call.inputs.iter().flatten() {
-            operands.push(self.leaf(here, *input, 0)?);
+        for (number, input) in call.inputs.iter().flatten().enumerate() {
+            let there = self.operand(here, id, number)?;
+            operands.push(self.leaf(there, *input, 0)?);
         }
         match call.prim.desc().name {
             "Rpi::First" => Ok(Some(Value::Bool(self.first(here, id)))),
@@ -309,6 +323,18 @@ impl<'p> Reference<'p> {
     fn is_on(&mut self, here: Here, on: ClockOn) -> Result<Option<bool>, Stop> {
         let leaf = self.flow(here.instance, on.flow, 0)?;
         Ok(leaf.map(|leaf| has(leaf, on.value)))
+    }
+}
+
+/// A leaf of a struct that is made here: it lies in the subrange of its field (M2.4).
+fn in_field(here: Here, leaf: Leaf, ty: &Ty, k: usize, is_made: bool) -> Result<Leaf, Stop> {
+    let Some(Value::Int(number)) = leaf.filter(|_| here.chosen && is_made) else {
+        return Ok(leaf);
+    };
+    let mut ranges = ty.subranges(true).into_iter();
+    match ranges.any(|(of, range)| of == k && !range.contains(number)) {
+        true => Err(Stop::Fault("subrange")),
+        false => Ok(leaf),
     }
 }
 

@@ -130,6 +130,7 @@ pub fn fault_text(code: FaultCode) -> &'static str {
         FaultCode::SetPointMissing => "a moving actuator got no set-point and was stopped",
         FaultCode::Discontinuity => "its first set-points do not join those of who went before",
         FaultCode::EmergencyStop => "an emergency stop was demanded",
+        FaultCode::OutsideSubrange => "the value lies outside of its subrange",
         FaultCode::AssertionFailed => "an assertion does not hold",
     }
 }

@@ -7,6 +7,7 @@ pub mod causality;
 mod conjunction;
 pub mod dependencies;
 mod ends;
+mod faults;
 pub mod hoist;
 mod idle;
 pub mod live;
@@ -25,6 +26,7 @@ pub use analysis::{Analysis, PASSES, Pass, analyse, analyse_unless_ring, has_rin
 pub use conjunction::Conjunction;
 pub use dependencies::{Dependence, Dependencies, Reader};
 pub use ends::{is_endless, is_unreachable};
+pub use faults::{CanFault, FaultKind, can_fault};
 pub use presence::{Presences, Sureness, View};
 pub use schedule::Schedule;
 pub use users::Users;

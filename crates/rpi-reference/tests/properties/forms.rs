@@ -102,6 +102,18 @@ pub(crate) const FORMS: &[Form] = &[
     form("pre, optional",    None,         "(pre @)",                         &[DelayedOptional],                 StateAbsent),
     form("none -> pre",      None,         "(none -> pre @)",                 &[Delayed],                         StateAbsent),
     form("??",               None,         "(@ ?? @)",                        &[OwnOptional, Own],                Any),
+    form("??, faulting",     Some(Int),    "(@ ?? @ / (@ mod 3))",            &[OwnOptional, Own, Own],           Any),
+    form("??, guarded call", Some(Int),    "(@ ?? Quotient(@, @))",           &[OwnOptional, OwnTotal, OwnTotal], Any),
+    form("??, of a part",    Some(Point),  "((if @ then none else @) ?? Point{x = @; n = @ div (@ mod 2)})", &[Total(Bool), Own, Total(Real), Total(Int), Total(Int)], Any),
+    form("and, faulting",    Some(Bool),   "(@ and @ div (@ mod 3) > 0)",     &[L_BOOL, L_INT, L_INT],            Any),
+    form("or, faulting",     Some(Bool),   "(@ or @ mod (@ mod 3) > 0)",      &[L_BOOL, L_INT, L_INT],            Any),
+    form("=>, faulting",     Some(Bool),   "(@ => @ div (@ mod 3) > 0)",      &[L_BOOL, L_INT, L_INT],            Any),
+    form("and, or, guarded call", Some(Bool), "(@ and (@ or Ratio(@, @) > 1))", &[L_BOOL, L_BOOL, Total(Int), Total(Int)], Any),
+    form("if, guarded call", Some(Int),    "(if @ then Quotient(@, @) else @)", &[Total(Bool), Total(Int), Total(Int), Own], Any),
+    form("if, guarded map",  Some(Ints),   "(if @ then map<<Quotient, 3>>(@, @) else @)", &[Total(Bool), Total(Ints), Total(Ints), Own], Any),
+    form("subrange, port",   Some(Int),    "Slotted(@ mod 11)",               &[Total(Int)],                      Any),
+    form("subrange, chosen", Some(Int),    "(if @ then Slotted(@) else @)",   &[Total(Bool), Total(Int), Own],    Any),
+    form("subrange, field",  Some(Int),    "(@ ?? Boxed{slot = @; n = @}.slot)", &[OwnOptional, Total(Int), Total(Int)], Any),
     form("hold",             None,         "hold(@, @)",                      &[OwnOptional, OwnTotal],           State),
     ticking("and",           Some(Bool),   "(@ and @)",                       &[L_BOOL, L_BOOL],                  Any),
     ticking("or",            Some(Bool),   "(@ or @)",                        &[L_BOOL, L_BOOL],                  Any),
@@ -194,6 +206,11 @@ pub(crate) const FORMS: &[Form] = &[
 /// What the forms call.
 pub(crate) const CALLED: &str = "\
 node Count (x: int) returns (n: int)\nlet\n  n = (0 -> pre n) mod 1000 + x mod 50;\ntel\n\
+type Slot = subrange [-2, 9] of int;\n\
+type Boxed = struct { slot: Slot; n: int };\n\
+node Slotted (s: Slot) returns (y: Slot)\nlet\n  y = s + 1;\ntel\n\
+node Quotient (a, b: int) returns (q: int)\nlet\n  q = a div (b mod 3);\ntel\n\
+node Ratio (a, b: int) returns (q: int)\nvar big: bool;\nlet\n  big = b > 0 and a div b > 2;\n  q = if big then Quotient(a, b) else Quotient(a - 1, b + 1) mod 7;\ntel\n\
 function Step (so_far, x: int) returns (next: int)\nlet\n  next = (so_far mod 100) * 2 - x;\ntel\n\
 function Sum <<const n: int>> (a: int^n) returns (s: int)\nlet\n  s = with n = 1 then a[0] else a[n - 1] + Sum<<n - 1>>(a[0 .. n - 2]);\ntel\n\
 node Sampling (c: bool; x: int) returns (often: int; rare: int when c)\nlet\n  often = x mod 1000 + 1;\n  rare = ((x mod 1000) when c) - 2 * (often when c);\ntel\n\

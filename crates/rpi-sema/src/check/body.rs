@@ -152,6 +152,7 @@ impl<'c, 'a> Body<'c, 'a> {
     /// Adds an expression to the table.
     pub(super) fn add(&mut self, kind: Kind, ty: Ty, span: Span) -> ExprId {
         let id = ExprId(u32::try_from(self.unit.exprs.len()).unwrap_or(u32::MAX));
+        let ty = ty.widened();
         self.unit.exprs.push(Expr { kind, ty, span });
         id
     }

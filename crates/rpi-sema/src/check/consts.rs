@@ -95,6 +95,9 @@ impl<'a> Body<'_, 'a> {
             self.expect(id, declared, &Wanted::Here);
         }
         let leaves = self.fold(id)?;
+        if let Some(declared) = &declared {
+            self.is_in_subranges(&leaves, declared, self.span_of(id));
+        }
         let found = self.ty_of(id).clone();
         let ty = declared.map_or(found.clone(), |ty| {
             crate::ty::join(&ty, &found).unwrap_or(ty)
@@ -125,10 +128,12 @@ impl<'a> Body<'_, 'a> {
     /// The value of a constant expression of a known type.
     pub(super) fn constant_of(&mut self, value: &'a ast::Expr, ty: &Ty) -> Option<Rc<[Leaf]>> {
         let id = self.expr(value);
-        match self.expect(id, ty, &Wanted::Here) {
-            true => self.fold(id),
-            false => None,
+        if !self.expect(id, ty, &Wanted::Here) {
+            return None;
         }
+        let leaves = self.fold(id)?;
+        self.is_in_subranges(&leaves, ty, self.span_of(id))
+            .then_some(leaves)
     }
 
     /// The value of a constant integer expression.

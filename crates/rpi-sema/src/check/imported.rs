@@ -105,7 +105,7 @@ impl<'a> Body<'_, 'a> {
             let unit = call.unit;
             self.c.check_now(unit);
             let callee = &self.c.units[unit.0 as usize];
-            self.unit.exprs[value.0 as usize].ty = callee.result();
+            self.unit.exprs[value.0 as usize].ty = callee.result().widened();
             if callee.has_state {
                 self.has_state(span);
             }

@@ -84,6 +84,7 @@ mod special;
 mod spread;
 mod statement;
 mod statics;
+mod subrange;
 mod targets;
 mod task;
 mod told;
@@ -111,6 +112,7 @@ pub(crate) use names::predeclared_name;
 pub use names::result_identity;
 pub(crate) use prim::{machine_type, packed, param_default};
 pub(crate) use statics::{params, params_of};
+pub(crate) use subrange::outside;
 pub use unknown::no_file;
 pub(crate) use unknown::no_module;
 #[cfg(test)]

@@ -137,7 +137,7 @@ impl Body<'_, '_> {
                 | Kind::Build(_)
         );
         if passes_on && expr.ty.has_unknown() && !ty.has_unknown() {
-            expr.ty = ty.clone();
+            expr.ty = ty.clone().widened();
         }
     }
 

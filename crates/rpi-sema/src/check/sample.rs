@@ -72,6 +72,7 @@ pub(super) fn value(ty: &Ty) -> Option<Rc<[Leaf]>> {
     Some(match ty {
         Ty::Bool => [Leaf::bool(false)].into(),
         Ty::Machine(_) => [Leaf::int(0)].into(),
+        Ty::Subrange(range) => [Leaf::int(range.nearest(SIZE))].into(),
         Ty::Int | Ty::Enum(_) => [Leaf::int(if *ty == Ty::Int { SIZE } else { 0 })].into(),
         Ty::Real(_) => [Leaf::real(1.0)].into(),
         Ty::Array(element, n) => {

@@ -529,7 +529,7 @@ impl<'a> Checker<'a> {
 /// Whether values of a type may decide sizes and branches, so that each has an instance of its own.
 pub(super) fn tells_apart(ty: &Ty) -> bool {
     match ty {
-        Ty::Bool | Ty::Int | Ty::Enum(_) => true,
+        Ty::Bool | Ty::Int | Ty::Subrange(_) | Ty::Enum(_) => true,
         Ty::Array(element, _) => tells_apart(element),
         _ => false,
     }

@@ -50,12 +50,7 @@ impl<'a> Body<'_, 'a> {
         match &ty.kind {
             TypeKind::Bool => Ty::Bool,
             TypeKind::Int => Ty::Int,
-            TypeKind::Subrange(range) => {
-                for bound in [&range.from, &range.to].into_iter().flatten() {
-                    self.bound(bound);
-                }
-                Ty::Int
-            }
+            TypeKind::Subrange(range) => self.subrange(range, ty.span),
             TypeKind::Real(None) => Ty::REAL,
             TypeKind::Real(Some(unit)) => self.real_in(unit),
             TypeKind::Named(named) => self.named_ty(named),
@@ -73,14 +68,6 @@ impl<'a> Body<'_, 'a> {
                 self.nameless_ty(ty.span)
             }
             TypeKind::Broken => Ty::Unknown,
-        }
-    }
-
-    /// A bound of a subrange: a constant, which says what to prove and not what to compute.
-    fn bound(&mut self, bound: &'a rpi_syntax::ast::Expr) {
-        let id = self.expr(bound);
-        if self.expect(id, &Ty::Int, &super::report::Wanted::Here) {
-            self.fold(id);
         }
     }
 

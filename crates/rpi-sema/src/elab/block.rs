@@ -113,6 +113,7 @@ impl<'u> Elab<'u> {
         let taken = equation.targets.iter().map(|t| t.ty.leaf_count());
         let taken = taken.sum::<usize>().max(1);
         let mut wire = self.wide(scope, equation.value, taken, at);
+        wire = self.targets_in_subranges(scope, equation, wire, at);
         if self.mode == Mode::Steps || self.mode == Mode::Net && stays(scope.unit, equation) {
             wire = self.steps(&wire, scope.unit.expr(equation.value), at);
         }

@@ -21,6 +21,12 @@ struct Run {
     optional: Vec<bool>,
 }
 
+/// What a call gives for an in-port.
+pub(super) struct Arg {
+    wire: Wire,
+    span: Span,
+}
+
 impl<'u> Elab<'u> {
     /// A call.
     pub(super) fn call(
@@ -32,15 +38,18 @@ impl<'u> Elab<'u> {
     ) -> Wire {
         let span = scope.unit.expr(id).span;
         let callee = &self.units[call.unit.0 as usize];
-        let given = match callee.kind {
-            UnitKind::Function => at,
-            // It may have state, which goes on whatever an `if` chooses.
-            _ => at.unguarded(),
+        let given = match self.is_guarded(call) {
+            true => at,
+            // State goes on whatever an `if` chooses.
+            false => at.unguarded(),
         };
         let mut args = Vec::with_capacity(call.args.len());
         for (port, arg) in callee.inputs.iter().zip(&call.args) {
             let count = callee.flow(*port).ty.leaf_count();
-            args.push(arg.map(|id| self.wide(scope, id, count, given)));
+            args.push(arg.map(|id| Arg {
+                wire: self.wide(scope, id, count, given),
+                span: scope.unit.expr(id).span,
+            }));
         }
         let path = self.path(id);
         match &call.activation {
@@ -189,7 +198,7 @@ impl<'u> Elab<'u> {
     pub(super) fn inlined(
         &mut self,
         id: UnitId,
-        args: &[Option<Wire>],
+        args: &[Option<Arg>],
         at: At,
         path: String,
         span: Span,
@@ -204,8 +213,10 @@ impl<'u> Elab<'u> {
         }
         self.calling.push(id);
         let outer = (std::mem::take(&mut self.name), self.serial, self.top);
+        let entered = std::mem::replace(&mut self.entered, at.guard);
         let result = self.inlined_here(unit, id, args, at, path, span);
         (self.name, self.serial, self.top) = outer;
+        self.entered = entered;
         self.calling.pop();
         result
     }
@@ -214,7 +225,7 @@ impl<'u> Elab<'u> {
         &mut self,
         unit: &'u Unit,
         id: UnitId,
-        args: &[Option<Wire>],
+        args: &[Option<Arg>],
         at: At,
         path: String,
         span: Span,
@@ -233,9 +244,9 @@ impl<'u> Elab<'u> {
             format!("{path}.")
         };
         self.name.clone_from(&path);
-        let at = match unit.kind {
-            UnitKind::Function => at,
-            _ => at.unguarded(),
+        let at = match self.is_stateless(id) {
+            true => at,
+            false => at.unguarded(),
         };
         scope.base = at.fragment;
         self.connect(&mut scope, args, at);
@@ -246,6 +257,10 @@ impl<'u> Elab<'u> {
         if in_fragment {
             self.ports_enter(&mut scope, inner.fragment);
         }
+        let around = std::mem::replace(&mut scope.base, inner.fragment);
+        let spans: Vec<Option<Span>> = args.iter().map(|arg| Some(arg.as_ref()?.span)).collect();
+        self.inputs_in_subranges(&mut scope, &spans, inner);
+        scope.base = around;
         if self.mode != Mode::Constant {
             self.body(&mut scope, inner);
         }
@@ -285,11 +300,11 @@ impl<'u> Elab<'u> {
     }
 
     /// Gives a unit's in-ports what the caller connects, or their defaults.
-    pub(super) fn connect(&mut self, scope: &mut Scope<'u>, args: &[Option<Wire>], at: At) {
+    pub(super) fn connect(&mut self, scope: &mut Scope<'u>, args: &[Option<Arg>], at: At) {
         let unit = scope.unit;
         for (flow, arg) in unit.inputs.iter().zip(args) {
             let wire = match (arg, unit.flow(*flow).default) {
-                (Some(wire), _) => wire.clone(),
+                (Some(arg), _) => arg.wire.clone(),
                 (None, Some(default)) => self.expr(scope, default, at),
                 (None, None) => continue,
             };

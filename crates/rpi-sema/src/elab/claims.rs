@@ -130,7 +130,7 @@ impl<'u> Elab<'u> {
         let wire = match part.flow {
             Some(flow) => self.flow(scope, flow, expr.span),
             // It is elaborated: the claim has been.
-            None => scope.recall(part.expr).unwrap_or_else(nothing),
+            None => scope.recall(part.expr, None).unwrap_or_else(nothing),
         };
         let mut leaves: Vec<(String, Ty)> = Vec::new();
         let ty = part.flow.map_or(&expr.ty, |flow| &scope.unit.flow(flow).ty);

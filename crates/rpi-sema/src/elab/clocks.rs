@@ -28,7 +28,18 @@ impl<'u> Elab<'u> {
             return at;
         };
         let span = scope.unit.expr(id).span;
-        let fragment = self.clocked(scope, facts.clocks.of_expr(id), at, span);
+        self.on_clock(scope, facts.clocks.of_expr(id), at, span)
+    }
+
+    /// A place in the fragment of a clock. A guard that lies around it counts there, too.
+    pub(super) fn on_clock(
+        &mut self,
+        scope: &mut Scope<'u>,
+        clock: &'u [ClockOn],
+        at: At,
+        span: Span,
+    ) -> At {
+        let fragment = self.clocked(scope, clock, at, span);
         let inside = fragment == at.fragment
             || self
                 .net

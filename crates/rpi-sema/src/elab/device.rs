@@ -41,6 +41,7 @@ impl<'u> Elab<'u> {
         };
         let scalars = port.ty.as_ref().map(leaf_scalars).unwrap_or_default();
         let count = scalars.len();
+        let known = self.sensors.len();
         let mut leaves = Vec::with_capacity(count);
         for (k, scalar) in (0..).zip(scalars) {
             let key = (name.clone(), port.name.to_string(), k);
@@ -49,7 +50,25 @@ impl<'u> Elab<'u> {
                 None => self.read(family, scalar, key, span),
             });
         }
-        leaves.into()
+        match &port.ty {
+            Some(ty) if self.sensors.len() > known => {
+                self.sensed(leaves, ty, (&name, &port.name), span)
+            }
+            _ => leaves.into(),
+        }
+    }
+
+    /// What has been read for the first time, behind the checks of its subranges.
+    fn sensed(&mut self, leaves: Vec<Signal>, ty: &Ty, of: (&str, &str), span: Span) -> Wire {
+        let count = leaves.len();
+        let wire = self.leaves_in_subranges(leaves.into(), ty, 0..count, (At::ROOT, span));
+        for (k, signal) in (0..).zip(wire.iter()) {
+            if let Signal::Port(port) = signal {
+                let key = (of.0.to_owned(), of.1.to_owned(), k);
+                self.sensors.insert(key, *port);
+            }
+        }
+        wire
     }
 
     fn read(

@@ -39,15 +39,7 @@ impl<'u> Elab<'u> {
                 }
             },
             (Each::Arrow, [a, b]) => self.arrow(scope, *a, *b, id, at),
-            (Each::Coalesce, [a, b]) => {
-                let scalars = leaf_scalars(ty);
-                let a = self.read_by(scope, [id, *a], &scalars, at);
-                let b = self.read_by(scope, [id, *b], &scalars, at);
-                let leaves = a.iter().zip(b.iter()).zip(scalars);
-                leaves
-                    .map(|((a, b), scalar)| self.coalesce(a.clone(), b.clone(), scalar, at, span))
-                    .collect()
-            }
+            (Each::Coalesce, [a, b]) => self.first_present(scope, [id, *a, *b], at),
             (Each::Hold, [x, init]) => {
                 let (at, scalars) = (at.unguarded(), leaf_scalars(ty));
                 let x = self.read_by(scope, [id, *x], &scalars, at);
@@ -61,23 +53,6 @@ impl<'u> Elab<'u> {
                     .collect()
             }
             _ => super::signal::nothing(),
-        }
-    }
-
-    /// `x ?? y`
-    fn coalesce(
-        &mut self,
-        first: Signal,
-        second: Signal,
-        scalar: Scalar,
-        at: At,
-        span: Span,
-    ) -> Signal {
-        match (&first, &second) {
-            (Signal::Const(_), Signal::Port(_)) if self.drops(true) => first,
-            (Signal::Const(_), Signal::Const(_)) | (_, Signal::Absent) => first,
-            (Signal::Absent, _) => second,
-            _ => self.family(Family::Coalesce, scalar, &[first, second], at, span),
         }
     }
 
@@ -110,8 +85,9 @@ impl<'u> Elab<'u> {
             side: sides[k],
             ..at
         });
-        let yes = self.wide(scope, yes, count, in_yes);
-        let no = self.wide(scope, no, count, in_no);
+        let [yes, no] = [(yes, in_yes), (no, in_no)].map(|(id, there)| {
+            self.operand(scope, id, |elab, scope| elab.wide(scope, id, count, there))
+        });
         let mut leaves = Vec::with_capacity(count);
         for (k, scalar) in scalars.into_iter().enumerate() {
             let (Some(yes), Some(no)) = (yes.get(k), no.get(k)) else {
@@ -329,7 +305,7 @@ impl<'u> Elab<'u> {
 }
 
 /// Whether an expression reads flows in this very cycle.
-fn reads_flows(unit: &Unit, id: ExprId) -> bool {
+pub(super) fn reads_flows(unit: &Unit, id: ExprId) -> bool {
     let mut parts = unit.parts(id);
     while let Some((id, expr)) = parts.next() {
         match &expr.kind {

@@ -30,7 +30,7 @@ fn first_operand(scope: &Scope<'_>, id: ExprId) -> Option<ExprId> {
 impl<'u> Elab<'u> {
     /// The wire of an expression.
     pub(super) fn expr(&mut self, scope: &mut Scope<'u>, id: ExprId, at: At) -> Wire {
-        if let Some(wire) = scope.recall(id) {
+        if let Some(wire) = scope.recall(id, at.guard) {
             return wire;
         }
         if self.allowance.is_used_up {
@@ -42,7 +42,8 @@ impl<'u> Elab<'u> {
         let wire = self.fresh(scope, id, at);
         let wire = self.lifted(scope, id, wire, read_at);
         self.may_hold(wire.len(), scope.unit.expr(id).span);
-        scope.remember(id, &wire);
+        let guard = at.guard.filter(|_| self.can_fault(scope, id));
+        scope.remember(id, &wire, guard);
         wire
     }
 
@@ -96,7 +97,8 @@ impl<'u> Elab<'u> {
                     .iter()
                     .map(|part| self.expr(scope, *part, at))
                     .collect();
-                wires.iter().flat_map(|wire| wire.iter().cloned()).collect()
+                let wire = wires.iter().flat_map(|wire| wire.iter().cloned()).collect();
+                self.fields_in_subranges(wire, &expr.ty, at, span)
             }
             Kind::Repeat(element) => {
                 let wire = self.expr(scope, *element, at);
@@ -109,11 +111,11 @@ impl<'u> Elab<'u> {
                 value,
             } => {
                 let mut wire = self.expr(scope, *base, at).to_vec();
-                let value = self.expr(scope, *value, at);
-                for (slot, signal) in wire.iter_mut().skip(*offset as usize).zip(value.iter()) {
+                let leaves = self.expr(scope, *value, at);
+                for (slot, signal) in wire.iter_mut().skip(*offset as usize).zip(leaves.iter()) {
                     *slot = signal.clone();
                 }
-                wire.into()
+                self.replaced_in_subranges(scope, wire.into(), [id, *value], *offset, at)
             }
             Kind::Each(each, operands) => self.each(scope, *each, operands, id, at),
             Kind::Equal { operands, negated } => self.equal(scope, *operands, *negated, at, span),
@@ -360,6 +362,9 @@ impl<'u> Elab<'u> {
         if let Some(test) = self.absent_test(scope, call, at, span) {
             return test;
         }
+        if let Some(decided) = self.short_circuit(scope, call, at, span) {
+            return decided;
+        }
         let desc = call.prim.desc();
         let is_of_cycle = matches!(desc.role, Role::Flow(_) | Role::First)
             && desc.inputs.is_empty()
@@ -368,6 +373,10 @@ impl<'u> Elab<'u> {
         if let Some(known) = self.of_cycle.get(&key).filter(|_| is_of_cycle) {
             return known.clone();
         }
+        let at = match super::guarded::has_state(call) {
+            true => at.unguarded(),
+            false => at,
+        };
         let mut inputs = Given::new();
         for (port, input) in call.prim.desc().inputs.iter().zip(&call.inputs) {
             inputs.push(input.map(|id| self.given(scope, id, port.ty, at)));

@@ -51,6 +51,7 @@ impl<'u> Elab<'u> {
         };
         *scope.state(flow) = State::Busy;
         let wire = self.expr(scope, equation.value, At::ROOT);
+        let wire = self.targets_in_subranges(scope, equation, wire, At::ROOT);
         self.define_all(scope, equation, &wire);
         match scope.state(flow) {
             State::Known(wire) => wire.clone(),

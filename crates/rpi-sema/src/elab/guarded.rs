@@ -1,10 +1,16 @@
-//! What can fault in a branch of an `if`, on a side of `->` or in the condition of a strong transition does so only in the
-//! cycles in which that is asked for: such primitives have a twin with a condition as its first in-port. State in a branch
-//! goes on in all cycles, as in Lustre, and so do the faults on the way to it.
+//! What can fault in an operand that is not always needed does so only in the cycles in which it is needed: in a branch of
+//! an `if`, behind `??`, `and`, `or` and `=>`, on a side of `->`, in the condition of a strong transition. Primitives that
+//! can fault have a twin with a condition as its first in-port. Calls of functions and of nodes without state are guarded
+//! as a whole. State in an operand goes on in all cycles, as in Lustre, and so do the faults on the way to it.
 
 use super::Elab;
 use super::scope::Scope;
-use crate::typed::{Each, Equation, ExprId, Kind, Unit, UnitId, UnitKind};
+use crate::hash::Set;
+use crate::typed::{
+    Activation, Block, BlockId, Call, Each, Equation, Expr, ExprId, Kind, PrimCall, Unit, UnitId,
+    UnitKind,
+};
+use rpi_image::Role;
 use rpi_prims::PrimId;
 use std::rc::Rc;
 
@@ -30,7 +36,7 @@ pub(super) fn twin(prim: PrimId) -> Option<PrimId> {
     PrimId::of(row.1)
 }
 
-/// What is so of an expression because of itself or of something in it.
+/// Properties of an expression: of itself or of something in it.
 #[derive(Clone, Copy, Default)]
 pub(super) struct Within {
     /// Something can fault that a guard would keep from it.
@@ -39,12 +45,14 @@ pub(super) struct Within {
     goes_on: bool,
 }
 
-/// What is so of a unit.
+/// Properties of a unit.
 pub(super) struct WithinUnit {
     /// Of each of its expressions.
     exprs: Vec<Within>,
     /// Something can fault in what it computes, or it claims something.
     can_fault: bool,
+    /// Calls of it can be guarded as a whole: it has no state, neither in its body nor in a contract.
+    is_stateless: bool,
 }
 
 impl<'u> Elab<'u> {
@@ -58,6 +66,20 @@ impl<'u> Elab<'u> {
         self.within(scope, id).goes_on
     }
 
+    /// Whether the faults of a call follow the choices around it.
+    pub(super) fn is_guarded(&mut self, call: &Call) -> bool {
+        matches!(call.activation, Activation::Always) && self.is_stateless(call.unit)
+    }
+
+    /// Whether a unit has no state.
+    pub(super) fn is_stateless(&mut self, unit: UnitId) -> bool {
+        match self.units[unit.0 as usize].kind {
+            UnitKind::Function => true,
+            UnitKind::Node => self.within_unit(unit).is_stateless,
+            _ => false,
+        }
+    }
+
     /// A constant outside of a unit has no state, and faults when it is worked out or not at all.
     fn within(&mut self, scope: &Scope<'u>, id: ExprId) -> Within {
         match scope.id {
@@ -66,26 +88,58 @@ impl<'u> Elab<'u> {
         }
     }
 
+    /// Units that are called come first, without recursion: a chain of calls may be longer than the stack is deep.
     fn within_unit(&mut self, id: UnitId) -> Rc<WithinUnit> {
-        if let Some(known) = self.within.get(&id) {
-            return known.clone();
+        let mut open = vec![id];
+        let mut entered: Set<UnitId> = Set::default();
+        while let Some(unit) = open.last().copied() {
+            if self.within.contains_key(&unit) {
+                open.pop();
+            } else if entered.insert(unit) {
+                let called = calls(&self.units[unit.0 as usize]).map(|call| call.unit);
+                open.extend(called.filter(|called| !entered.contains(called)));
+            } else {
+                let known = self.of_unit(&self.units[unit.0 as usize]);
+                self.within.insert(unit, Rc::new(known));
+                open.pop();
+            }
         }
-        let unit = &self.units[id.0 as usize];
+        self.within[&id].clone()
+    }
+
+    fn of_unit(&self, unit: &Unit) -> WithinUnit {
         let exprs = self.within_each(unit);
-        let can_fault = |equation: &Equation| exprs[equation.value.0 as usize].can_fault;
+        let can_fault = |equation: &Equation| {
+            let mut targets = equation.targets.iter();
+            exprs[equation.value.0 as usize].can_fault
+                || targets.any(|target| target.ty.has_subrange(false))
+        };
         let mut blocks = unit.blocks.iter();
-        let can_fault =
-            blocks.any(|block| !block.claims.is_empty() || block.equations.iter().any(can_fault));
-        let of_unit = Rc::new(WithinUnit { exprs, can_fault });
-        self.within.insert(id, of_unit.clone());
-        of_unit
+        let mut inputs = unit.inputs.iter();
+        let can_fault = inputs.any(|input| unit.flow(*input).ty.has_subrange(false))
+            || blocks
+                .any(|block| !block.claims.is_empty() || block.equations.iter().any(can_fault));
+        let is_stateless = match unit.kind {
+            UnitKind::Function => true,
+            UnitKind::Node => {
+                let mut blocks = (0..).map(BlockId).zip(&unit.blocks);
+                blocks.all(|(id, block)| is_plain(id, block))
+                    && exprs.iter().all(|within| !within.goes_on)
+            }
+            _ => false,
+        };
+        WithinUnit {
+            exprs,
+            can_fault,
+            is_stateless,
+        }
     }
 
     /// Of all expressions of a unit at once: their operands come before them.
-    fn within_each(&mut self, unit: &'u Unit) -> Vec<Within> {
+    fn within_each(&self, unit: &Unit) -> Vec<Within> {
         let mut all: Vec<Within> = Vec::with_capacity(unit.exprs.len());
         for expr in &unit.exprs {
-            let mut within = self.alone(&expr.kind);
+            let mut within = self.alone(expr);
             if !within.goes_on {
                 expr.kind.operands(&mut |operand| {
                     let operand = all[operand.0 as usize];
@@ -98,23 +152,50 @@ impl<'u> Elab<'u> {
         all
     }
 
-    /// What an expression tells without its operands. On the way to a state nothing is guarded.
-    fn alone(&mut self, kind: &Kind) -> Within {
+    /// Properties of an expression without its operands. On the way to a state nothing is guarded.
+    fn alone(&self, expr: &Expr) -> Within {
+        let kind = &expr.kind;
+        let called = match kind {
+            Kind::Call(call) => self.within.get(&call.unit).filter(|called| {
+                called.is_stateless && matches!(call.activation, Activation::Always)
+            }),
+            _ => None,
+        };
         let goes_on = match kind {
             Kind::Each(Each::Pre | Each::Last | Each::Hold, _) | Kind::Current(_) => true,
-            Kind::Call(call) => !self.is_function(call.unit),
+            Kind::Prim(call) => has_state(call),
+            // One that is not known yet is part of a ring of calls, an error of its own.
+            Kind::Call(_) => called.is_none(),
             _ => false,
         };
         let can_fault = match kind {
             Kind::Select { .. } => true,
-            Kind::Prim(call) => call.prim.desc().may_fault,
-            Kind::Call(call) => !goes_on && self.within_unit(call.unit).can_fault,
+            Kind::Build(_) | Kind::Replace { .. } => expr.ty.has_subrange(true),
+            Kind::Prim(call) => call.prim.desc().may_fault && !goes_on,
+            Kind::Call(_) => called.is_some_and(|called| called.can_fault),
             _ => false,
         };
         Within { can_fault, goes_on }
     }
+}
 
-    fn is_function(&self, unit: UnitId) -> bool {
-        self.units[unit.0 as usize].kind == UnitKind::Function
-    }
+/// Whether a primitive remembers earlier cycles. What it does to a device counts as state, too.
+pub(super) fn has_state(call: &PrimCall) -> bool {
+    let desc = call.prim.desc();
+    !matches!(desc.state, rpi_image::State::None)
+        || matches!(desc.role, Role::Delay | Role::Actuator(_) | Role::Export)
+}
+
+/// Whether a block of a node is computed as a whole: the body, or a contract.
+fn is_plain(id: BlockId, block: &Block) -> bool {
+    let is_inside = id != BlockId::ROOT && !block.is_contract;
+    !is_inside && block.automata.is_empty() && block.exports.is_empty() && block.when.is_none()
+}
+
+/// The calls in a unit.
+fn calls(unit: &Unit) -> impl Iterator<Item = &Call> {
+    unit.exprs.iter().filter_map(|expr| match &expr.kind {
+        Kind::Call(call) => Some(&**call),
+        _ => None,
+    })
 }

@@ -12,8 +12,9 @@
 //! | `families.rs` | primitives that exist once per value type |
 //! | `nodes.rs`, `pack.rs`, `promise.rs` | adding nodes, folding them; arrays at ports |
 //! | `scope.rs`, `slots.rs`, `flows.rs` | one inlined unit and its flows |
-//! | `expr.rs`, `each.rs`, `guarded.rs`, `call.rs` | expressions |
+//! | `expr.rs`, `each.rs`, `guarded.rs`, `needed.rs`, `call.rs` | expressions |
 //! | `block.rs`, `claims.rs`, `automaton.rs`, `clocks.rs`, `leaving.rs`, `entering.rs` | bodies, fragments, states, sampled flows |
+//! | `subrange.rs` | checks of what is declared as a subrange |
 //! | `device.rs`, `root.rs`, `settle.rs` | devices, commands and nodes that are run, the end |
 
 mod allowance;
@@ -31,6 +32,7 @@ mod flows;
 mod guarded;
 mod landmarks;
 mod leaving;
+mod needed;
 mod nodes;
 mod pack;
 mod promise;
@@ -40,6 +42,7 @@ mod scope;
 mod settle;
 mod signal;
 mod slots;
+mod subrange;
 
 pub use claims::Claims;
 pub use room::{MAX_STEPS, MAX_TASKS_IN_A_ROW, Room, task_too_large};
@@ -51,6 +54,7 @@ pub use root::{
 use crate::facts::Facts;
 use crate::hash::{Map, Set};
 use crate::typed::{ExprId, Leaf, Unit, UnitId};
+pub use needed::Operand;
 use rpi_diag::{Finding, Span};
 use rpi_image::Scalar;
 use rpi_net::{FragmentId, Net, PortRef, Side};
@@ -209,6 +213,8 @@ struct Elab<'u> {
     top: Option<ExprId>,
     /// Number of nodes made for it.
     serial: u32,
+    /// The condition under which the call counts that is being written out.
+    entered: Option<PortRef>,
     /// The calls that are being written out, each in the one before.
     calling: Vec<UnitId>,
     /// How much may still be written out.
@@ -216,6 +222,8 @@ struct Elab<'u> {
     findings: Vec<Finding>,
     /// Whether a claim was met.
     has_claims: bool,
+    /// Operands that are not always needed and have state.
+    operands: Vec<Operand>,
     /// Whether something was left out that only a constant rules out.
     leaves_out: bool,
     /// What becomes of claims.
@@ -256,10 +264,12 @@ impl<'u> Elab<'u> {
             failure: None,
             name: String::new(),
             serial: 0,
+            entered: None,
             calling: Vec::new(),
             allowance: allowance::Allowance::new(),
             findings: Vec::new(),
             has_claims: false,
+            operands: Vec::new(),
             leaves_out: false,
             claims: Claims::default(),
             tells_landmarks: false,

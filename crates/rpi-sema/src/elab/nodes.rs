@@ -342,6 +342,7 @@ fn fault_text(fault: FaultCode) -> &'static str {
         FaultCode::DivisionByZero => "a division by zero",
         FaultCode::LossyConversion => "the real has no integer value",
         FaultCode::IndexOutOfRange => "the index lies outside of the array",
+        FaultCode::OutsideSubrange => "the value lies outside of its subrange",
         FaultCode::ShapeMismatch => "sizes that do not fit",
         _ => "this can not be worked out",
     }

@@ -3,7 +3,7 @@
 use super::families::Family;
 use super::scope::{Scope, State};
 use super::signal::{Signal, Wire, single};
-use super::{At, Claims, Elab, Mode, NotConstant, Sampled};
+use super::{At, Claims, Elab, Mode, NotConstant, Operand, Sampled};
 use crate::facts::Facts;
 use crate::ty::Ty;
 use crate::typed::{BlockId, ExprId, FlowId, FlowRole, Leaf, Optional, Unit, UnitId, UnitKind};
@@ -61,6 +61,8 @@ pub struct Elaborated {
     pub locals: Vec<Local>,
     /// What was found on the way.
     pub findings: Vec<Finding>,
+    /// Operands that are not always needed and have state, inner ones first.
+    pub operands: Vec<Operand>,
     /// Whether a branch was left out that only a constant rules out: there may be a ring through it.
     pub leaves_out: bool,
 }
@@ -195,6 +197,7 @@ impl<'u, 'a> Job<'u, 'a> {
             has_claims: elab.has_claims,
             locals: locals.map(|(shape, port)| Local { shape, port }).collect(),
             findings: elab.findings,
+            operands: elab.operands,
             leaves_out: elab.leaves_out,
         };
         (elaborated, !elab.clocks.is_empty())
@@ -254,6 +257,7 @@ impl<'u> Elab<'u> {
                 }
             };
             *scope.state(*flow) = State::Known(wire);
+            self.outside_in_subranges(scope, *flow);
         }
         unknown
     }
@@ -294,6 +298,7 @@ impl<'u> Elab<'u> {
                 shapes.push(PortShape { key, ty, optional });
             }
             *scope.state(*flow) = State::Known(wire.into());
+            self.outside_in_subranges(scope, *flow);
         }
         shapes
     }

@@ -3,9 +3,10 @@
 use super::leaving::Leaving;
 use super::signal::Wire;
 use super::slots::Slots;
+use crate::hash::Map;
 use crate::typed::{BlockId, ExprId, FlowId, Unit, UnitId};
 use rpi_diag::Span;
-use rpi_net::FragmentId;
+use rpi_net::{FragmentId, PortRef};
 
 /// A unit being elaborated at one place.
 pub(super) struct Scope<'u> {
@@ -16,6 +17,8 @@ pub(super) struct Scope<'u> {
     flows: Slots<State>,
     /// Expressions that are used more than once are elaborated once.
     memo: Slots<Option<Wire>>,
+    /// The conditions under which those of them count that can fault.
+    guards: Map<ExprId, PortRef>,
     /// The fragment of each block, once it has been made.
     pub(super) fragments: Vec<Option<FragmentId>>,
     /// Leaves that are read outside of blocks of which the fragments have not been made yet.
@@ -59,6 +62,7 @@ impl<'u> Scope<'u> {
             id: None,
             flows: Slots::few(),
             memo: Slots::few(),
+            guards: Map::default(),
             fragments: Vec::new(),
             leaving: Vec::new(),
             base: FragmentId::ROOT,
@@ -67,16 +71,25 @@ impl<'u> Scope<'u> {
         }
     }
 
-    pub(super) fn recall(&self, id: ExprId) -> Option<Wire> {
-        self.memo.get(id.0)?.clone()
+    /// The wire of an expression that has been elaborated. One that is shared (a name for a part of a pattern, a mode of a
+    /// contract) may have been needed elsewhere under another condition: then it counts there only.
+    pub(super) fn recall(&self, id: ExprId, guard: Option<PortRef>) -> Option<Wire> {
+        let known = self.memo.get(id.0)?.as_ref()?;
+        let counts = self.guards.get(&id).is_none_or(|made| Some(*made) == guard);
+        counts.then(|| known.clone())
     }
 
     pub(super) fn is_known(&self, id: ExprId) -> bool {
         self.memo.get(id.0).is_some_and(Option::is_some)
     }
 
-    pub(super) fn remember(&mut self, id: ExprId, wire: &Wire) {
+    /// `guard` is the condition under which it counts, none if it cannot fault.
+    pub(super) fn remember(&mut self, id: ExprId, wire: &Wire, guard: Option<PortRef>) {
         *self.memo.slot(id.0) = Some(wire.clone());
+        match guard {
+            Some(guard) => drop(self.guards.insert(id, guard)),
+            None => drop(self.guards.remove(&id)),
+        }
     }
 
     pub(super) fn state(&mut self, flow: FlowId) -> &mut State {

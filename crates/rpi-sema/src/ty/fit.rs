@@ -73,6 +73,7 @@ pub fn fit(expected: &Ty, found: &Ty, subst: &mut Subst) -> Result<(), Misfit> {
     match (expected, found) {
         (Ty::Unknown, _) | (_, Ty::Unknown) => Ok(()),
         (Ty::Generic(name), found) => fit_generic(name, found, subst),
+        (Ty::Int | Ty::Subrange(_), Ty::Int | Ty::Subrange(_)) => Ok(()),
         (Ty::Real(expected), Ty::Real(found)) => fit_dim(*expected, *found),
         (Ty::Spatial(a, expected), Ty::Spatial(b, found)) if a == b => {
             fit_geometry(expected, found, subst)
@@ -109,7 +110,7 @@ fn fit_generic(name: &Name, found: &Ty, subst: &mut Subst) -> Result<(), Misfit>
         // Free names in what was found are the caller's, whatever they are called: what is bound here is not meant by them.
         Some(bound) => fit(&bound, found, &mut Subst::default()),
         None => {
-            subst.types.insert(name.clone(), found.clone());
+            subst.types.insert(name.clone(), found.clone().widened());
             Ok(())
         }
     }

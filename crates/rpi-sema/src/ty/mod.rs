@@ -6,9 +6,11 @@
 mod fit;
 mod machine;
 mod print;
+mod subrange;
 
 pub use fit::{Misfit, Subst, fit, join};
 pub use machine::MachineInt;
+pub use subrange::Subrange;
 
 use crate::units::Dim;
 use rpi_image::{Scalar, Value};
@@ -26,6 +28,8 @@ pub enum Ty {
     Int,
     /// Machine integer of Kind 2, in Lustre only.
     Machine(MachineInt),
+    /// `subrange [0, 7] of int`: what is declared so. The value of an expression is an `int`.
+    Subrange(Subrange),
     /// IEEE double of a dimension, in coherent SI units.
     Real(Dim),
     /// Point in time.
@@ -207,7 +211,7 @@ impl Ty {
     pub fn scalar(&self) -> Option<Scalar> {
         Some(match self {
             Ty::Bool => Scalar::Bool,
-            Ty::Int | Ty::Machine(_) | Ty::Enum(_) | Ty::Result => Scalar::Int,
+            Ty::Int | Ty::Machine(_) | Ty::Subrange(_) | Ty::Enum(_) | Ty::Result => Scalar::Int,
             Ty::Real(_) => Scalar::Real,
             Ty::Time => Scalar::Time,
             Ty::Spatial(scalar, _) => *scalar,

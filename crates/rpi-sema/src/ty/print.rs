@@ -12,6 +12,7 @@ impl fmt::Display for Ty {
             Ty::Bool => f.write_str("bool"),
             Ty::Int => f.write_str("int"),
             Ty::Machine(machine) => write!(f, "{machine}"),
+            Ty::Subrange(range) => write!(f, "subrange {range} of int"),
             Ty::Real(Dim::ONE) => f.write_str("real"),
             Ty::Real(dim) => write!(f, "real[{dim}]"),
             Ty::Time => f.write_str("Time"),

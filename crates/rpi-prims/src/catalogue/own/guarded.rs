@@ -3,6 +3,7 @@
 
 use crate::catalogue::int::{divided, fits, whole};
 use crate::catalogue::own::int::{power, remainder};
+use crate::cx::FaultCode;
 use crate::macros::primitive;
 use crate::registry::Prim;
 
@@ -16,6 +17,7 @@ pub(in crate::catalogue) const ALL: &[Prim] = &[
     NEGATE,
     ABSOLUTE,
     INT_FROM_DOUBLE,
+    INT_WITHIN,
 ];
 
 /// A binary operation and, in its own words, what it gives.
@@ -116,3 +118,18 @@ unary!(
     f64,
     |cx, place, a| whole(cx, place, a)
 );
+
+primitive! {
+    /// Lets an integer through; where `inActive` is true one below `inFrom` or above `inTo` is a fault, which ends the
+    /// command.
+    INT_WITHIN = "Rpi::IntWithin";
+    in { inActive: bool; inValue: i64 = Value(Int(0)); inFrom: i64 = From(Int(i64::MIN)); inTo: i64 = To(Int(i64::MAX)) }
+    out { outValue: i64 }
+    presence strict work 2 faults;
+    full |cx, place, _, _, (active, value, from, to): (bool, i64, i64, i64)| {
+        if active && !(from..=to).contains(&value) {
+            cx.fault(FaultCode::OutsideSubrange, place);
+        }
+        (value,)
+    }
+}

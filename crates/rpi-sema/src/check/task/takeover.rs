@@ -81,7 +81,7 @@ impl<'a> Body<'_, 'a> {
 /// Whether what a port takes may be a place that is gone to: what is switched or counted is there at once.
 fn can_move(ty: &Ty) -> bool {
     match ty {
-        Ty::Bool | Ty::Int | Ty::Enum(_) => false,
+        Ty::Bool | Ty::Int | Ty::Subrange(_) | Ty::Enum(_) => false,
         Ty::Array(element, _) => can_move(element),
         Ty::Struct(_) | Ty::Tuple(_) => ty.members().iter().any(|member| can_move(&member.ty)),
         _ => true,

@@ -1,0 +1,207 @@
+//! The range of every integer and Boolean of a net: the least solution, with what grows cut short.
+
+use super::growth::growth;
+use super::range::Range;
+use super::refine::Limits;
+use super::transfer::result;
+use crate::net::{Absent, Activation, FragmentId, Input, Net, Node, NodeId, PortRef};
+use crate::passes::Schedule;
+use rpi_image::Role;
+use std::collections::BTreeSet;
+
+/// Rounds in which delays only take up what comes in; then they go to the next constant of the program.
+const EXACT: usize = 4;
+/// Rounds after which what still changes can be anything.
+const ROUGH: usize = 20;
+/// Rounds after which all delays can be anything.
+const LAST: usize = 40;
+/// Constants of the program at which ranges may stop to grow.
+const STOPS: usize = 256;
+
+/// What is known of the flows of a net.
+pub(super) struct Known<'a> {
+    pub(super) net: &'a Net,
+    /// For each node the range of its only out-port; none while nothing comes there.
+    ranges: Vec<Option<Range>>,
+    /// What holds in each fragment because it is active.
+    limits: Vec<Limits>,
+    stops: Vec<i64>,
+    /// Delays that grow by a bounded step, cycle by cycle.
+    grows: BTreeSet<NodeId>,
+}
+
+impl<'a> Known<'a> {
+    pub(super) fn new(net: &'a Net, schedule: &Schedule) -> Known<'a> {
+        let mut known = Known {
+            net,
+            ranges: vec![None; net.nodes.len()],
+            limits: Vec::new(),
+            stops: stops(net),
+            grows: BTreeSet::new(),
+        };
+        known.find_limits();
+        let order: Vec<NodeId> = schedule.nodes().collect();
+        let (delays, others): (Vec<NodeId>, Vec<NodeId>) =
+            order.into_iter().partition(|id| is_delay(net.node(*id)));
+        let delays: Vec<NodeId> = delays
+            .into_iter()
+            .filter(|id| full(net.node(*id)).is_some())
+            .collect();
+        for round in 0..=LAST {
+            known.compute(&others);
+            if !known.delay(&delays, round) {
+                return known;
+            }
+        }
+        known.compute(&others);
+        known
+    }
+
+    fn find_limits(&mut self) {
+        for k in 0..self.net.fragments.len() {
+            let id = FragmentId(u32::try_from(k).unwrap_or(u32::MAX));
+            let mut limits = Limits::new();
+            // Innermost first: what is near says most.
+            for around in self.net.enclosing(id).take(8) {
+                if let Activation::When {
+                    condition,
+                    absent: Absent::Inactive,
+                } = self.net.fragment(around).activation
+                {
+                    self.assume(condition, true, &mut limits);
+                }
+            }
+            self.limits.push(limits);
+        }
+    }
+
+    fn compute(&mut self, nodes: &[NodeId]) {
+        for id in nodes {
+            let node = self.net.node(*id);
+            if let Some(all) = full(node) {
+                self.ranges[id.index()] = result(self, node, all);
+            }
+        }
+    }
+
+    /// Takes up what the delays give in the next cycle; whether that is more than before.
+    fn delay(&mut self, delays: &[NodeId], round: usize) -> bool {
+        let mut changed = false;
+        for id in delays {
+            let node = self.net.node(*id);
+            let all = full(node).unwrap_or(Range::ALL);
+            let before = self.ranges[id.index()];
+            let next = match round {
+                LAST => Some(all),
+                _ => self.next(*id, round, all),
+            };
+            changed |= next != before;
+            self.ranges[id.index()] = next;
+        }
+        changed
+    }
+
+    fn next(&mut self, id: NodeId, round: usize, all: Range) -> Option<Range> {
+        let before = self.ranges[id.index()];
+        if self.grows.contains(&id) {
+            return match growth(self, id) {
+                _ if round > ROUGH => Some(all),
+                Some(range) => Some(before.map_or(range, |before| before.or(range))),
+                None => Some(all),
+            };
+        }
+        let Some(coming) = self.input(self.net.node(id), 0) else {
+            return before;
+        };
+        let Some(old) = before else {
+            return Some(coming);
+        };
+        let new = old.or(coming);
+        if new == old || round < EXACT {
+            return Some(new);
+        }
+        let wide = match round > ROUGH {
+            true => all,
+            false => self.widened(old, new).and(all),
+        };
+        let is_open = wide.lo == i64::MIN || wide.hi == i64::MAX;
+        match growth(self, id).filter(|_| is_open) {
+            Some(range) => {
+                self.grows.insert(id);
+                Some(old.or(range))
+            }
+            None => Some(wide),
+        }
+    }
+
+    /// A range that has grown goes to the next constant of the program, for there growth often ends.
+    fn widened(&self, old: Range, new: Range) -> Range {
+        let up = self.stops.partition_point(|stop| *stop < new.hi);
+        let down = self.stops.partition_point(|stop| *stop <= new.lo);
+        let hi = self.stops.get(up).copied().unwrap_or(i64::MAX);
+        let lo = down.checked_sub(1).map_or(i64::MIN, |k| self.stops[k]);
+        Range {
+            lo: if new.lo < old.lo { lo } else { new.lo },
+            hi: if new.hi > old.hi { hi } else { new.hi },
+            no_zero: new.no_zero,
+        }
+    }
+
+    /// What an in-port reads, where its fragment is active; none while nothing comes.
+    pub(super) fn input(&self, node: &Node, k: usize) -> Option<Range> {
+        self.input_where(node, k, &Limits::new())
+    }
+
+    /// The same where some limits hold, too.
+    pub(super) fn input_where(&self, node: &Node, k: usize, limits: &Limits) -> Option<Range> {
+        match node.inputs.get(k)? {
+            Input::Const(value) => Range::of_value(value),
+            Input::Port(port) => {
+                let own = &self.limits[node.fragment.index()];
+                let all = own.iter().chain(limits);
+                let of_port = all.filter(|(of, _)| of == port);
+                let range = self.of(*port)?;
+                Some(of_port.fold(range, |range, (_, limit)| limit.of(range)))
+            }
+            Input::Open => None,
+        }
+    }
+
+    /// The range of a flow; none while nothing comes there.
+    pub(super) fn of(&self, port: PortRef) -> Option<Range> {
+        let node = self.net.node(port.node);
+        match node.outputs.len() {
+            1 => self.ranges[port.node.index()],
+            _ => Range::of_type(*node.outputs.get(usize::from(port.port))?),
+        }
+    }
+}
+
+/// All values that a node may give, if its values are followed.
+pub(super) fn full(node: &Node) -> Option<Range> {
+    match node.outputs[..] {
+        [one] => Range::of_type(one),
+        _ => None,
+    }
+}
+
+fn is_delay(node: &Node) -> bool {
+    matches!(node.desc().role, Role::Delay)
+}
+
+/// The constants of a net and those beside them, in order.
+fn stops(net: &Net) -> Vec<i64> {
+    let mut stops = BTreeSet::from([-1, 0, 1]);
+    let inputs = net.nodes.iter().flat_map(|node| &node.inputs);
+    for input in inputs {
+        if stops.len() >= STOPS {
+            break;
+        }
+        if let Input::Const(value) = input
+            && let Some(value) = value.as_int()
+        {
+            stops.extend([value.saturating_sub(1), value, value.saturating_add(1)]);
+        }
+    }
+    stops.into_iter().collect()
+}

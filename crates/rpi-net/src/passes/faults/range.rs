@@ -1,0 +1,196 @@
+//! Ranges of integers, and arithmetic on them. A Boolean is 0 or 1.
+
+use rpi_image::{Scalar, Type, Value};
+
+/// The values that a flow may have where it is present.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub(super) struct Range {
+    pub(super) lo: i64,
+    pub(super) hi: i64,
+    /// 0 is excluded.
+    pub(super) no_zero: bool,
+}
+
+impl Range {
+    pub(super) const ALL: Range = Range::of(i64::MIN, i64::MAX);
+    pub(super) const BOOL: Range = Range::of(0, 1);
+    pub(super) const TRUE: Range = Range::of(1, 1);
+    pub(super) const FALSE: Range = Range::of(0, 0);
+
+    pub(super) const fn of(lo: i64, hi: i64) -> Range {
+        Range {
+            lo,
+            hi,
+            no_zero: false,
+        }
+    }
+
+    /// All values of a type; none for one that is not followed.
+    pub(super) fn of_type(ty: Type) -> Option<Range> {
+        match ty {
+            Type::One(Scalar::Bool) => Some(Range::BOOL),
+            Type::One(Scalar::Int) => Some(Range::ALL),
+            _ => None,
+        }
+    }
+
+    pub(super) fn of_value(value: &Value) -> Option<Range> {
+        let number = value.as_int().or(value.as_bool().map(i64::from))?;
+        Some(Range::of(number, number))
+    }
+
+    pub(super) fn of_truth(truth: Option<bool>) -> Range {
+        match truth {
+            Some(true) => Range::TRUE,
+            Some(false) => Range::FALSE,
+            None => Range::BOOL,
+        }
+    }
+
+    /// Whether a Boolean is always true or always false.
+    pub(super) fn truth(self) -> Option<bool> {
+        (self.lo == self.hi).then_some(self.lo != 0)
+    }
+
+    pub(super) fn has_zero(self) -> bool {
+        !self.no_zero && self.lo <= 0 && self.hi >= 0
+    }
+
+    /// The values of either.
+    pub(super) fn or(self, other: Range) -> Range {
+        Range {
+            lo: self.lo.min(other.lo),
+            hi: self.hi.max(other.hi),
+            no_zero: !self.has_zero() && !other.has_zero(),
+        }
+    }
+
+    /// The values of both; the first where there are none, for what is never reached can have any.
+    pub(super) fn and(self, other: Range) -> Range {
+        let both = Range {
+            lo: self.lo.max(other.lo),
+            hi: self.hi.min(other.hi),
+            no_zero: self.no_zero || other.no_zero,
+        };
+        if both.lo > both.hi {
+            self
+        } else {
+            both.trimmed()
+        }
+    }
+
+    /// Without 0 at its ends if that is excluded.
+    fn trimmed(self) -> Range {
+        let mut range = self;
+        if range.no_zero && range.lo == 0 && range.hi > 0 {
+            range.lo = 1;
+        }
+        if range.no_zero && range.hi == 0 && range.lo < 0 {
+            range.hi = -1;
+        }
+        range
+    }
+
+    /// Without one value, as far as that can be told.
+    pub(super) fn without(self, value: i64) -> Range {
+        let mut range = self;
+        if value == 0 {
+            range.no_zero = true;
+        } else if range.lo == value && range.lo < range.hi {
+            range.lo += 1;
+        } else if range.hi == value && range.lo < range.hi {
+            range.hi -= 1;
+        }
+        range.trimmed()
+    }
+
+    /// The results of an operation that is monotonous in each operand, at the ends of both; none if one does not fit.
+    pub(super) fn ends(self, other: Range, op: impl Fn(i128, i128) -> i128) -> Option<Range> {
+        let all = [self.lo, self.hi].into_iter().flat_map(|a| {
+            let op = &op;
+            [other.lo, other.hi].map(move |b| op(a.into(), b.into()))
+        });
+        let (mut lo, mut hi) = (i128::MAX, i128::MIN);
+        for value in all {
+            (lo, hi) = (lo.min(value), hi.max(value));
+        }
+        Some(Range::of(i64::try_from(lo).ok()?, i64::try_from(hi).ok()?))
+    }
+
+    /// The quotients by divisors without 0; none if one does not fit.
+    pub(super) fn divided(self, by: Range) -> Option<Range> {
+        let mut parts = [(by.lo, by.hi.min(-1)), (by.lo.max(1), by.hi)]
+            .into_iter()
+            .filter(|(lo, hi)| lo <= hi)
+            .map(|(lo, hi)| self.ends(Range::of(lo, hi), |a, b| a / b));
+        let first = parts.next().unwrap_or(Some(Range::FALSE))?;
+        parts.try_fold(first, |all, part| Some(all.or(part?)))
+    }
+
+    /// The remainders by divisors without 0: of the sign of the dividend, smaller than the divisor, and not larger than the
+    /// dividend.
+    pub(super) fn modulo(self, by: Range) -> Range {
+        let size = by.lo.unsigned_abs().max(by.hi.unsigned_abs());
+        let size = i64::try_from(size.saturating_sub(1)).unwrap_or(i64::MAX);
+        Range::of(
+            if self.lo < 0 { self.lo.max(-size) } else { 0 },
+            if self.hi > 0 { self.hi.min(size) } else { 0 },
+        )
+    }
+
+    /// The powers with exponents that are not negative; none if one does not fit.
+    pub(super) fn power(self, by: Range) -> Option<Range> {
+        if by.lo < 0 {
+            return None;
+        }
+        let exponent = u32::try_from(by.hi).ok()?;
+        let most = self.lo.unsigned_abs().max(self.hi.unsigned_abs()).max(1);
+        let most = i64::try_from(most).ok()?.checked_pow(exponent)?;
+        Some(Range::of(if self.lo < 0 { -most } else { 0 }, most))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn results_stay_within_the_ranges() {
+        let some = [-7_i64, -3, -1, 0, 1, 2, 5, 9];
+        for (a, b) in pairs(&some) {
+            for (c, d) in pairs(&some) {
+                let (left, right) = (Range::of(a, b), Range::of(c, d).without(0));
+                for x in a..=b {
+                    for y in (c..=d).filter(|y| *y != 0) {
+                        holds(left.divided(right), x / y);
+                        holds(Some(left.modulo(right)), x % y);
+                        holds(left.ends(right, |a, b| a * b), x * y);
+                        if right.lo >= 0 && y < 5 {
+                            let power = left.power(Range::of(right.lo, right.hi.min(4)));
+                            holds(power, x.pow(u32::try_from(y).unwrap_or(0)));
+                        }
+                    }
+                }
+            }
+        }
+    }
+
+    fn pairs(all: &[i64]) -> Vec<(i64, i64)> {
+        let pairs = all.iter().flat_map(|a| all.iter().map(|b| (*a, *b)));
+        pairs.filter(|(a, b)| a <= b).collect()
+    }
+
+    fn holds(range: Option<Range>, value: i64) {
+        assert!(
+            range.is_none_or(|range| range.lo <= value && value <= range.hi),
+            "{range:?} {value}"
+        );
+    }
+
+    #[test]
+    fn what_does_not_fit_has_no_range() {
+        assert_eq!(Range::ALL.ends(Range::TRUE, |a, b| a + b), None);
+        assert_eq!(Range::ALL.divided(Range::of(-1, 1).without(0)), None);
+        assert!(Range::of(0, 10).divided(Range::of(2, 5)) == Some(Range::of(0, 5)));
+    }
+}

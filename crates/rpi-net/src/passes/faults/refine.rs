@@ -1,0 +1,114 @@
+//! What a condition says about the flows that it compares: `x > 0` excludes 0 where it holds.
+
+use super::known::Known;
+use super::range::Range;
+use crate::net::{Input, Node, PortRef};
+use smallvec::SmallVec;
+
+/// Conditions that are looked into, within each other.
+const DEPTH: usize = 12;
+/// What is kept of a condition.
+const MOST: usize = 32;
+
+/// Flows with what is known of them besides their ranges.
+pub(super) type Limits = SmallVec<[(PortRef, Limit); 4]>;
+
+/// A limit of one flow.
+#[derive(Clone, Copy, Debug)]
+pub(super) enum Limit {
+    Within(Range),
+    Not(i64),
+}
+
+impl Limit {
+    pub(super) fn of(self, range: Range) -> Range {
+        match self {
+            Limit::Within(limit) => range.and(limit),
+            Limit::Not(value) => range.without(value),
+        }
+    }
+}
+
+impl Known<'_> {
+    /// Adds what follows where a Boolean is not the opposite of `truth`. A condition that is absent says as much of the flows
+    /// that are present: what compares a present flow with a constant is present.
+    pub(super) fn assume(&self, port: PortRef, truth: bool, limits: &mut Limits) {
+        self.assume_within(port, truth, DEPTH, limits);
+    }
+
+    fn assume_within(&self, port: PortRef, truth: bool, depth: usize, limits: &mut Limits) {
+        if depth == 0 || limits.len() >= MOST {
+            return;
+        }
+        limits.push((port, Limit::Within(Range::of_truth(Some(truth)))));
+        let node = self.net.node(port.node);
+        let mut below = |input: usize, truth: bool| {
+            if let Some(Input::Port(port)) = node.inputs.get(input) {
+                self.assume_within(*port, truth, depth - 1, limits);
+            }
+        };
+        match (node.desc().name, truth) {
+            ("Core::BooleanNot", _) => below(0, !truth),
+            ("Core::BooleanAnd", true) | ("Core::BooleanOr", false) => {
+                below(0, truth);
+                below(1, truth);
+            }
+            ("Rpi::BooleanImplies", false) => {
+                below(0, true);
+                below(1, false);
+            }
+            ("Rpi::BooleanCoalesce", _) if constant(node, 1).is_some() => below(0, truth),
+            // Where the condition is absent nothing is known of the branches.
+            ("Core::BooleanConditional", _) => match [1, 2].map(|k| constant(node, k)) {
+                [_, Some(no)] if (no != 0) != truth => below(0, true),
+                [Some(yes), _] if (yes != 0) != truth => below(0, false),
+                _ => {}
+            },
+            _ => compared(node, truth, limits),
+        }
+    }
+}
+
+fn constant(node: &Node, input: usize) -> Option<i64> {
+    match node.inputs.get(input)? {
+        Input::Const(value) => value.as_int().or(value.as_bool().map(i64::from)),
+        _ => None,
+    }
+}
+
+/// A comparison of an integer with a constant.
+fn compared(node: &Node, truth: bool, limits: &mut Limits) {
+    let (port, value, is_first) = match (node.inputs.first(), node.inputs.get(1)) {
+        (Some(Input::Port(port)), Some(Input::Const(value))) => (*port, value.as_int(), true),
+        (Some(Input::Const(value)), Some(Input::Port(port))) => (*port, value.as_int(), false),
+        _ => return,
+    };
+    let Some(value) = value else {
+        return;
+    };
+    let up = |from: Option<i64>| from.map(|from| Range::of(from, i64::MAX));
+    let down = |to: Option<i64>| to.map(|to| Range::of(i64::MIN, to));
+    let (above, below) = (value.checked_add(1), value.checked_sub(1));
+    let within = match (node.desc().name, is_first == truth) {
+        ("Core::IntEquals", _) if !is_exact(node) => return,
+        ("Core::IntEquals", _) if truth => Some(Range::of(value, value)),
+        ("Core::IntEquals", _) => return limits.push((port, Limit::Not(value))),
+        // `x > k`, `not (k >= x)`: the operands exchanged and the truth opposite are the other comparison.
+        ("Core::IntGreater", true) if is_first => up(above),
+        ("Core::IntGreater", true) => up(Some(value)),
+        ("Core::IntGreater", false) if is_first => down(Some(value)),
+        ("Core::IntGreater", false) => down(below),
+        ("Rpi::IntGreaterOrEqual", true) if is_first => up(Some(value)),
+        ("Rpi::IntGreaterOrEqual", true) => up(above),
+        ("Rpi::IntGreaterOrEqual", false) if is_first => down(below),
+        ("Rpi::IntGreaterOrEqual", false) => down(Some(value)),
+        _ => None,
+    };
+    limits.extend(within.map(|within| (port, Limit::Within(within))));
+}
+
+/// Whether two integers are equal only if they are the same.
+fn is_exact(node: &Node) -> bool {
+    let slack = node.params.first();
+    slack.is_none_or(|slack| slack.as_int() == Some(0) || slack.as_real() == Some(0.0))
+}

@@ -1,0 +1,143 @@
+//! The range of what a node gives, from those of what it reads; and whether the result always fits.
+
+use super::known::Known;
+use super::range::Range;
+use super::refine::Limits;
+use crate::net::{Input, Node};
+
+/// The integer operations, plain and guarded.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub(super) enum Op {
+    Add,
+    Subtract,
+    Multiply,
+    Divide,
+    Modulo,
+    Power,
+    Negate,
+    Absolute,
+}
+
+const OPS: &[(&str, &str, Op)] = &[
+    ("Core::IntAdd", "Rpi::GuardedIntAdd", Op::Add),
+    ("Rpi::IntSubtract", "Rpi::GuardedIntSubtract", Op::Subtract),
+    ("Core::IntMultiply", "Rpi::GuardedIntMultiply", Op::Multiply),
+    ("Core::IntDivide", "Rpi::GuardedIntDivide", Op::Divide),
+    ("Rpi::IntModulo", "Rpi::GuardedIntModulo", Op::Modulo),
+    ("Rpi::IntPower", "Rpi::GuardedIntPower", Op::Power),
+    ("Rpi::IntNegate", "Rpi::GuardedIntNegate", Op::Negate),
+    ("Rpi::IntAbsolute", "Rpi::GuardedIntAbsolute", Op::Absolute),
+];
+
+impl Op {
+    /// The operation of a primitive, and its first operand.
+    pub(super) fn of(name: &str) -> Option<(Op, usize)> {
+        OPS.iter().find_map(|(plain, guarded, op)| match name {
+            _ if name == *plain => Some((*op, 0)),
+            _ if name == *guarded => Some((*op, 1)),
+            _ => None,
+        })
+    }
+
+    /// The results, where the divisor is not 0; none if one does not fit.
+    pub(super) fn apply(self, a: Range, b: Range) -> Option<Range> {
+        match self {
+            Op::Add => a.ends(b, |a, b| a + b),
+            Op::Subtract => a.ends(b, |a, b| a - b),
+            Op::Multiply => a.ends(b, |a, b| a * b),
+            Op::Divide => a.divided(b),
+            Op::Modulo => Some(a.modulo(b)),
+            Op::Power => a.power(b),
+            Op::Negate => a.ends(a, |a, _| -a),
+            Op::Absolute => {
+                let size = a.ends(a, |a, _| a.abs())?;
+                let lo = if a.lo <= 0 && a.hi >= 0 { 0 } else { size.lo };
+                Some(Range::of(lo, size.hi))
+            }
+        }
+    }
+
+    fn has_two(self) -> bool {
+        !matches!(self, Op::Negate | Op::Absolute)
+    }
+}
+
+/// Operands of an operation where it counts; none while nothing comes.
+pub(super) fn operands(known: &Known<'_>, node: &Node) -> Option<(Op, Range, Range)> {
+    let (op, first) = Op::of(node.desc().name)?;
+    let mut limits = Limits::new();
+    if first == 1
+        && let Some(Input::Port(guard)) = node.inputs.first()
+    {
+        known.assume(*guard, true, &mut limits);
+    }
+    let a = known.input_where(node, first, &limits)?;
+    let b = match op.has_two() {
+        true => known.input_where(node, first + 1, &limits)?,
+        false => a,
+    };
+    Some((op, a, b))
+}
+
+/// The range of what a node gives; none while nothing comes there.
+pub(super) fn result(known: &Known<'_>, node: &Node, all: Range) -> Option<Range> {
+    let name = node.desc().name;
+    if let Some((_, first)) = Op::of(name) {
+        let (op, a, b) = operands(known, node)?;
+        let range = op.apply(a, b).unwrap_or(all);
+        return Some(match first {
+            // A guarded one gives 0 where it does not count.
+            1 => range.or(Range::FALSE),
+            _ => range,
+        });
+    }
+    let input = |k: usize| known.input(node, k);
+    Some(match name {
+        "Rpi::IntMinimum" => {
+            let (a, b) = (input(0)?, input(1)?);
+            Range::of(a.lo.min(b.lo), a.hi.min(b.hi))
+        }
+        "Rpi::IntMaximum" => {
+            let (a, b) = (input(0)?, input(1)?);
+            Range::of(a.lo.max(b.lo), a.hi.max(b.hi))
+        }
+        "Rpi::IntWithin" => {
+            let value = input(1)?;
+            match node.inputs.first() {
+                Some(Input::Const(_)) => value.and(Range::of(input(2)?.lo, input(3)?.hi)),
+                _ => value,
+            }
+        }
+        "Core::IntConditional" | "Core::BooleanConditional" => chosen(known, node)?,
+        "Rpi::IntCoalesce" | "Rpi::IntHold" | "Rpi::BooleanCoalesce" | "Rpi::BooleanHold" => {
+            match (input(0), input(1)) {
+                (Some(a), Some(b)) => a.or(b),
+                (a, b) => a.or(b)?,
+            }
+        }
+        "Core::IntSetNull" | "Core::BooleanSetNull" => input(0)?,
+        _ => {
+            let truth = super::truth::of(known, node, &Limits::new());
+            truth.map_or(all, |truth| Range::of_truth(Some(truth)))
+        }
+    })
+}
+
+/// `if c then x else y`: each branch where the condition says so.
+fn chosen(known: &Known<'_>, node: &Node) -> Option<Range> {
+    let truth = known.input(node, 0)?.truth();
+    let branch = |k: usize, holds: bool| {
+        if truth == Some(!holds) {
+            return None;
+        }
+        let mut limits = Limits::new();
+        if let Some(Input::Port(condition)) = node.inputs.first() {
+            known.assume(*condition, holds, &mut limits);
+        }
+        known.input_where(node, k, &limits)
+    };
+    match (branch(1, true), branch(2, false)) {
+        (Some(yes), Some(no)) => Some(yes.or(no)),
+        (yes, no) => yes.or(no),
+    }
+}

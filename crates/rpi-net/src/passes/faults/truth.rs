@@ -1,0 +1,74 @@
+//! Whether a Boolean is the same in all cycles in which some limits hold.
+
+use super::known::Known;
+use super::refine::Limits;
+use crate::net::{Input, Node};
+
+/// Nodes that are looked through, within each other.
+const DEPTH: usize = 8;
+
+/// The value of a Boolean node, if it has only one where it is present.
+pub(super) fn of(known: &Known<'_>, node: &Node, limits: &Limits) -> Option<bool> {
+    let name = node.desc().name;
+    let range = |k: usize| known.input_where(node, k, limits);
+    let truth = |k: usize| range(k).and_then(super::range::Range::truth);
+    match name {
+        "Core::BooleanNot" => truth(0).map(|truth| !truth),
+        "Core::BooleanAnd" => and(truth(0), truth(1)),
+        "Core::BooleanOr" => and(truth(0).map(|a| !a), truth(1).map(|b| !b)).map(|both| !both),
+        "Rpi::BooleanImplies" => and(truth(0), truth(1).map(|b| !b)).map(|both| !both),
+        "Core::IntGreater" => {
+            let (a, b) = (range(0)?, range(1)?);
+            compared(a.lo > b.hi, a.hi <= b.lo)
+        }
+        "Rpi::IntGreaterOrEqual" => {
+            let (a, b) = (range(0)?, range(1)?);
+            compared(a.lo >= b.hi, a.hi < b.lo)
+        }
+        _ => None,
+    }
+}
+
+fn and(a: Option<bool>, b: Option<bool>) -> Option<bool> {
+    match (a, b) {
+        (Some(false), _) | (_, Some(false)) => Some(false),
+        (Some(true), Some(true)) => Some(true),
+        _ => None,
+    }
+}
+
+fn compared(always: bool, never: bool) -> Option<bool> {
+    match (always, never) {
+        (true, _) => Some(true),
+        (_, true) => Some(false),
+        _ => None,
+    }
+}
+
+/// Whether what a check reads is never false: with what follows where its guard holds.
+pub(super) fn always_holds(known: &Known<'_>, check: &Node) -> bool {
+    holds_where(known, check.inputs.first(), &Limits::new(), DEPTH)
+}
+
+fn holds_where(known: &Known<'_>, input: Option<&Input>, limits: &Limits, depth: usize) -> bool {
+    let port = match input {
+        Some(Input::Const(value)) => return value.as_bool() == Some(true),
+        Some(Input::Port(port)) if depth > 0 => *port,
+        _ => return false,
+    };
+    let node = known.net.node(port.node);
+    match node.desc().name {
+        "Core::BooleanAnd" => {
+            let mut inputs = node.inputs.iter();
+            inputs.all(|input| holds_where(known, Some(input), limits, depth - 1))
+        }
+        "Rpi::BooleanImplies" => {
+            let mut limits = limits.clone();
+            if let Some(Input::Port(guard)) = node.inputs.first() {
+                known.assume(*guard, true, &mut limits);
+            }
+            holds_where(known, node.inputs.get(1), &limits, depth - 1)
+        }
+        _ => of(known, node, limits) == Some(true),
+    }
+}

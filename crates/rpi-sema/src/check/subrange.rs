@@ -1,0 +1,61 @@
+//! Subranges of `int` as they are declared, and constants of them.
+
+use super::body::Body;
+use super::report::Wanted;
+use crate::ty::{Subrange, Ty};
+use crate::typed::Leaf;
+use rpi_diag::{Code, Finding, Span};
+use rpi_syntax::ast;
+
+impl<'a> Body<'_, 'a> {
+    /// `subrange [0, 7] of int`
+    pub(super) fn subrange(&mut self, range: &'a ast::Subrange, span: Span) -> Ty {
+        let [from, to] = [&range.from, &range.to].map(|bound| self.bound(bound.as_ref()));
+        let (Ok(from), Ok(to)) = (from, to) else {
+            // The fault has been reported.
+            return Ty::Int;
+        };
+        let range = Subrange { from, to };
+        if range.is_empty() {
+            let message = format!("no integer lies in {range}");
+            let finding = Finding::new(Code::RPI2018, message)
+                .at(span, "the lower bound is above the upper one")
+                .help("write the smaller bound first");
+            self.report(finding);
+            return Ty::Int;
+        }
+        Ty::Subrange(range)
+    }
+
+    /// A bound of a subrange: a constant, or none where it is open.
+    fn bound(&mut self, bound: Option<&'a ast::Expr>) -> Result<Option<i64>, ()> {
+        let Some(bound) = bound else {
+            return Ok(None);
+        };
+        let id = self.expr(bound);
+        if !self.expect(id, &Ty::Int, &Wanted::Here) {
+            return Err(());
+        }
+        let leaves = self.fold(id).ok_or(())?;
+        let value = leaves.first().and_then(Leaf::as_int);
+        value.map(Some).ok_or(())
+    }
+
+    /// Whether a constant lies in the subranges that its type declares; reports the first leaf that does not.
+    pub(super) fn is_in_subranges(&mut self, leaves: &[Leaf], ty: &Ty, span: Span) -> bool {
+        let out = ty.subranges(false).into_iter().find_map(|(leaf, range)| {
+            let value = leaves.get(leaf)?.as_int()?;
+            (!range.contains(value)).then_some((value, range))
+        });
+        if let Some((value, range)) = out {
+            self.report(outside(value, range).at(span, "this constant"));
+        }
+        out.is_none()
+    }
+}
+
+/// A constant outside of a subrange; its place is to be added.
+pub(crate) fn outside(value: i64, range: Subrange) -> Finding {
+    let message = format!("{value} lies outside of the subrange {range}");
+    Finding::new(Code::RPI2017, message).help(format!("give a value in {range}, or a wider range"))
+}

@@ -1,0 +1,243 @@
+//! Operators that need their right operand only sometimes: `and`, `or` and `=>` unless the left one decides, `??` where the
+//! left one is absent. What can fault in the right operand is guarded by that.
+
+use super::each::reads_flows;
+use super::expr::leaf_scalars;
+use super::families::Family;
+use super::scope::Scope;
+use super::signal::{Signal, Wire, single};
+use super::{At, Elab, Mode};
+use crate::typed::{ExprId, Kind, PrimCall};
+use rpi_diag::Span;
+use rpi_image::{Scalar, Value};
+use rpi_net::prim;
+use rpi_prims::PrimId;
+use std::ops::Range;
+
+/// The operators on truth values that one operand can decide.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Logic {
+    And,
+    Or,
+    Implies,
+}
+
+impl Logic {
+    fn of(prim: PrimId) -> Option<Logic> {
+        [
+            (prim!("Core::BooleanAnd"), Logic::And),
+            (prim!("Core::BooleanOr"), Logic::Or),
+            (prim!("Rpi::BooleanImplies"), Logic::Implies),
+        ]
+        .into_iter()
+        .find_map(|(one, logic)| (one == prim).then_some(logic))
+    }
+
+    /// The left operand that makes the right one needless.
+    fn deciding(self) -> bool {
+        self == Logic::Or
+    }
+
+    /// The result that it decides.
+    fn decided(self) -> bool {
+        self != Logic::And
+    }
+}
+
+/// An operand that is not always needed and has state, which goes on in all cycles.
+#[derive(Clone, Debug)]
+pub struct Operand {
+    /// Its place.
+    pub span: Span,
+    /// The nodes that were made for it, by their numbers.
+    pub nodes: Range<u32>,
+}
+
+impl<'u> Elab<'u> {
+    /// The wire of an operand that is needed only where something chooses it.
+    pub(super) fn operand(
+        &mut self,
+        scope: &mut Scope<'u>,
+        id: ExprId,
+        wire: impl FnOnce(&mut Self, &mut Scope<'u>) -> Wire,
+    ) -> Wire {
+        if self.mode != Mode::Net || !self.goes_on(scope, id) {
+            return wire(self, scope);
+        }
+        let number = |elab: &Self| u32::try_from(elab.net.nodes.len()).unwrap_or(u32::MAX);
+        let before = number(self);
+        let wire = wire(self, scope);
+        let nodes = before..number(self);
+        let span = scope.unit.expr(id).span;
+        self.operands.push(Operand { span, nodes });
+        wire
+    }
+
+    /// `x and y`, `x or y`, `x => y` where y can fault; none for all other primitives.
+    pub(super) fn short_circuit(
+        &mut self,
+        scope: &mut Scope<'u>,
+        call: &'u PrimCall,
+        at: At,
+        span: Span,
+    ) -> Option<Wire> {
+        let logic = Logic::of(call.prim)?;
+        let &[Some(left), Some(right)] = &call.inputs[..] else {
+            return None;
+        };
+        if self.mode != Mode::Constant
+            && !self.can_fault(scope, right)
+            && !self.goes_on(scope, right)
+        {
+            return None;
+        }
+        let first = self.one(scope, left, at);
+        if first == Signal::Const(Value::bool(logic.deciding())) && self.leaves(scope, right) {
+            return Some(single(Signal::Const(Value::bool(logic.decided()))));
+        }
+        let there = match self.mode != Mode::Constant && self.can_fault(scope, right) {
+            true => {
+                let needed = self.undecided(logic, &first, at, span);
+                self.guarded_by(needed, at, span)
+            }
+            false => at,
+        };
+        let second = self.operand(scope, right, |elab, scope| elab.expr(scope, right, there));
+        let second = second.first().cloned().unwrap_or(Signal::Absent);
+        Some(single(self.simple(call.prim, &[first, second], at, span)))
+    }
+
+    /// Whether an operand that is never needed can be left out altogether.
+    fn leaves(&mut self, scope: &Scope<'u>, operand: ExprId) -> bool {
+        self.mode == Mode::Constant
+            || !self.goes_on(scope, operand) && self.drops(reads_flows(scope.unit, operand))
+    }
+
+    /// Whether the left operand leaves the result open: an absent one does.
+    fn undecided(&mut self, logic: Logic, left: &Signal, at: At, span: Span) -> Signal {
+        let deciding = logic.deciding();
+        let left = match left {
+            Signal::Const(_) => left.clone(),
+            Signal::Absent => Signal::Const(Value::bool(!deciding)),
+            _ => {
+                let otherwise = Signal::Const(Value::bool(!deciding));
+                let inputs = [left.clone(), otherwise];
+                self.family(Family::Coalesce, Scalar::Bool, &inputs, at, span)
+            }
+        };
+        match deciding {
+            true => self.simple(prim!("Core::BooleanNot"), &[left], at, span),
+            false => left,
+        }
+    }
+
+    /// `x ?? y`
+    pub(super) fn first_present(
+        &mut self,
+        scope: &mut Scope<'u>,
+        [id, a, b]: [ExprId; 3],
+        at: At,
+    ) -> Wire {
+        let unit = scope.unit;
+        let (scalars, span) = (leaf_scalars(&unit.expr(id).ty), unit.expr(id).span);
+        let first = self.read_by(scope, [id, a], &scalars, at);
+        let second = match self.mode != Mode::Constant && self.can_fault(scope, b) {
+            true => {
+                let absent = first.iter().zip(&scalars);
+                let absent: Vec<Signal> = absent
+                    .map(|(leaf, scalar)| self.is_absent(leaf, *scalar, at, span))
+                    .collect();
+                self.where_absent(scope, [id, b], &absent, at)
+            }
+            false => self.operand(scope, b, |elab, scope| {
+                elab.read_by(scope, [id, b], &scalars, at)
+            }),
+        };
+        let leaves = first.iter().zip(second.iter()).zip(scalars);
+        leaves
+            .map(|((a, b), scalar)| self.coalesce(a.clone(), b.clone(), scalar, at, span))
+            .collect()
+    }
+
+    /// The right operand of `??`, or a part of it, of which leaves are needed where those of the left one are absent. Of
+    /// what is put together in place each part has a condition of its own.
+    fn where_absent(
+        &mut self,
+        scope: &mut Scope<'u>,
+        [reader, id]: [ExprId; 2],
+        absent: &[Signal],
+        at: At,
+    ) -> Wire {
+        let unit = scope.unit;
+        let expr = unit.expr(id);
+        let is_one = absent.iter().all(|leaf| *leaf == absent[0]);
+        if let Kind::Build(parts) = &expr.kind
+            && !is_one
+            && !unit.has_clocks
+        {
+            let mut rest = absent;
+            let mut leaves = Vec::with_capacity(absent.len());
+            for part in parts {
+                let count = unit.expr(*part).ty.leaf_count().min(rest.len());
+                let (own, others) = rest.split_at(count);
+                let wire = self.where_absent(scope, [reader, *part], own, at);
+                leaves.extend_from_slice(&wire);
+                rest = others;
+            }
+            return leaves.into();
+        }
+        let needed = self.any_of(absent, at, expr.span);
+        let there = match needed == Signal::Const(Value::bool(true)) {
+            true => at,
+            false => self.guarded_by(needed, at, expr.span),
+        };
+        let scalars = leaf_scalars(&expr.ty);
+        self.operand(scope, id, |elab, scope| {
+            elab.read_by(scope, [reader, id], &scalars, there)
+        })
+    }
+
+    /// Disjunction of conditions that are never absent.
+    fn any_of(&mut self, conditions: &[Signal], at: At, span: Span) -> Signal {
+        let mut any = Signal::Const(Value::bool(false));
+        for (k, condition) in conditions.iter().enumerate() {
+            any = match (&any, condition) {
+                (Signal::Const(known), one) if known.as_bool() == Some(false) => one.clone(),
+                (Signal::Const(_), _) => any,
+                (_, Signal::Const(known)) if known.as_bool() == Some(false) => any,
+                _ if k > 0 && conditions[k - 1] == *condition => any,
+                _ => self.simple(
+                    prim!("Core::BooleanOr"),
+                    &[any, condition.clone()],
+                    at,
+                    span,
+                ),
+            };
+        }
+        any
+    }
+
+    fn is_absent(&mut self, leaf: &Signal, scalar: Scalar, at: At, span: Span) -> Signal {
+        match leaf {
+            Signal::Const(_) => Signal::Const(Value::bool(false)),
+            Signal::Absent => Signal::Const(Value::bool(true)),
+            _ => self.family(Family::IsNull, scalar, std::slice::from_ref(leaf), at, span),
+        }
+    }
+    /// One leaf of `x ?? y`.
+    fn coalesce(
+        &mut self,
+        first: Signal,
+        second: Signal,
+        scalar: Scalar,
+        at: At,
+        span: Span,
+    ) -> Signal {
+        match (&first, &second) {
+            (Signal::Const(_), Signal::Port(_)) if self.drops(true) => first,
+            (Signal::Const(_), Signal::Const(_)) | (_, Signal::Absent) => first,
+            (Signal::Absent, _) => second,
+            _ => self.family(Family::Coalesce, scalar, &[first, second], at, span),
+        }
+    }
+}

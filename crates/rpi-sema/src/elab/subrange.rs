@@ -1,0 +1,241 @@
+//! Subranges are contracts: what is declared as one has a check where it is defined, given or put into a struct. The check
+//! passes the value on, so that whatever reads it comes behind the check.
+
+use super::scope::{Scope, State};
+use super::signal::{Signal, Wire, alias_of};
+use super::{At, Elab, Mode, NotConstant};
+use crate::check::outside;
+use crate::ty::{Subrange, Ty};
+use crate::typed::{Equation, ExprId, FlowId, Place};
+use rpi_diag::Span;
+use rpi_image::Value;
+use rpi_net::{Input, prim};
+
+/// A value that comes to a place with a declared type.
+#[derive(Clone, Copy)]
+struct Checked {
+    at: At,
+    /// Where the value comes from, to be named when it does not fit.
+    span: Span,
+    /// Where its type is declared.
+    declared: Option<Span>,
+    /// Whether it is given from outside of the unit.
+    is_input: bool,
+}
+
+impl<'u> Elab<'u> {
+    /// The leaves of an equation's value, each within the subrange of what it defines.
+    pub(super) fn targets_in_subranges(
+        &mut self,
+        scope: &mut Scope<'u>,
+        equation: &Equation,
+        wire: Wire,
+        at: At,
+    ) -> Wire {
+        let mut targets = equation.targets.iter();
+        if !targets.any(|target| target.ty.has_subrange(false)) {
+            return wire;
+        }
+        let span = scope.unit.expr(equation.value).span;
+        let mut signals = wire.to_vec();
+        let mut first = 0;
+        for target in &equation.targets {
+            let (at, declared) = match target.place {
+                Place::Flow { flow, .. } => (
+                    self.place_of(scope, flow, at),
+                    Some(scope.unit.flow(flow).span),
+                ),
+                _ => (at, None),
+            };
+            let how = Checked {
+                at,
+                span,
+                declared,
+                is_input: false,
+            };
+            for (leaf, range) in target.ty.subranges(false) {
+                self.check(&mut signals, first + leaf, range, how);
+            }
+            first += target.ty.leaf_count();
+        }
+        signals.into()
+    }
+
+    /// In-ports of a call, which the caller's values must fit.
+    pub(super) fn inputs_in_subranges(
+        &mut self,
+        scope: &mut Scope<'u>,
+        spans: &[Option<Span>],
+        at: At,
+    ) {
+        let unit = scope.unit;
+        for (k, flow) in unit.inputs.iter().enumerate() {
+            let declared = unit.flow(*flow);
+            if !declared.ty.has_subrange(false) {
+                continue;
+            }
+            let span = spans.get(k).copied().flatten();
+            let span = span.or(scope.called).unwrap_or(declared.span);
+            self.input_in_subranges(scope, *flow, false, at, span);
+        }
+    }
+
+    /// An in-port that is set from outside of the program.
+    pub(super) fn outside_in_subranges(&mut self, scope: &mut Scope<'u>, flow: FlowId) {
+        let span = scope.unit.flow(flow).span;
+        self.input_in_subranges(scope, flow, true, At::ROOT, span);
+    }
+
+    fn input_in_subranges(
+        &mut self,
+        scope: &mut Scope<'u>,
+        flow: FlowId,
+        from_outside: bool,
+        at: At,
+        span: Span,
+    ) {
+        let declared = scope.unit.flow(flow);
+        let ranges = declared.ty.subranges(from_outside);
+        let State::Known(wire) = scope.state(flow).clone() else {
+            return;
+        };
+        if ranges.is_empty() {
+            return;
+        }
+        let at = self.place_of(scope, flow, at);
+        let how = Checked {
+            at,
+            span,
+            declared: (span != declared.span).then_some(declared.span),
+            is_input: true,
+        };
+        let mut signals = wire.to_vec();
+        for (leaf, range) in ranges {
+            self.check(&mut signals, leaf, range, how);
+        }
+        *scope.state(flow) = State::Known(signals.into());
+    }
+
+    /// The parts of a struct that is made here.
+    pub(super) fn fields_in_subranges(&mut self, wire: Wire, ty: &Ty, at: At, span: Span) -> Wire {
+        if !matches!(ty, Ty::Struct(_)) || !ty.has_subrange(true) {
+            return wire;
+        }
+        let count = wire.len();
+        self.leaves_in_subranges(wire, ty, 0..count, (at, span))
+    }
+
+    /// Some leaves of a value that comes from outside, or with new parts of structs.
+    pub(super) fn leaves_in_subranges(
+        &mut self,
+        wire: Wire,
+        ty: &Ty,
+        leaves: std::ops::Range<usize>,
+        (at, span): (At, Span),
+    ) -> Wire {
+        if !ty.has_subrange(true) {
+            return wire;
+        }
+        let mut signals = wire.to_vec();
+        let how = Checked {
+            at,
+            span,
+            declared: None,
+            is_input: false,
+        };
+        let ranges = ty.subranges(true).into_iter();
+        for (leaf, range) in ranges.filter(|(leaf, _)| leaves.contains(leaf)) {
+            self.check(&mut signals, leaf, range, how);
+        }
+        signals.into()
+    }
+
+    fn check(&mut self, signals: &mut [Signal], leaf: usize, range: Subrange, how: Checked) {
+        if let Some(signal) = signals.get_mut(leaf) {
+            *signal = self.in_subrange(signal, range, how);
+        }
+    }
+
+    /// A signal behind its check; itself where it is known to lie in the range.
+    fn in_subrange(&mut self, signal: &Signal, range: Subrange, how: Checked) -> Signal {
+        match signal {
+            Signal::Absent => return signal.clone(),
+            Signal::Const(value) => match value.as_int() {
+                Some(value) if !range.contains(value) => {
+                    // In a call that is not always needed it is wrong all the same, whenever that is.
+                    let is_sure = !how.is_input && how.at.guard == self.entered;
+                    if how.at.guard.is_none() || is_sure {
+                        self.certainly_outside(value, range, how);
+                        return signal.clone();
+                    }
+                }
+                _ => return signal.clone(),
+            },
+            _ if self.is_checked(signal, range) => return signal.clone(),
+            _ => {}
+        }
+        let active = how.at.guard.map(Signal::Port);
+        let active = active.unwrap_or(Signal::Const(Value::bool(true)));
+        let [from, to] = range.bounds().map(|end| Signal::Const(Value::int(end)));
+        let inputs = [active, signal.clone(), from, to];
+        self.simple(prim!("Rpi::IntWithin"), &inputs, how.at, how.span)
+    }
+
+    /// Whether a signal comes from a check that suffices.
+    fn is_checked(&self, signal: &Signal, range: Subrange) -> bool {
+        let Signal::Port(port) = signal else {
+            return false;
+        };
+        if alias_of(*port).is_some() {
+            return false;
+        }
+        let node = self.net.node(port.node);
+        let end = |k: usize| match node.inputs.get(k) {
+            Some(Input::Const(value)) => value.as_int(),
+            _ => None,
+        };
+        let known = Subrange {
+            from: end(2),
+            to: end(3),
+        };
+        let is_always = matches!(node.inputs.first(), Some(Input::Const(_)));
+        node.prim == prim!("Rpi::IntWithin") && is_always && known.is_within(range)
+    }
+
+    fn certainly_outside(&mut self, value: i64, range: Subrange, how: Checked) {
+        let finding = outside(value, range).at(how.span, "in every cycle");
+        if self.mode == Mode::Constant {
+            self.fail(NotConstant::Fault(how.span, finding.message));
+            return;
+        }
+        self.findings.push(match how.declared {
+            Some(declared) => finding.also(declared, "declared here"),
+            None => finding,
+        });
+    }
+
+    /// Where a flow is there: in the fragment of its clock.
+    fn place_of(&mut self, scope: &mut Scope<'u>, flow: FlowId, at: At) -> At {
+        let Some(facts) = self.facts_of(scope).filter(|facts| facts.clocks.any()) else {
+            return at;
+        };
+        let span = scope.unit.flow(flow).span;
+        self.on_clock(scope, facts.clocks.of_flow(flow), at, span)
+    }
+
+    /// The fields that `x with .n = y` replaces.
+    pub(super) fn replaced_in_subranges(
+        &mut self,
+        scope: &Scope<'u>,
+        wire: Wire,
+        [id, value]: [ExprId; 2],
+        offset: u32,
+        at: At,
+    ) -> Wire {
+        let unit = scope.unit;
+        let first = offset as usize;
+        let leaves = first..first + unit.expr(value).ty.leaf_count();
+        let place = (at, unit.expr(value).span);
+        self.leaves_in_subranges(wire, &unit.expr(id).ty, leaves, place)
+    }
+}

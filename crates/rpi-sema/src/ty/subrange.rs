@@ -1,0 +1,131 @@
+//! Subranges of `int`: the values that a flow may have by its declaration.
+
+use super::{Member, Ty};
+use std::fmt;
+use std::rc::Rc;
+
+/// `[from, to]`, ends included; `*` where an end is open.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub struct Subrange {
+    /// The least value; none: any.
+    pub from: Option<i64>,
+    /// The greatest value; none: any.
+    pub to: Option<i64>,
+}
+
+impl Subrange {
+    /// The least and the greatest value.
+    #[must_use]
+    pub fn bounds(self) -> [i64; 2] {
+        [self.from.unwrap_or(i64::MIN), self.to.unwrap_or(i64::MAX)]
+    }
+
+    /// Whether it has no value at all.
+    #[must_use]
+    pub fn is_empty(self) -> bool {
+        let [from, to] = self.bounds();
+        from > to
+    }
+
+    /// The value in it that is nearest to one.
+    #[must_use]
+    pub fn nearest(self, value: i64) -> i64 {
+        let [from, to] = self.bounds();
+        value.min(to).max(from)
+    }
+
+    /// Whether all of its values lie in another.
+    #[must_use]
+    pub fn is_within(self, other: Subrange) -> bool {
+        self.bounds().into_iter().all(|end| other.contains(end))
+    }
+
+    /// Whether a value lies in it.
+    #[must_use]
+    pub fn contains(self, value: i64) -> bool {
+        let [from, to] = self.bounds();
+        (from..=to).contains(&value)
+    }
+}
+
+impl fmt::Display for Subrange {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let end = |end: Option<i64>| end.map_or("*".to_owned(), |value| value.to_string());
+        write!(f, "[{}, {}]", end(self.from), end(self.to))
+    }
+}
+
+impl Ty {
+    /// The type of an expression that reads something so declared: any `int` for a subrange. Fields of structs keep theirs,
+    /// for whoever makes a struct keeps them.
+    #[must_use]
+    pub fn widened(self) -> Ty {
+        match self {
+            Ty::Subrange(_) => Ty::Int,
+            Ty::Array(element, n) if element.is_narrow() => {
+                Ty::Array(Rc::new((*element).clone().widened()), n)
+            }
+            Ty::Tuple(members) if members.iter().any(|member| member.ty.is_narrow()) => {
+                let member = |member: &Member| Member {
+                    name: member.name.clone(),
+                    ty: member.ty.clone().widened(),
+                };
+                Ty::Tuple(members.iter().map(member).collect())
+            }
+            other => other,
+        }
+    }
+
+    /// Whether there is a subrange in it, outside of structs.
+    fn is_narrow(&self) -> bool {
+        match self {
+            Ty::Subrange(_) => true,
+            Ty::Array(element, _) => element.is_narrow(),
+            Ty::Tuple(members) => members.iter().any(|member| member.ty.is_narrow()),
+            _ => false,
+        }
+    }
+
+    /// The leaves that are declared as subranges, by their places. Those of structs within it have been checked where the
+    /// structs were made; they count only if the value comes from `outside`.
+    #[must_use]
+    pub fn subranges(&self, outside: bool) -> Vec<(usize, Subrange)> {
+        let mut found = Vec::new();
+        if self.has_subrange(outside) {
+            self.subranges_from(0, outside, &mut found);
+        }
+        found
+    }
+
+    pub(crate) fn has_subrange(&self, outside: bool) -> bool {
+        match self {
+            Ty::Subrange(_) => true,
+            Ty::Array(element, _) => element.has_subrange(outside),
+            Ty::Struct(_) if !outside => false,
+            _ => {
+                let mut members = self.members().iter();
+                members.any(|member| member.ty.has_subrange(outside))
+            }
+        }
+    }
+
+    fn subranges_from(&self, first: usize, outside: bool, found: &mut Vec<(usize, Subrange)>) {
+        match self {
+            Ty::Subrange(range) => found.push((first, *range)),
+            Ty::Array(element, n) if element.has_subrange(outside) => {
+                let size = element.leaf_count();
+                for k in 0..*n as usize {
+                    element.subranges_from(first + k * size, outside, found);
+                }
+            }
+            Ty::Struct(_) if !outside => {}
+            _ => {
+                let mut at = first;
+                for member in self.members() {
+                    member.ty.subranges_from(at, outside, found);
+                    at += member.ty.leaf_count();
+                }
+            }
+        }
+    }
+}
