@@ -318,6 +318,7 @@ impl<'a> Body<'_, 'a> {
         if tells_apart(&ty)
             && let Some(leaves) = self.fold_quietly(value)
         {
+            bound.faulty |= !self.is_in_subranges(&leaves, &ty, self.span_of(value));
             return Static::Value(Constant { ty, leaves });
         }
         bound.ports.push(Given {

@@ -93,12 +93,14 @@ impl<'u> Elab<'u> {
             Kind::Slice { base, from, step } => self.slice(scope, *base, *from, *step, id, at),
             Kind::Select { base, index } => self.select(scope, *base, *index, id, at),
             Kind::Build(parts) => {
-                let wires: Vec<Wire> = parts
-                    .iter()
-                    .map(|part| self.expr(scope, *part, at))
-                    .collect();
-                let wire = wires.iter().flat_map(|wire| wire.iter().cloned()).collect();
-                self.fields_in_subranges(wire, &expr.ty, at, span)
+                let mut signals = Vec::with_capacity(parts.len());
+                for (k, part) in parts.iter().enumerate() {
+                    let wire = self.expr(scope, *part, at);
+                    let place = unit.expr(*part).span;
+                    let wire = self.field_in_subrange(wire, (&expr.ty, k), at, place);
+                    signals.extend_from_slice(&wire);
+                }
+                signals.into()
             }
             Kind::Repeat(element) => {
                 let wire = self.expr(scope, *element, at);

@@ -74,7 +74,8 @@ impl<'u> Elab<'u> {
             if !declared.ty.has_subrange(false) {
                 continue;
             }
-            let span = spans.get(k).copied().flatten();
+            let default = declared.default.map(|id| unit.expr(id).span);
+            let span = spans.get(k).copied().flatten().or(default);
             let span = span.or(scope.called).unwrap_or(declared.span);
             self.input_in_subranges(scope, *flow, false, at, span);
         }
@@ -116,13 +117,24 @@ impl<'u> Elab<'u> {
         *scope.state(flow) = State::Known(signals.into());
     }
 
-    /// The parts of a struct that is made here.
-    pub(super) fn fields_in_subranges(&mut self, wire: Wire, ty: &Ty, at: At, span: Span) -> Wire {
-        if !matches!(ty, Ty::Struct(_)) || !ty.has_subrange(true) {
-            return wire;
+    /// A part of a struct that is made here, for the field of this number.
+    pub(super) fn field_in_subrange(
+        &mut self,
+        wire: Wire,
+        (of, field): (&Ty, usize),
+        at: At,
+        span: Span,
+    ) -> Wire {
+        match of {
+            Ty::Struct(of) => match of.fields.get(field) {
+                Some(field) if field.ty.has_subrange(false) => {
+                    let count = wire.len();
+                    self.leaves_in_subranges(wire, &field.ty, 0..count, (at, span))
+                }
+                _ => wire,
+            },
+            _ => wire,
         }
-        let count = wire.len();
-        self.leaves_in_subranges(wire, ty, 0..count, (at, span))
     }
 
     /// Some leaves of a value that comes from outside, or with new parts of structs.
