@@ -30,10 +30,15 @@ pub(crate) fn hover(world: &mut World, params: HoverParams) -> Option<Hover> {
     })
 }
 
+/// Operators that are words.
+const OPERATORS: &[&str] = &["div", "mod", "int"];
+
 /// How the operation at a place can fault while the program runs. Of a name in it nothing is said.
 fn faults(seen: &Inspected, described: Span, offset: u32) -> String {
     let all = seen.faults_around(FileId(0), offset);
-    let here = all.iter().filter(|one| described.contains(one.span));
+    let is_operator = OPERATORS.contains(&seen.sources.slice(described));
+    let here = all.iter();
+    let here = here.filter(|one| is_operator || described.contains(one.span));
     let lines = here.map(|one| format!("- {}\n", one.text()));
     let lines: String = lines.collect();
     match lines.is_empty() {

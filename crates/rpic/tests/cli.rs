@@ -125,6 +125,47 @@ fn analyses_tell_what_they_found() {
     }
 }
 
+/// What is proved safe is not listed: divisors that a condition or a subrange keeps from 0, counters, indices.
+const CAN_FAULT: &str = "\
+type Slot = subrange [1, 4] of int;
+node Safe (s: Slot; x: int; a: int^5) returns (p, q, r, n, e: int)
+let
+  p = if a[s] > 0 then 100 div s else 0;
+  q = if x = 0 then 0 else 100 div x;
+  r = if x > 0 and x < 5 then a[x] else 0;
+  n = 0 -> pre n + 1;
+  e = (0 -> pre e + s) mod 7;
+tel
+node Unsafe (x, y: int; u: real; a: int^5) returns (p, q, r, s: int; t: Slot)
+let
+  p = x + y;
+  q = if x > 0 then 100 div y else 0;
+  r = a[x];
+  s = int u;
+  t = y;
+tel
+";
+
+#[test]
+fn operations_that_can_fault_are_listed_by_place() {
+    let (_dir, path) = file("faults.rpi", CAN_FAULT);
+    let output = rpic(&["check", "--explain-analysis", &path]);
+    let text = out(&output);
+    let places = text
+        .lines()
+        .filter_map(|line| line.split_once("faults.rpi:"));
+    let places: Vec<&str> = places.map(|(_, place)| place).collect();
+    let expected = [
+        "2:12: value outside of its subrange",
+        "12:7: integer overflow",
+        "13:21: division by zero, only where it is needed",
+        "14:7: index outside of the array",
+        "15:7: conversion of a real that has no integer value",
+        "16:7: value outside of its subrange",
+    ];
+    assert_eq!(places, expected, "{text}");
+}
+
 #[test]
 fn formatting_is_checked_done_and_done_once() {
     let (_dir, path) = file("untidy.rpi", UNTIDY);

@@ -108,6 +108,20 @@ fn hovering_tells_type_unit_presence_and_documentation() {
 }
 
 #[test]
+fn hovering_an_operation_tells_how_it_can_fault() {
+    let text = "node f (x, d: int; c: bool) returns (y, z: int)\nlet\n  y = if c then x div d else 0;\n  z = x mod 7;\ntel\n";
+    let mut session = open(text);
+    let shown = session.hover(&position(text, "div d", 0));
+    assert!(
+        shown.contains("division by zero, only where it is needed"),
+        "{shown}"
+    );
+    let safe = session.hover(&position(text, "mod 7", 0));
+    assert!(!safe.contains("fault"), "{safe}");
+    session.leave().unwrap();
+}
+
+#[test]
 fn what_is_built_in_has_words() {
     let text = "node f (x: real) returns (y: real)\nlet\n  y = hold(none, x) + time / dt \
                 + Core::DoubleAdd(inFirst: x, inSecond: x);\ntel\n";
