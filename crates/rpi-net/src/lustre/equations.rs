@@ -30,6 +30,9 @@ impl Writer<'_> {
                 false => self.leave_open(id),
             };
         };
+        if node.desc().name == "Rpi::IntWithin" {
+            self.subrange(id);
+        }
         let port = PortRef { node: id, port: 0 };
         match self.result(id, scalar) {
             Some(result) => self.define(port, scalar, &result),
@@ -44,6 +47,41 @@ impl Writer<'_> {
         match check {
             Check::Given => self.assumptions.extend(claimed),
             Check::ToProve => self.claims.extend(claimed),
+        }
+    }
+
+    /// What a subrange claims of a value: an assumption if the value comes from outside.
+    fn subrange(&mut self, id: NodeId) {
+        let node = self.net().node(id);
+        let source = node.inputs.get(1).and_then(Input::port);
+        let is_given =
+            source.is_some_and(|port| self.net().node(port.node).desc().role == Role::Input);
+        let bound = |k: usize| match node.inputs.get(k) {
+            Some(Input::Const(value)) => value.as_int(),
+            _ => None,
+        };
+        let [from, to] = [
+            bound(2).filter(|end| *end != i64::MIN),
+            bound(3).filter(|end| *end != i64::MAX),
+        ];
+        let fragment = node.fragment;
+        let (Some(active), Some(value)) = (self.operand(id, 0), self.operand(id, 1)) else {
+            return;
+        };
+        let (Some(guard), Some(text)) = (&active.value, &value.value) else {
+            return;
+        };
+        let from = from.map(|from| format!("{text} >= {from}"));
+        let to = to.map(|to| format!("{text} <= {to}"));
+        let ends: Vec<String> = from.into_iter().chain(to).collect();
+        let claim = Seen {
+            value: Some(format!("({guard} => {})", ends.join(" and "))),
+            is: active.is.and(&value.is),
+        };
+        let claimed = self.claimed(fragment, &claim).filter(|_| !ends.is_empty());
+        match is_given {
+            true => self.assumptions.extend(claimed),
+            false => self.claims.extend(claimed),
         }
     }
 

@@ -52,6 +52,7 @@ const OPERATORS: &[(&str, &str)] = &[
     ("Rpi::IntModulo",            "{0} mod {1}"),
     ("Rpi::IntNegate",            "-{0}"),
     ("Rpi::IntAbsolute",          "if {0} < 0 then -{0} else {0}"),
+    ("Rpi::IntWithin",            "{1}"),
     ("Rpi::IntMinimum",           "if {1} < {0} then {1} else {0}"),
     ("Rpi::IntMaximum",           "if {0} < {1} then {1} else {0}"),
     ("Core::IntGreater",          "{0} > {1}"),
