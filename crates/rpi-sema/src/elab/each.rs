@@ -39,7 +39,7 @@ impl<'u> Elab<'u> {
                 }
             },
             (Each::Arrow, [a, b]) => self.arrow(scope, *a, *b, id, at),
-            (Each::Coalesce, [a, b]) => self.first_present(scope, [id, *a, *b], at),
+            (Each::Coalesce, [a, b]) => self.choice_by_presence(scope, [id, *a, *b], at),
             (Each::Hold, [x, init]) => {
                 let (at, scalars) = (at.unguarded(), leaf_scalars(ty));
                 let x = self.read_by(scope, [id, *x], &scalars, at);

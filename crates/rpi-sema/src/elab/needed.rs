@@ -132,7 +132,7 @@ impl<'u> Elab<'u> {
     }
 
     /// `x ?? y`
-    pub(super) fn first_present(
+    pub(super) fn choice_by_presence(
         &mut self,
         scope: &mut Scope<'u>,
         [id, a, b]: [ExprId; 3],
