@@ -150,6 +150,7 @@ codes! {
     RPI6102 Error "command that can never finish";
     RPI6103 Warning "result that can never happen";
     RPI6104 Note "set-point that may be absent";
+    RPI6105 Note "exclusion of set-points not proved";
     RPI6201 Warning "successor that does not take over";
     RPI7001 Error "budget exceeded";
     RPI7002 Warning "cycle longer than its period";

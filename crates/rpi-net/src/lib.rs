@@ -15,6 +15,7 @@ pub mod plan;
 mod prim;
 pub mod rpinet;
 pub mod shape;
+mod solver;
 pub mod tree;
 mod violation;
 

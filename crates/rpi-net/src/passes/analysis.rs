@@ -169,16 +169,22 @@ pub const PASSES: &[Pass] = &[
         name: "writers",
         about: "no actuator is driven twice in a cycle; the resources that are taken",
         run: |a, _| {
-            let writers = Writers::new(a.background());
-            a.findings.extend(writers::check(&a.net, &writers));
+            let writers = Writers::new(a.background(), a.schedule.as_ref());
+            // Without an order of evaluation that is what is reported.
+            if a.schedule.is_some() {
+                a.findings.extend(writers::check(&a.net, &writers));
+            }
             let watched = writers.watched().count();
             let proved = writers.pairs.len() - watched;
             let taken: Vec<String> = writers.of.keys().map(Resource::to_string).collect();
+            let methods = writers.methods();
             let told = format!(
-                "{} resources{}{}; of pairs of writers {proved} exclusive, {watched} watched",
+                "{} resources{}{}; of pairs of writers {proved} exclusive{}{}, {watched} watched",
                 taken.len(),
                 if taken.is_empty() { "" } else { ": " },
-                taken.join(", ")
+                taken.join(", "),
+                if methods.is_empty() { "" } else { " by " },
+                methods.join(" and ")
             );
             a.writers = writers;
             Ok(told)
@@ -188,7 +194,7 @@ pub const PASSES: &[Pass] = &[
         name: "set-points",
         about: "in which cycles an actuator may get none",
         run: |a, _| {
-            let gaps = setpoints::gaps(a.background(), &a.writers);
+            let gaps = setpoints::gaps(a.background(), a.schedule.as_ref(), &a.writers);
             // Who drives an actuator twice is told that first.
             if a.findings.iter().all(|f| f.severity() != Severity::Error) {
                 let found = gaps.iter().map(|gap| setpoints::finding(&a.net, gap));

@@ -11,6 +11,7 @@ mod faults;
 pub mod hoist;
 mod idle;
 pub mod live;
+mod overlap;
 pub mod presence;
 mod proof;
 pub mod rings;

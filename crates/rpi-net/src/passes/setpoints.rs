@@ -3,6 +3,8 @@
 //! Without one a device holds its place if it rests, and stops with a fault if it moves: so who reads a program should know
 //! in which cycles that may be.
 
+use super::Schedule;
+use super::overlap;
 use super::presence::Sureness;
 use super::proof::{Background, Effort, Happening, Prover};
 use super::writers::{Resource, Writers, alternative, happening};
@@ -11,6 +13,8 @@ use rpi_diag::{Code, Finding};
 use rpi_image::{Presence, Role};
 use std::collections::BTreeSet;
 
+/// So many actuators of a command are decided with all means, at most.
+const HARD: usize = 8;
 /// So many reasons are told of one actuator.
 const REASONS: usize = 4;
 
@@ -33,13 +37,18 @@ pub(crate) struct Gap {
 
 /// The actuators of a program that may be without a set-point in some cycle, each once. Imported nets are as they are: there
 /// is no source in which it could be mended.
-pub(crate) fn gaps(background: Background<'_>, writers: &Writers) -> Vec<Gap> {
+pub(crate) fn gaps(
+    background: Background<'_>,
+    schedule: Option<&Schedule>,
+    writers: &Writers,
+) -> Vec<Gap> {
     let net = background.net;
     if !is_looked_at(net) {
         return Vec::new();
     }
     let effort = Effort::default();
     let mut prover = None;
+    let mut hard = 0;
     let mut told: Vec<&Resource> = Vec::new();
     let mut gaps = Vec::new();
     for (resource, own) in &writers.of {
@@ -57,7 +66,11 @@ pub(crate) fn gaps(background: Background<'_>, writers: &Writers) -> Vec<Gap> {
             continue;
         }
         let prover = prover.get_or_insert_with(|| Prover::new(background, &effort));
-        if !prover.always_one(&all) {
+        let is_hard = all.len() > 1 && hard < HARD;
+        let is_covered = prover.always_one(&all)
+            || schedule.is_some_and(|s| is_hard && overlap::always_one(background, s, &all));
+        hard += usize::from(is_hard);
+        if !is_covered {
             told.push(resource);
             gaps.extend(own.first().map(|writer| Gap {
                 resource: resource.clone(),

@@ -4,15 +4,20 @@
 //! exclude each other, too. Writers of one resource in a net are proved exclusive, or watched in each cycle by the
 //! device bank (imported nets), or refused (programs).
 
+use super::Schedule;
+use super::overlap::{self, Verdict, Witness};
 use super::proof::{Background, Effort, Happening, Prover};
 use crate::net::{Driver, Input, Net, Node, NodeId};
 use rpi_diag::{Code, Finding};
 use rpi_image::{DevicePorts, Role, Value};
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::fmt;
 
 /// Pairs of writers that are looked at, at most; further ones count as not proved.
 const PAIRS: usize = 20_000;
+
+/// Pairs that are decided with all means, at most.
+const HARD: usize = 200;
 
 /// Ports of the reference's arms that set the same motion.
 pub(crate) const SAME_MOTION: [&str; 2] = ["joint.position", "tcp.position"];
@@ -50,19 +55,50 @@ pub struct Writers {
     pub of: BTreeMap<Resource, Vec<NodeId>>,
     /// All pairs that may meet.
     pub pairs: Vec<Pair>,
+    /// What is known of the pairs for which one cycle of plain facts was not enough.
+    verdicts: BTreeMap<[NodeId; 2], Verdict>,
 }
 
 impl Writers {
-    /// Finds the writers of a net and tells them apart.
-    pub(crate) fn new(background: Background<'_>) -> Self {
+    /// Finds the writers of a net and tells them apart. Without an order of evaluation only plain facts are looked at.
+    pub(crate) fn new(background: Background<'_>, schedule: Option<&Schedule>) -> Self {
         let mut of: BTreeMap<Resource, Vec<NodeId>> = BTreeMap::new();
         for id in background.net.node_ids() {
             if let Some(resource) = resource(background.net.node(id)) {
                 of.entry(resource).or_default().push(id);
             }
         }
-        let pairs = judge(background, &meetings(background.net, &of));
-        Writers { of, pairs }
+        let mut pairs = judge(background, &meetings(background.net, &of));
+        let verdicts = schedule.map_or_else(BTreeMap::new, |schedule| {
+            decide(background, schedule, &pairs)
+        });
+        for pair in &mut pairs {
+            let verdict = verdicts.get(&pair.writers);
+            pair.exclusive |= matches!(verdict, Some(Verdict::Exclusive(_)));
+        }
+        Writers {
+            of,
+            pairs,
+            verdicts,
+        }
+    }
+
+    /// How the pairs were proved that plain facts did not prove, each method once, in words.
+    pub(crate) fn methods(&self) -> Vec<String> {
+        let methods = self.verdicts.values().filter_map(|verdict| match verdict {
+            Verdict::Exclusive(method) => Some(*method),
+            _ => None,
+        });
+        let methods: BTreeSet<_> = methods.collect();
+        methods.iter().map(ToString::to_string).collect()
+    }
+
+    /// A run in which both writers of a pair write.
+    fn witness(&self, pair: [NodeId; 2]) -> Option<&Witness> {
+        match self.verdicts.get(&pair) {
+            Some(Verdict::Together(witness)) => Some(witness),
+            _ => None,
+        }
     }
 
     /// Pairs that are not proved exclusive.
@@ -152,36 +188,93 @@ pub(crate) fn happening(net: &Net, writer: NodeId) -> Happening {
     }
 }
 
-/// Programs have one writer per actuator; a finding per resource that may have two in one cycle.
+/// What the solver says of the pairs that are not proved yet.
+fn decide(
+    background: Background<'_>,
+    schedule: &Schedule,
+    pairs: &[Pair],
+) -> BTreeMap<[NodeId; 2], Verdict> {
+    let open = pairs.iter().filter(|pair| !pair.exclusive).take(HARD);
+    let open: Vec<[NodeId; 2]> = open.map(|pair| pair.writers).collect();
+    let happenings: Vec<[Happening; 2]> = open
+        .iter()
+        .map(|pair| pair.map(|writer| happening(background.net, writer)))
+        .collect();
+    let verdicts = overlap::decide(background, schedule, &happenings);
+    open.into_iter().zip(verdicts).collect()
+}
+
+/// Programs have one writer per actuator; a finding per resource that has two in one cycle, or may have. Of the pairs of one
+/// resource one that is known to meet is reported.
 pub(crate) fn check(net: &Net, writers: &Writers) -> Vec<Finding> {
     if matches!(net.driver, Driver::Ports { .. }) {
         return Vec::new();
     }
-    let mut first: BTreeMap<[Resource; 2], [NodeId; 2]> = BTreeMap::new();
+    let mut reported: BTreeMap<[Resource; 2], [NodeId; 2]> = BTreeMap::new();
     for pair in writers.watched() {
         if let [Some(a), Some(b)] = pair.map(|w| resource(net.node(w))) {
             let whole = |r: Resource| Resource { index: 0, ..r };
-            first.entry([whole(a), whole(b)]).or_insert(pair);
+            let known = reported.entry([whole(a), whole(b)]).or_insert(pair);
+            if writers.witness(*known).is_none() && writers.witness(pair).is_some() {
+                *known = pair;
+            }
         }
     }
-    first
-        .iter()
-        .map(|(resources, pair)| finding(net, resources, *pair))
-        .collect()
+    let told = reported.into_iter().map(|(resources, pair)| {
+        let (resources, ordered) = in_text_order(net, resources, pair);
+        match writers.witness(pair) {
+            Some(witness) => together(net, &resources, ordered, witness),
+            None => not_proved(net, &resources, ordered),
+        }
+    });
+    told.collect()
 }
 
-fn finding(net: &Net, [a, b]: &[Resource; 2], [first, second]: [NodeId; 2]) -> Finding {
-    let name = |r: &Resource| format!("`{}.{}`", r.device, r.port);
+/// The two as the program has them, one after the other.
+fn in_text_order(
+    net: &Net,
+    [a, b]: [Resource; 2],
+    [first, second]: [NodeId; 2],
+) -> ([Resource; 2], [NodeId; 2]) {
+    let start = |node: NodeId| net.node(node).origin.span.start;
+    match start(second) < start(first) {
+        true => ([b, a], [second, first]),
+        false => ([a, b], [first, second]),
+    }
+}
+
+/// A finding about two set-points, with their places.
+fn finding(net: &Net, (code, message): (Code, String), [first, second]: [NodeId; 2]) -> Finding {
+    Finding::new(code, message)
+        .at(net.node(second).origin.span, "a second set-point")
+        .also(net.node(first).origin.span, "the first one")
+}
+
+fn name(resource: &Resource) -> String {
+    format!("`{}.{}`", resource.device, resource.port)
+}
+
+fn together(net: &Net, [a, b]: &[Resource; 2], pair: [NodeId; 2], witness: &Witness) -> Finding {
     let message = match a == b {
-        true => format!("{} may get two set-points in the same cycle", name(a)),
+        true => format!("{} gets two set-points in the same cycle", name(a)),
         false => format!(
             "{} and {} may both get a set-point in the same cycle",
             name(a),
             name(b)
         ),
     };
-    Finding::new(Code::RPI6101, message)
-        .at(net.node(second).origin.span, "a second set-point")
-        .also(net.node(first).origin.span, "the first one")
+    finding(net, (Code::RPI6101, message), pair)
+        .note(witness.to_string())
         .help("merge the alternatives with `??`, or let conditions exclude each other")
+}
+
+fn not_proved(net: &Net, [a, b]: &[Resource; 2], pair: [NodeId; 2]) -> Finding {
+    let message = format!(
+        "{} and {} are not proved to exclude each other",
+        name(a),
+        name(b)
+    );
+    finding(net, (Code::RPI6105, message), pair)
+        .note("each cycle checks it: two set-points at once are a fault, which ends the command")
+        .help("let both depend on one condition: `when c` and `when not c`, or states of one automaton")
 }

@@ -160,4 +160,6 @@ fn edge(node: &Node, value: Set) -> Set {
 }
 
 #[cfg(test)]
+pub(crate) mod bench;
+#[cfg(test)]
 mod tests;

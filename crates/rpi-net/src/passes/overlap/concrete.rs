@@ -1,0 +1,289 @@
+//! Cycles over plain values: what a net does for given inputs, by the code of the primitives. What depends on something
+//! that cannot be computed here is marked as not exact.
+
+use super::domain::{Domain, Flow, Source};
+use super::doubles;
+use crate::net::{Node, PortRef};
+use rpi_image::{CommandFlow, Scalar, Type, Value};
+use std::collections::BTreeMap;
+
+/// A truth value, and whether it is known to be so.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub(super) struct Truth {
+    pub(super) value: bool,
+    pub(super) exact: bool,
+}
+
+/// A value, and whether it is known to be so.
+#[derive(Clone, Debug)]
+pub(super) struct Plain {
+    pub(super) value: Value,
+    pub(super) exact: bool,
+}
+
+/// Values from outside: by source and cycle; none where one is absent.
+pub(super) type Script = BTreeMap<(Source, usize), Option<Value>>;
+
+/// Values that decide something, by type: constants of the net and their neighbours.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Pool {
+    pub(super) integers: Vec<i64>,
+    pub(super) reals: Vec<f64>,
+}
+
+/// A generator of numbers (Steele et al. 2014, SplitMix64).
+#[derive(Clone, Debug)]
+pub(super) struct Random(pub(super) u64);
+
+impl Random {
+    pub(super) fn next(&mut self) -> u64 {
+        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
+        let mut z = self.0;
+        z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+        z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
+        z ^ (z >> 31)
+    }
+
+    /// A number below `bound`, which is not 0.
+    pub(super) fn below(&mut self, bound: usize) -> usize {
+        usize::try_from(self.next() % (bound.max(1) as u64)).unwrap_or(0)
+    }
+
+    fn of<T: Copy>(&mut self, values: &[T]) -> Option<T> {
+        values.get(self.below(values.len())).copied()
+    }
+}
+
+/// A run.
+pub(super) struct Concrete<'a> {
+    pub(super) cycle: usize,
+    /// What was read from outside; what is missing is made up.
+    pub(super) script: Script,
+    pub(super) random: Random,
+    pub(super) pool: &'a Pool,
+    /// Probability that a value from outside stays as it was, in eighths.
+    pub(super) keeps: usize,
+    /// Whether a primitive had a fault.
+    pub(super) is_faulty: bool,
+    /// Whether what is missing in the script is neutral instead of random.
+    pub(super) is_calm: bool,
+}
+
+impl<'a> Concrete<'a> {
+    pub(super) fn new(script: Script, seed: u64, pool: &'a Pool) -> Concrete<'a> {
+        Concrete {
+            cycle: 0,
+            script,
+            random: Random(seed),
+            pool,
+            keeps: 4,
+            is_faulty: false,
+            is_calm: false,
+        }
+    }
+
+    /// A value of this type that may decide something.
+    fn made_up(&mut self, ty: Type) -> Value {
+        if self.is_calm {
+            return Value::neutral(ty);
+        }
+        match ty {
+            Type::One(Scalar::Bool) => Value::bool(self.random.below(2) == 1),
+            Type::One(Scalar::Int) => {
+                let pool = self.pool;
+                let base = self.random.of(&pool.integers).unwrap_or(0);
+                Value::int(match self.random.below(8) {
+                    0 => base.saturating_neg(),
+                    1 | 2 => base.saturating_sub(1),
+                    3 | 4 => base.saturating_add(1),
+                    _ => base,
+                })
+            }
+            Type::One(Scalar::Real) => {
+                let pool = self.pool;
+                Value::real(self.real(&pool.reals))
+            }
+            _ => Value::neutral(ty),
+        }
+    }
+
+    fn real(&mut self, pool: &[f64]) -> f64 {
+        let base = self.random.of(pool).unwrap_or(0.0);
+        let place = doubles::place(if base.is_nan() { 0.0 } else { base });
+        match self.random.below(16) {
+            0 => f64::NAN,
+            1 | 2 => base + 1.0,
+            3 | 4 => base - 1.0,
+            5 => doubles::at((place + 1).min(doubles::last())),
+            6 => doubles::at((place - 1).max(-doubles::last())),
+            7 => -base,
+            8 => base * 2.0,
+            9 => base * 0.5,
+            _ => base,
+        }
+    }
+
+    fn read(&mut self, source: &Source, ty: Type, may_be_absent: bool) -> Option<Value> {
+        let before = self.cycle.checked_sub(1);
+        let before = before.and_then(|cycle| self.script.get(&(source.clone(), cycle)));
+        let before = before.cloned();
+        match source {
+            Source::Core(CommandFlow::Time) => {
+                let then = before.flatten().and_then(|v| v.as_real());
+                return Some(Value::real(then.map_or(0.0, |then| self.later(then))));
+            }
+            Source::Core(CommandFlow::Period) => return Some(Value::real(0.001)),
+            Source::Core(CommandFlow::Cancel) => {
+                let was = before.flatten().and_then(|v| v.as_bool()) == Some(true);
+                return Some(Value::bool(
+                    was || (!self.is_calm && self.random.below(8) == 0),
+                ));
+            }
+            Source::Core(CommandFlow::Predecessor) if self.cycle > 0 => return before.flatten(),
+            _ => {}
+        }
+        if let Some(before) = before
+            && (self.is_calm || self.random.below(8) < self.keeps)
+        {
+            return before;
+        }
+        let is_there = !may_be_absent || self.is_calm || self.random.below(4) > 0;
+        is_there.then(|| self.made_up(ty))
+    }
+
+    /// A later time: the next constant that it is compared with may have come.
+    fn later(&mut self, then: f64) -> f64 {
+        let pool = self.pool;
+        let next = then + 0.001;
+        match self.random.of(&pool.reals) {
+            Some(constant) if !self.is_calm && constant >= next && constant < 1e9 => {
+                match self.random.below(3) {
+                    0 => constant,
+                    1 => constant + 0.001,
+                    _ => next,
+                }
+            }
+            _ => next,
+        }
+    }
+}
+
+impl Domain for Concrete<'_> {
+    type Bit = Truth;
+    type Value = Plain;
+
+    fn bit(&self, value: bool) -> Truth {
+        Truth { value, exact: true }
+    }
+
+    fn not(&mut self, a: Truth) -> Truth {
+        Truth {
+            value: !a.value,
+            ..a
+        }
+    }
+
+    fn and(&mut self, a: Truth, b: Truth) -> Truth {
+        let refutes = |x: Truth| x.exact && !x.value;
+        Truth {
+            value: a.value && b.value,
+            exact: (a.exact && b.exact) || refutes(a) || refutes(b),
+        }
+    }
+
+    fn constant(&mut self, value: &Value) -> Plain {
+        Plain {
+            value: value.clone(),
+            exact: true,
+        }
+    }
+
+    fn boolean(&mut self, bit: Truth) -> Plain {
+        Plain {
+            value: Value::bool(bit.value),
+            exact: bit.exact,
+        }
+    }
+
+    fn truth(&mut self, value: &Plain) -> Truth {
+        Truth {
+            value: value.value.as_bool().unwrap_or(false),
+            exact: value.exact,
+        }
+    }
+
+    fn choose(&mut self, condition: Truth, yes: &Plain, no: &Plain) -> Plain {
+        let chosen = if condition.value { yes } else { no };
+        let same = || yes.exact && no.exact && yes.value == no.value;
+        Plain {
+            value: chosen.value.clone(),
+            exact: (condition.exact && chosen.exact) || (!condition.exact && same()),
+        }
+    }
+
+    fn source(&mut self, source: Source, ty: Type, may_be_absent: bool) -> Flow<Self> {
+        let key = (source, self.cycle);
+        let value = match self.script.get(&key).cloned() {
+            Some(value) => value,
+            None => self.read(&key.0, ty, may_be_absent),
+        };
+        self.script.insert(key, value.clone());
+        Flow {
+            present: self.bit(value.is_some()),
+            value: Plain {
+                value: value.unwrap_or_else(|| Value::neutral(ty)),
+                exact: true,
+            },
+        }
+    }
+
+    fn apply(&mut self, node: &Node, inputs: &[Plain], runs: Truth) -> Vec<Plain> {
+        let neutral = |exact: bool| {
+            let types = node.outputs.iter();
+            let plain = |ty: &Type| Plain {
+                value: Value::neutral(*ty),
+                exact,
+            };
+            types.map(plain).collect::<Vec<Plain>>()
+        };
+        if !runs.value {
+            return neutral(runs.exact);
+        }
+        let exact = runs.exact && inputs.iter().all(|input| input.exact);
+        let values: Vec<&Value> = inputs.iter().map(|input| &input.value).collect();
+        match rpi_prims::fold(node.prim, &values, &node.params, &node.outputs) {
+            None => neutral(false),
+            Some(Err(_)) => {
+                self.is_faulty = true;
+                neutral(exact)
+            }
+            Some(Ok(values)) => values
+                .into_iter()
+                .map(|value| Plain { value, exact })
+                .collect(),
+        }
+    }
+
+    fn unknown(
+        &mut self,
+        (port, node): (PortRef, &Node),
+        _inputs: Option<&[Flow<Self>]>,
+        surely: Truth,
+        runs: Truth,
+    ) -> Flow<Self> {
+        let ty = node.outputs.get(usize::from(port.port)).copied();
+        let value = self.made_up(ty.unwrap_or(Type::One(Scalar::Bool)));
+        let guess = Truth {
+            value: self.random.below(2) == 1,
+            exact: false,
+        };
+        let present = self.or(surely, guess);
+        Flow {
+            present: self.and(present, runs),
+            value: Plain {
+                value,
+                exact: false,
+            },
+        }
+    }
+}

@@ -1,0 +1,232 @@
+//! The part of a net that decides whether some things happen: nodes in order of evaluation, and what they remember.
+
+use super::gates::Gate;
+use crate::net::{Activation, FragmentId, Input, Net, NodeId, PortRef, Restart};
+use crate::passes::Schedule;
+use crate::passes::proof::Happening;
+use rpi_image::{Presence, Role, Scalar, Type, Value};
+use rustc_hash::{FxHashMap, FxHashSet};
+
+/// Something that is remembered from cycle to cycle. It starts afresh with the fragment that it belongs to.
+#[derive(Clone, PartialEq, Eq, PartialOrd, Ord, Hash, Debug)]
+pub(super) enum Memory {
+    /// The in-port of a delay in the previous cycle.
+    Delayed(NodeId),
+    /// A cell of a primitive.
+    Cell(NodeId, usize),
+    /// Whether the fragment has been active.
+    Started(FragmentId),
+    /// Whether a fragment was active when its parent last was.
+    WasActive(FragmentId),
+}
+
+/// A register: what it remembers, for which fragment, and its first content; none if it is absent then.
+#[derive(Clone, Debug)]
+pub(super) struct Register {
+    pub(super) memory: Memory,
+    pub(super) owner: FragmentId,
+    pub(super) ty: Type,
+    pub(super) first: Option<Value>,
+    /// Whether it may be absent.
+    pub(super) may_be_absent: bool,
+}
+
+/// What decides.
+pub(super) struct Cone<'a> {
+    pub(super) net: &'a Net,
+    /// In order of evaluation.
+    pub(super) nodes: Vec<NodeId>,
+    pub(super) registers: Vec<Register>,
+    /// Place of each register. Delays of one flow in one fragment share theirs.
+    places: FxHashMap<Memory, usize>,
+}
+
+impl<'a> Cone<'a> {
+    /// The cone of some things and flows, of so many nodes at most. The nearest nodes are kept.
+    pub(super) fn new(
+        net: &'a Net,
+        schedule: &Schedule,
+        of: &[Happening],
+        flows: &[PortRef],
+        limit: usize,
+        is_total: impl Fn(PortRef) -> bool,
+    ) -> Cone<'a> {
+        let mut search = Search {
+            net,
+            seen: FxHashSet::default(),
+            fragments: FxHashSet::default(),
+            open: Vec::new(),
+        };
+        for happening in of {
+            search.fragment(happening.fragment);
+            happening
+                .present
+                .iter()
+                .for_each(|port| search.node(port.node));
+        }
+        flows.iter().for_each(|port| search.node(port.node));
+        search.run(limit);
+        let seen = search.seen;
+        let nodes: Vec<NodeId> = schedule.nodes().filter(|id| seen.contains(id)).collect();
+        let mut cone = Cone {
+            net,
+            nodes,
+            registers: Vec::new(),
+            places: FxHashMap::default(),
+        };
+        cone.find_registers();
+        for register in &mut cone.registers {
+            if let Memory::Delayed(node) = register.memory {
+                register.may_be_absent = !is_total(PortRef { node, port: 0 });
+            }
+        }
+        cone
+    }
+
+    /// The place of a register.
+    pub(super) fn place(&self, memory: &Memory) -> Option<usize> {
+        self.places.get(memory).copied()
+    }
+
+    fn find_registers(&mut self) {
+        let mut delays: FxHashMap<(FragmentId, PortRef, &str), usize> = FxHashMap::default();
+        let net = self.net;
+        for id in self.nodes.clone() {
+            let node = net.node(id);
+            match node.desc().role {
+                Role::Delay => {
+                    let key = node.inputs.first().and_then(Input::port);
+                    let key = key.map(|port| (node.fragment, port, node.desc().name));
+                    match key.and_then(|key| delays.get(&key)).copied() {
+                        Some(shared) => {
+                            self.places.insert(Memory::Delayed(id), shared);
+                        }
+                        None => {
+                            let place = self.add(delay(net, id));
+                            delays.extend(key.map(|key| (key, place)));
+                        }
+                    }
+                }
+                Role::First => {
+                    self.flag(Memory::Started(node.fragment), node.fragment);
+                }
+                _ => {
+                    let gate = Gate::of(node);
+                    let cells = gate.map(|gate| gate.memory(node)).unwrap_or_default();
+                    for (k, first) in cells.into_iter().enumerate() {
+                        self.add(cell(Memory::Cell(id, k), node.fragment, first));
+                    }
+                }
+            }
+            self.watch_restarts(node.fragment);
+        }
+    }
+
+    fn watch_restarts(&mut self, fragment: FragmentId) {
+        let net = self.net;
+        for id in net.enclosing(fragment) {
+            let fragment = net.fragment(id);
+            if let (Restart::OnActivation, Some(parent)) = (&fragment.restart, fragment.parent) {
+                self.flag(Memory::WasActive(id), parent);
+            }
+        }
+    }
+
+    fn flag(&mut self, memory: Memory, owner: FragmentId) {
+        if !self.places.contains_key(&memory) {
+            self.add(cell(memory, owner, Value::bool(false)));
+        }
+    }
+
+    fn add(&mut self, register: Register) -> usize {
+        let place = self.registers.len();
+        self.places.insert(register.memory.clone(), place);
+        self.registers.push(register);
+        place
+    }
+}
+
+fn cell(memory: Memory, owner: FragmentId, first: Value) -> Register {
+    Register {
+        memory,
+        owner,
+        ty: first.ty().unwrap_or(Type::One(Scalar::Bool)),
+        first: Some(first),
+        may_be_absent: false,
+    }
+}
+
+fn delay(net: &Net, id: NodeId) -> Register {
+    let node = net.node(id);
+    let ty = node
+        .outputs
+        .first()
+        .copied()
+        .unwrap_or(Type::One(Scalar::Bool));
+    let starts_absent = node
+        .desc()
+        .outputs
+        .first()
+        .is_some_and(|o| o.presence == Presence::Maybe);
+    Register {
+        memory: Memory::Delayed(id),
+        owner: node.fragment,
+        ty,
+        first: (!starts_absent).then(|| Value::neutral(ty)),
+        may_be_absent: true,
+    }
+}
+
+/// Goes back from what is asked to what decides it.
+struct Search<'a> {
+    net: &'a Net,
+    seen: FxHashSet<NodeId>,
+    fragments: FxHashSet<FragmentId>,
+    open: Vec<NodeId>,
+}
+
+impl Search<'_> {
+    fn node(&mut self, id: NodeId) {
+        if self.seen.insert(id) {
+            self.open.push(id);
+        }
+    }
+
+    fn fragment(&mut self, id: FragmentId) {
+        let net = self.net;
+        for id in net.enclosing(id) {
+            if !self.fragments.insert(id) {
+                return;
+            }
+            let fragment = net.fragment(id);
+            if let Activation::When { condition, .. } = fragment.activation {
+                self.node(condition.node);
+            }
+            if let Restart::Every(condition) = fragment.restart {
+                self.node(condition.node);
+            }
+        }
+    }
+
+    /// Breadth first, so that what is near is kept.
+    fn run(&mut self, limit: usize) {
+        let mut at = 0;
+        while at < self.open.len() {
+            if at >= limit {
+                for id in self.open.drain(limit..) {
+                    self.seen.remove(&id);
+                }
+                return;
+            }
+            let id = self.open[at];
+            at += 1;
+            let net = self.net;
+            let node = net.node(id);
+            self.fragment(node.fragment);
+            node.inputs
+                .iter()
+                .filter_map(Input::port)
+                .for_each(|port| self.node(port.node));
+        }
+    }
+}

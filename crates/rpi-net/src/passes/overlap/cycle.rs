@@ -1,0 +1,376 @@
+//! One cycle of a net over a [`Domain`]: activity, flows, and what is remembered for the next one.
+
+use super::cone::{Cone, Memory};
+use super::domain::{Domain, Flow, Source};
+use super::gates::{Gate, certain};
+use crate::net::{Absent, Activation, FragmentId, Input, Node, NodeId, PortRef, Restart};
+use crate::passes::proof::Happening;
+use rpi_image::{DevicePorts, Presence, Role, Type, Value};
+use rustc_hash::FxHashMap;
+
+/// What is remembered at the start of a cycle, register by register.
+pub(super) type State<D> = Vec<Flow<D>>;
+
+/// A cycle that is being computed.
+pub(super) struct Cycle<'a, D: Domain> {
+    pub(super) domain: &'a mut D,
+    cone: &'a Cone<'a>,
+    state: &'a State<D>,
+    flows: FxHashMap<PortRef, Flow<D>>,
+    active: FxHashMap<FragmentId, D::Bit>,
+    fresh: FxHashMap<FragmentId, D::Bit>,
+    /// Contents of the cells of primitives at the end.
+    cells: FxHashMap<usize, D::Value>,
+}
+
+/// What the registers hold before the first cycle.
+pub(super) fn first_state<D: Domain>(domain: &mut D, cone: &Cone<'_>) -> State<D> {
+    let registers = cone.registers.iter();
+    registers
+        .map(|register| first(domain, register.ty, register.first.as_ref()))
+        .collect()
+}
+
+fn first<D: Domain>(domain: &mut D, ty: Type, content: Option<&Value>) -> Flow<D> {
+    let present = domain.bit(content.is_some());
+    let value = match content {
+        Some(value) => domain.constant(value),
+        None => domain.constant(&Value::neutral(ty)),
+    };
+    Flow { present, value }
+}
+
+impl<'a, D: Domain> Cycle<'a, D> {
+    /// Computes a cycle.
+    pub(super) fn new(domain: &'a mut D, cone: &'a Cone<'a>, state: &'a State<D>) -> Self {
+        let yes = domain.bit(true);
+        let no = domain.bit(false);
+        let mut cycle = Cycle {
+            domain,
+            cone,
+            state,
+            flows: FxHashMap::default(),
+            active: FxHashMap::from_iter([(FragmentId::ROOT, yes)]),
+            fresh: FxHashMap::from_iter([(FragmentId::ROOT, no)]),
+            cells: FxHashMap::default(),
+        };
+        for id in &cone.nodes {
+            cycle.node(*id);
+        }
+        cycle
+    }
+
+    /// Whether something happens.
+    pub(super) fn happens(&mut self, happening: &Happening) -> D::Bit {
+        let active = self.activity(happening.fragment);
+        let mut all = active;
+        for port in &happening.present {
+            let present = self.flow(*port).present;
+            all = self.domain.and(all, present);
+        }
+        all
+    }
+
+    /// Whether a flow is present and true.
+    pub(super) fn is_true(&mut self, port: PortRef) -> D::Bit {
+        let flow = self.flow(port);
+        self.domain.is_true(&flow)
+    }
+
+    /// A flow as anyone sees it: absent where its fragment is inactive.
+    pub(super) fn flow(&mut self, port: PortRef) -> Flow<D> {
+        if let Some(flow) = self.flows.get(&port) {
+            return flow.clone();
+        }
+        // It was left out: nothing is known of it.
+        let node = self.cone.net.node(port.node);
+        let (no, yes) = (self.domain.bit(false), self.domain.bit(true));
+        let flow = self.domain.unknown((port, node), None, no, yes);
+        self.flows.insert(port, flow.clone());
+        flow
+    }
+
+    /// The state after the cycle.
+    pub(super) fn next(mut self) -> State<D> {
+        let cone = self.cone;
+        let places = 0..cone.registers.len();
+        places.map(|place| self.next_of(place)).collect()
+    }
+
+    fn next_of(&mut self, place: usize) -> Flow<D> {
+        let register = &self.cone.registers[place];
+        let kept = self.kept(place);
+        let active = self.activity(register.owner);
+        let new = match register.memory {
+            Memory::Delayed(id) => {
+                let input = self.cone.net.node(id).inputs.first();
+                match input {
+                    Some(input) => self.input(input),
+                    None => return kept,
+                }
+            }
+            Memory::Cell(..) => match self.cells.get(&place).cloned() {
+                Some(value) => Flow {
+                    present: self.domain.bit(true),
+                    value,
+                },
+                None => return kept,
+            },
+            Memory::Started(_) => {
+                let yes = self.domain.bit(true);
+                certain(self.domain, yes)
+            }
+            Memory::WasActive(id) => {
+                let active = self.activity(id);
+                certain(self.domain, active)
+            }
+        };
+        self.domain.choose_flow(active, &new, &kept)
+    }
+
+    /// Content of a register, started afresh where its fragment is.
+    fn kept(&mut self, place: usize) -> Flow<D> {
+        let register = &self.cone.registers[place];
+        let fresh = self.freshness(register.owner);
+        let first = first(self.domain, register.ty, register.first.as_ref());
+        self.domain.choose_flow(fresh, &first, &self.state[place])
+    }
+
+    fn register(&mut self, memory: &Memory) -> Option<Flow<D>> {
+        let place = self.cone.place(memory)?;
+        Some(self.kept(place))
+    }
+
+    /// Whether a fragment is active, and with it all around it.
+    fn activity(&mut self, id: FragmentId) -> D::Bit {
+        if let Some(known) = self.active.get(&id) {
+            return *known;
+        }
+        let fragment = self.cone.net.fragment(id);
+        let parent = fragment.parent.unwrap_or(FragmentId::ROOT);
+        let outer = self.activity(parent);
+        let active = match fragment.activation {
+            Activation::Always => outer,
+            Activation::When { condition, absent } => {
+                let flow = self.flow(condition);
+                let holds = match absent {
+                    Absent::Inactive => self.domain.is_true(&flow),
+                    Absent::Active => {
+                        let truth = self.domain.truth(&flow.value);
+                        let wrong = self.domain.not(truth);
+                        let refuted = self.domain.and(flow.present, wrong);
+                        self.domain.not(refuted)
+                    }
+                };
+                self.domain.and(outer, holds)
+            }
+        };
+        self.active.insert(id, active);
+        active
+    }
+
+    /// Whether the state of a fragment starts afresh in this cycle.
+    fn freshness(&mut self, id: FragmentId) -> D::Bit {
+        if let Some(known) = self.fresh.get(&id) {
+            return *known;
+        }
+        let fragment = self.cone.net.fragment(id);
+        let outer = self.freshness(fragment.parent.unwrap_or(FragmentId::ROOT));
+        let asked = match fragment.restart {
+            Restart::Never => None,
+            Restart::OnActivation => {
+                let was = self.register(&Memory::WasActive(id));
+                was.map(|was| {
+                    let was = self.domain.truth(&was.value);
+                    self.domain.not(was)
+                })
+            }
+            Restart::Every(condition) => Some(self.is_true(condition)),
+        };
+        let fresh = match asked {
+            None => outer,
+            Some(asked) => {
+                let active = self.activity(id);
+                let own = self.domain.and(active, asked);
+                self.domain.or(outer, own)
+            }
+        };
+        self.fresh.insert(id, fresh);
+        fresh
+    }
+
+    fn input(&mut self, input: &Input) -> Flow<D> {
+        match input {
+            Input::Port(port) => self.flow(*port),
+            Input::Const(value) => Flow {
+                present: self.domain.bit(true),
+                value: self.domain.constant(value),
+            },
+            Input::Open => Flow {
+                present: self.domain.bit(false),
+                value: {
+                    let no = self.domain.bit(false);
+                    self.domain.boolean(no)
+                },
+            },
+        }
+    }
+
+    fn node(&mut self, id: NodeId) {
+        let node = self.cone.net.node(id);
+        if node.outputs.is_empty() {
+            return;
+        }
+        let active = self.activity(node.fragment);
+        let flows = self.computed(id, node, active);
+        for (k, flow) in (0..).zip(flows) {
+            let present = self.domain.and(flow.present, active);
+            let port = PortRef { node: id, port: k };
+            self.flows.insert(
+                port,
+                Flow {
+                    present,
+                    value: flow.value,
+                },
+            );
+        }
+    }
+
+    /// The out-ports of a node in a fragment that is active.
+    fn computed(&mut self, id: NodeId, node: &Node, active: D::Bit) -> Vec<Flow<D>> {
+        match node.desc().role {
+            Role::Constant => {
+                let value = node.params.first().map(|value| self.domain.constant(value));
+                value.into_iter().map(|value| self.present(value)).collect()
+            }
+            Role::Delay => self.register(&Memory::Delayed(id)).into_iter().collect(),
+            Role::First => {
+                let started = self.register(&Memory::Started(node.fragment));
+                let started = started.map(|flow| self.domain.truth(&flow.value));
+                let first = started.map(|started| self.domain.not(started));
+                first
+                    .into_iter()
+                    .map(|first| certain(self.domain, first))
+                    .collect()
+            }
+            Role::Flow(_) | Role::Sensor(_) | Role::Input => (0..)
+                .zip(node.desc().outputs)
+                .map(|(k, output)| {
+                    let source = source(id, node, k);
+                    let ty = node.outputs[usize::from(k)];
+                    self.domain
+                        .source(source, ty, output.presence == Presence::Maybe)
+                })
+                .collect(),
+            Role::Compute | Role::IsAbsent => {
+                let inputs: Vec<Flow<D>> =
+                    node.inputs.iter().map(|input| self.input(input)).collect();
+                self.primitive(id, node, &inputs, active)
+            }
+            _ => self.unknown(id, node, None, active),
+        }
+    }
+
+    fn present(&mut self, value: D::Value) -> Flow<D> {
+        Flow {
+            present: self.domain.bit(true),
+            value,
+        }
+    }
+
+    fn primitive(
+        &mut self,
+        id: NodeId,
+        node: &Node,
+        inputs: &[Flow<D>],
+        active: D::Bit,
+    ) -> Vec<Flow<D>> {
+        let desc = node.desc();
+        if let Some(gate) = Gate::of(node) {
+            if let Some(output) = gate.output(self.domain, inputs) {
+                return vec![output];
+            }
+            let places = (0..).map_while(|k| self.cone.place(&Memory::Cell(id, k)));
+            let places: Vec<usize> = places.collect();
+            let kept: Vec<D::Value> = places.iter().map(|at| self.kept(*at).value).collect();
+            if let Some((output, memory)) = gate.step(self.domain, node, inputs, &kept) {
+                self.cells.extend(places.into_iter().zip(memory));
+                return vec![output];
+            }
+        }
+        let is_pure = matches!(desc.state, rpi_image::State::None);
+        let is_strict = desc.outputs.iter().all(|o| o.presence == Presence::Strict);
+        if !is_pure || !is_strict {
+            return self.unknown(id, node, is_pure.then_some(inputs), active);
+        }
+        let connected = node.inputs.iter().zip(inputs);
+        let connected = connected.filter(|(input, _)| !matches!(input, Input::Open));
+        let present = connected.map(|(_, flow)| flow.present).collect::<Vec<_>>();
+        let present = self.domain.all(present);
+        let runs = self.domain.and(active, present);
+        let values: Vec<D::Value> = inputs.iter().map(|flow| flow.value.clone()).collect();
+        let outputs = self.domain.apply(node, &values, runs);
+        let outputs = outputs.into_iter();
+        outputs.map(|value| Flow { present, value }).collect()
+    }
+
+    /// Out-ports of which only the rule of presence is known.
+    fn unknown(
+        &mut self,
+        id: NodeId,
+        node: &Node,
+        inputs: Option<&[Flow<D>]>,
+        active: D::Bit,
+    ) -> Vec<Flow<D>> {
+        let flows: Vec<Flow<D>> = node.inputs.iter().map(|input| self.input(input)).collect();
+        let connected = node.inputs.iter().zip(&flows);
+        let connected = connected.filter(|(input, _)| !matches!(input, Input::Open));
+        let present: Vec<D::Bit> = connected.map(|(_, flow)| flow.present).collect();
+        let all = self.domain.all(present.iter().copied());
+        let any = present
+            .iter()
+            .fold(self.domain.bit(false), |any, p| self.domain.or(any, *p));
+        let (no, yes) = (self.domain.bit(false), self.domain.bit(true));
+        let mut outputs = Vec::new();
+        for (k, output) in (0..).zip(node.desc().outputs) {
+            let (surely, may) = match output.presence {
+                Presence::Strict => (all, all),
+                Presence::Always => (yes, yes),
+                Presence::IfAll => (all, yes),
+                Presence::IfAny => (any, yes),
+                Presence::Maybe => (no, yes),
+            };
+            let runs = self.domain.and(active, may);
+            let surely = self.domain.and(active, surely);
+            let port = (PortRef { node: id, port: k }, node);
+            outputs.push(self.domain.unknown(port, inputs, surely, runs));
+        }
+        outputs
+    }
+}
+
+/// What an out-port reads from outside.
+fn source(id: NodeId, node: &Node, port: u8) -> Source {
+    let text = |name: &str| {
+        let value = node.desc().param(name).and_then(|at| node.params.get(at));
+        value.and_then(Value::as_str).unwrap_or("").to_owned()
+    };
+    match node.desc().role {
+        Role::Flow(flow) => Source::Core(flow),
+        Role::Sensor(device) => {
+            let name = match device.ports {
+                DevicePorts::Fixed(names) => names.get(usize::from(port)).map(ToString::to_string),
+                DevicePorts::Param(name) => Some(text(name)),
+            };
+            let index = device.index.and_then(|name| node.desc().param(name));
+            let index = index.and_then(|at| node.params.get(at)?.as_int());
+            Source::Sensor {
+                device: text(device.device),
+                port: name.unwrap_or_default(),
+                index: index.unwrap_or(0),
+            }
+        }
+        Role::Input if port == 0 && !text("Key").is_empty() => Source::Outside(text("Key")),
+        _ => Source::Port(PortRef { node: id, port }),
+    }
+}

@@ -1,0 +1,64 @@
+//! Doubles as integers in the same order: the next double is the next integer, and both zeros are 0.
+
+/// The place of a double that is not NaN among all doubles.
+pub(super) fn place(value: f64) -> i64 {
+    let bits = value.to_bits().cast_signed();
+    if bits < 0 { -(bits & i64::MAX) } else { bits }
+}
+
+/// The double at a place.
+pub(super) fn at(place: i64) -> f64 {
+    let size = f64::from_bits(place.unsigned_abs());
+    if place < 0 { -size } else { size }
+}
+
+/// Place of the greatest value; that of the least one is its negation.
+pub(super) fn last() -> i64 {
+    place(f64::INFINITY)
+}
+
+/// The greatest place up to `high` at which a condition holds that holds up to some place from `low` on and not beyond.
+pub(super) fn last_where(low: i64, high: i64, holds: impl Fn(i64) -> bool) -> Option<i64> {
+    if !holds(low) {
+        return None;
+    }
+    let (mut low, mut high) = (i128::from(low), i128::from(high));
+    while low < high {
+        let middle = low + (high - low + 1) / 2;
+        match i64::try_from(middle).is_ok_and(&holds) {
+            true => low = middle,
+            false => high = middle - 1,
+        }
+    }
+    i64::try_from(low).ok()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn places_are_ordered_as_the_doubles_are() {
+        let values = [
+            f64::NEG_INFINITY,
+            -1e300,
+            -1.0,
+            -5e-324,
+            0.0,
+            5e-324,
+            1.0,
+            f64::INFINITY,
+        ];
+        assert!(values.windows(2).all(|w| place(w[0]) < place(w[1])));
+        assert_eq!(place(-0.0), place(0.0));
+        assert!(values.iter().all(|v| at(place(*v)) == *v));
+        assert_eq!(at(place(1.0) + 1), 1.0 + f64::EPSILON);
+    }
+
+    #[test]
+    fn the_last_place_is_found_at_the_ends_and_between() {
+        assert_eq!(last_where(i64::MIN, i64::MAX, |k| k <= 17), Some(17));
+        assert_eq!(last_where(-3, 3, |_| true), Some(3));
+        assert_eq!(last_where(-3, 3, |_| false), None);
+    }
+}

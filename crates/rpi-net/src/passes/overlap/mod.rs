@@ -1,0 +1,304 @@
+//! Whether two things can happen in one cycle, or none of several: proved that they never do, or shown by a run in which
+//! they do.
+//!
+//! The part of the net that decides is written as a problem for the [solver](crate::solver): what is present and active as
+//! literals, integers and reals as terms that are compared. Runs with made-up inputs come first, for most things that can
+//! happen do so soon. Then one cycle from any state; a few cycles from the first one on, whose solutions are run to see that
+//! they are real; and induction over up to three cycles (Sheeran et al. 2000) with properties of the registers that are
+//! guessed from the runs. Last come a few long runs, for what a counter puts off. All of it is bounded by counted steps, not by a clock, so that the answer is the same everywhere.
+
+mod concrete;
+mod cone;
+mod cycle;
+mod domain;
+mod doubles;
+mod gates;
+mod integers;
+mod invariants;
+mod question;
+mod reals;
+mod symbolic;
+mod trace;
+mod unrolled;
+mod witness;
+
+use super::Schedule;
+use super::presence::Sureness;
+use super::proof::{Background, Happening};
+use crate::solver::Answer;
+use concrete::Pool;
+use cone::Cone;
+use question::{Event, Question, ends, ends_at_once};
+use std::fmt;
+use trace::{Seen, Trace};
+use unrolled::Unrolled;
+pub(crate) use witness::Witness;
+
+/// Nodes that are looked at for one net, at most.
+const NODES: usize = 3_000;
+/// Steps of the solver for one net: some tenths of a second.
+const STEPS: u64 = 6_000_000;
+/// Nodes that are computed in runs for one net.
+const RUNS: u64 = 60_000;
+/// Nodes that are computed in long runs for one net.
+const LONG_RUNS: u64 = 120_000;
+/// Booleans of one problem, at most.
+const SIZE: usize = 150_000;
+/// Cycles from the first one on.
+const FAR: usize = 10;
+/// Cycles of an induction.
+const INDUCTION: usize = 3;
+
+/// What is known of a pair.
+#[derive(Clone, PartialEq, Eq, Debug)]
+pub(crate) enum Verdict {
+    /// The two never happen in the same cycle, proved so.
+    Exclusive(Method),
+    /// A run in which they do.
+    Together(Witness),
+    /// Neither is known.
+    Open,
+}
+
+/// How it was proved.
+#[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Debug)]
+pub(crate) enum Method {
+    /// Whatever is remembered from earlier cycles.
+    OneCycle,
+    /// By induction over so many cycles.
+    Induction(usize),
+    /// With this many properties of what is remembered.
+    Invariants(usize),
+}
+
+impl fmt::Display for Method {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Method::OneCycle => f.write_str("what holds in each cycle"),
+            Method::Induction(cycles) => write!(f, "induction over {} cycles", cycles + 1),
+            Method::Invariants(count) => write!(f, "induction with {count} invariants"),
+        }
+    }
+}
+
+/// Decides for each pair whether the two can happen in one cycle.
+pub(crate) fn decide(
+    background: Background<'_>,
+    schedule: &Schedule,
+    pairs: &[[Happening; 2]],
+) -> Vec<Verdict> {
+    let events = pairs.iter().map(|pair| Event::Both(pair.clone()));
+    let verdicts = answers(background, schedule, events.collect());
+    verdicts
+        .into_iter()
+        .map(|verdict| verdict.unwrap_or(Verdict::Open))
+        .collect()
+}
+
+/// Whether it is proved that one of these happens in each cycle.
+pub(crate) fn always_one(
+    background: Background<'_>,
+    schedule: &Schedule,
+    happenings: &[Happening],
+) -> bool {
+    let event = Event::Neither(happenings.to_vec());
+    let verdicts = answers(background, schedule, vec![event]);
+    matches!(verdicts[..], [Some(Verdict::Exclusive(_))])
+}
+
+fn answers(
+    background: Background<'_>,
+    schedule: &Schedule,
+    events: Vec<Event>,
+) -> Vec<Option<Verdict>> {
+    if events.is_empty() {
+        return Vec::new();
+    }
+    let net = background.net;
+    let ends = ends(net);
+    let happenings: Vec<Happening> = events
+        .iter()
+        .flat_map(|e| e.happenings())
+        .cloned()
+        .collect();
+    let is_total = |port| background.presences.own(port) == Sureness::Total;
+    let question = Question {
+        cone: Cone::new(net, schedule, &happenings, &ends, NODES, is_total),
+        ends,
+        ends_at_once: ends_at_once(net),
+        events,
+    };
+    let pool = trace::pool(net, &question.cone.nodes);
+    let mut runs = RUNS;
+    let seen = trace::explore(&question, &pool, &mut runs);
+    let mut decision = Decision {
+        question: &question,
+        pool: &pool,
+        verdicts: vec![None; question.events.len()],
+        steps: STEPS,
+        runs: RUNS,
+    };
+    decision.note(&seen);
+    decision.search(&seen);
+    decision.verdicts
+}
+
+/// A question and the answers so far.
+struct Decision<'a> {
+    question: &'a Question<'a>,
+    pool: &'a Pool,
+    verdicts: Vec<Option<Verdict>>,
+    /// Steps of the solver that are left, and nodes that may be computed in runs.
+    steps: u64,
+    runs: u64,
+}
+
+impl Decision<'_> {
+    fn search(&mut self, seen: &Seen) {
+        self.in_one_cycle();
+        if self.question.ends_at_once {
+            self.in_first_cycle();
+            return;
+        }
+        self.look_from_start(2);
+        self.by_induction(seen);
+        self.look_from_start(FAR);
+        self.in_long_runs();
+    }
+
+    /// The only cycle of a command that ends at once.
+    fn in_first_cycle(&mut self) {
+        self.look_from_start(1);
+        let free = self.free_of(1);
+        for pair in self.open() {
+            if free[pair] > 0 {
+                self.verdicts[pair] = Some(Verdict::Exclusive(Method::OneCycle));
+            }
+        }
+    }
+
+    fn open(&self) -> Vec<usize> {
+        let pairs = 0..self.verdicts.len();
+        pairs
+            .filter(|pair| self.verdicts[*pair].is_none())
+            .collect()
+    }
+
+    fn note(&mut self, seen: &Seen) {
+        for (pair, trace) in seen.traces.iter().enumerate() {
+            if let Some(trace) = trace {
+                self.happened(pair, trace);
+            }
+        }
+    }
+
+    fn happened(&mut self, pair: usize, trace: &Trace) {
+        let trace = trace::simplified(self.question, self.pool, pair, trace.clone());
+        let witness = witness::of(self.question, self.pool, pair, &trace);
+        self.verdicts[pair] = Some(Verdict::Together(witness));
+    }
+
+    /// What contradicts itself whatever is remembered.
+    fn in_one_cycle(&mut self) {
+        let open = self.open();
+        if open.is_empty() {
+            return;
+        }
+        let mut unrolled = Unrolled::from_anywhere(self.question);
+        unrolled.extend();
+        for pair in open {
+            if unrolled.happens(pair, false, &mut self.steps) == Answer::Unsat {
+                self.verdicts[pair] = Some(Verdict::Exclusive(Method::OneCycle));
+            }
+        }
+    }
+
+    /// Looks for runs of up to so many cycles in which a pair happens.
+    fn look_from_start(&mut self, cycles: usize) {
+        if self.open().is_empty() || self.steps == 0 {
+            return;
+        }
+        let mut unrolled = Unrolled::from_start(self.question);
+        for last in 0..cycles {
+            if unrolled.domain.solver.size() > SIZE || self.steps == 0 {
+                return;
+            }
+            unrolled.extend();
+            for pair in self.open() {
+                if unrolled.happens(pair, false, &mut self.steps) != Answer::Sat {
+                    continue;
+                }
+                let trace = Trace {
+                    script: unrolled.script(),
+                    last,
+                };
+                let shown = match trace::shows(self.question, self.pool, pair, &trace) {
+                    true => Some(trace),
+                    false => trace::varied(self.question, self.pool, pair, &trace, &mut self.runs),
+                };
+                if let Some(trace) = shown {
+                    self.happened(pair, &trace);
+                }
+            }
+        }
+    }
+
+    fn in_long_runs(&mut self) {
+        let mut steps = LONG_RUNS;
+        loop {
+            let open = self.open();
+            if open.is_empty() || self.question.cone.registers.is_empty() {
+                return;
+            }
+            match trace::explore_far(self.question, self.pool, &open, &mut steps) {
+                Some((pair, trace)) => self.happened(pair, &trace),
+                None => return,
+            }
+        }
+    }
+
+    /// The pairs that are left, by induction: first over what is remembered as it is, then with what always holds of it.
+    fn by_induction(&mut self, seen: &Seen) {
+        if self.open().is_empty() || self.question.cone.registers.is_empty() {
+            return;
+        }
+        let mut unrolled = Unrolled::from_anywhere(self.question);
+        unrolled.extend();
+        let guesses = invariants::guesses(&seen.samples);
+        let invariants = invariants::proved(&mut unrolled, guesses, &mut self.steps);
+        let mut unrolled = Unrolled::from_anywhere(self.question);
+        let base = self.free_of(INDUCTION);
+        for cycles in 0..=INDUCTION {
+            if unrolled.domain.solver.size() > SIZE || self.steps == 0 {
+                return;
+            }
+            invariants::require(&mut unrolled, &invariants, cycles);
+            unrolled.extend();
+            for pair in self.open() {
+                let begins = base[pair] >= cycles;
+                if begins && unrolled.happens(pair, true, &mut self.steps) == Answer::Unsat {
+                    let method = match invariants.len() {
+                        0 => Method::Induction(cycles),
+                        count => Method::Invariants(count),
+                    };
+                    self.verdicts[pair] = Some(Verdict::Exclusive(method));
+                }
+            }
+        }
+    }
+
+    /// For each pair how many cycles from the first one on are proved to be free of it, up to so many.
+    fn free_of(&mut self, cycles: usize) -> Vec<usize> {
+        let mut free = vec![0; self.verdicts.len()];
+        let mut unrolled = Unrolled::from_start(self.question);
+        for before in 0..cycles {
+            unrolled.extend();
+            for pair in self.open() {
+                let is_free = free[pair] == before
+                    && unrolled.happens(pair, false, &mut self.steps) == Answer::Unsat;
+                free[pair] += usize::from(is_free);
+            }
+        }
+        free
+    }
+}

@@ -1,0 +1,523 @@
+//! Reals as terms, and comparisons of them.
+//!
+//! A real is an integer, its place in the order of all doubles, and a literal that says that it is NaN: so comparisons are
+//! exact without any arithmetic of doubles in the solver. A monotone function of one real is compared with a constant by
+//! looking for the place where the comparison turns; what is no such function is a real of which nothing is known.
+
+use super::doubles::{at, last, last_where, place};
+use super::integers::{Int, Integers};
+use crate::solver::{Linear, Lit, Solver};
+use rustc_hash::FxHashMap;
+
+/// Choices within each other, at most.
+const DEPTH: u32 = 120;
+const TERMS: usize = 60_000;
+
+/// A real term.
+#[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Debug)]
+pub(super) struct Real(u32);
+
+/// Operations on one real.
+#[derive(Clone, Copy, PartialEq, Eq, Hash, Debug)]
+pub(super) enum Unary {
+    Negate,
+    Absolute,
+    Floor,
+    Ceiling,
+    Round,
+}
+
+/// Operations on two reals.
+#[derive(Clone, Copy, PartialEq, Eq, Hash, Debug)]
+pub(super) enum Binary {
+    Add,
+    Subtract,
+    Multiply,
+    Divide,
+    Minimum,
+    Maximum,
+}
+
+#[derive(Clone, Copy, PartialEq, Eq, Hash, Debug)]
+pub(super) enum RealTerm {
+    /// The bits of a double.
+    Constant(u64),
+    /// Place, as a variable of the solver; and whether it is NaN.
+    Free(usize, Lit),
+    Unary(Unary, Real),
+    Binary(Binary, Real, Real),
+    OfInteger(Int),
+    Choice(Lit, Real, Real),
+}
+
+/// All real terms of a problem.
+#[derive(Debug, Default)]
+pub(super) struct Reals {
+    terms: Vec<(RealTerm, u32)>,
+    known: FxHashMap<RealTerm, Real>,
+    comparisons: FxHashMap<(Real, Real, bool), Lit>,
+    nans: FxHashMap<Real, Lit>,
+    /// Terms of which nothing is known, and what stands for them.
+    places: FxHashMap<Real, usize>,
+}
+
+/// A comparison `a < b`, or `a <= b`.
+#[derive(Clone, Copy)]
+struct Comparison {
+    a: Real,
+    b: Real,
+    is_strict: bool,
+}
+
+impl Comparison {
+    fn holds(self, a: f64, b: f64) -> bool {
+        if self.is_strict { a < b } else { a <= b }
+    }
+}
+
+/// The other terms and the solver, which comparisons need.
+pub(super) struct Around<'a> {
+    pub(super) integers: &'a mut Integers,
+    pub(super) solver: &'a mut Solver,
+}
+
+impl Reals {
+    pub(super) fn term(&self, real: Real) -> RealTerm {
+        self.terms[real.0 as usize].0
+    }
+
+    fn insert(&mut self, term: RealTerm, depth: u32) -> Real {
+        if let Some(known) = self.known.get(&term) {
+            return *known;
+        }
+        let real = Real(u32::try_from(self.terms.len()).unwrap_or(u32::MAX));
+        self.terms.push((term, depth));
+        self.known.insert(term, real);
+        real
+    }
+
+    fn depth(&self, real: Real) -> u32 {
+        self.terms[real.0 as usize].1
+    }
+
+    pub(super) fn constant(&mut self, value: f64) -> Real {
+        self.insert(RealTerm::Constant(value.to_bits()), 0)
+    }
+
+    pub(super) fn of_integer(&mut self, int: Int) -> Real {
+        self.insert(RealTerm::OfInteger(int), 0)
+    }
+
+    /// A real of which nothing is known.
+    pub(super) fn unknown(&mut self, solver: &mut Solver) -> Real {
+        let nan = solver.fresh();
+        let variable = solver.integer(-last(), last());
+        self.insert(RealTerm::Free(variable, nan), 0)
+    }
+
+    /// A number that is not negative.
+    pub(super) fn unknown_size(&mut self, solver: &mut Solver) -> Real {
+        let variable = solver.integer(0, last() - 1);
+        self.insert(RealTerm::Free(variable, Lit::FALSE), 0)
+    }
+
+    /// Place and NaN of a term that is a variable.
+    pub(super) fn free(&self, real: Real) -> Option<(Linear, Lit)> {
+        match self.term(real) {
+            RealTerm::Free(variable, nan) => Some((Linear::variable(variable), nan)),
+            _ => None,
+        }
+    }
+
+    pub(super) fn unary(&mut self, op: Unary, a: Real) -> Real {
+        if let RealTerm::Constant(bits) = self.term(a) {
+            return self.constant(applied(op, f64::from_bits(bits)));
+        }
+        if let (Unary::Negate, RealTerm::Unary(Unary::Negate, inner)) = (op, self.term(a)) {
+            return inner;
+        }
+        let depth = self.depth(a) + 1;
+        self.insert(RealTerm::Unary(op, a), depth)
+    }
+
+    pub(super) fn binary(&mut self, op: Binary, a: Real, b: Real) -> Real {
+        if let (RealTerm::Constant(a), RealTerm::Constant(b)) = (self.term(a), self.term(b)) {
+            return self.constant(combined(op, f64::from_bits(a), f64::from_bits(b)));
+        }
+        let depth = self.depth(a).max(self.depth(b)) + 1;
+        self.insert(RealTerm::Binary(op, a, b), depth)
+    }
+
+    pub(super) fn choose(
+        &mut self,
+        solver: &mut Solver,
+        condition: Lit,
+        yes: Real,
+        no: Real,
+    ) -> Real {
+        match condition {
+            Lit::TRUE => return yes,
+            Lit::FALSE => return no,
+            _ if yes == no => return yes,
+            _ => {}
+        }
+        let depth = self.depth(yes).max(self.depth(no)) + 1;
+        match depth <= DEPTH && self.terms.len() < TERMS {
+            true => self.insert(RealTerm::Choice(condition, yes, no), depth),
+            false => self.unknown(solver),
+        }
+    }
+
+    /// Whether a term is NaN.
+    pub(super) fn is_nan(&mut self, solver: &mut Solver, real: Real) -> Lit {
+        if let Some(known) = self.nans.get(&real) {
+            return *known;
+        }
+        let lit = match self.term(real) {
+            _ if self.depth(real) > DEPTH => solver.fresh(),
+            RealTerm::Constant(bits) => Lit::constant(f64::from_bits(bits).is_nan()),
+            RealTerm::Free(_, nan) => nan,
+            RealTerm::OfInteger(_) => Lit::FALSE,
+            RealTerm::Unary(_, a) => self.is_nan(solver, a),
+            RealTerm::Choice(condition, yes, no) => {
+                let (yes, no) = (self.is_nan(solver, yes), self.is_nan(solver, no));
+                solver.choose(condition, yes, no)
+            }
+            RealTerm::Binary(op, a, b) => {
+                let operands = [self.is_nan(solver, a), self.is_nan(solver, b)];
+                match op {
+                    Binary::Minimum | Binary::Maximum => solver.all(operands),
+                    _ if self.monotone(real).is_some() => solver.any(operands),
+                    _ => {
+                        let result = solver.fresh();
+                        solver.any([operands[0], operands[1], result])
+                    }
+                }
+            }
+        };
+        self.nans.insert(real, lit);
+        lit
+    }
+
+    /// `a < b` if strict, else `a <= b`: false where one is NaN.
+    pub(super) fn compare(
+        &mut self,
+        around: &mut Around<'_>,
+        a: Real,
+        b: Real,
+        is_strict: bool,
+    ) -> Lit {
+        if let Some(known) = self.comparisons.get(&(a, b, is_strict)) {
+            return *known;
+        }
+        let comparison = Comparison { a, b, is_strict };
+        let is_deep = self.depth(a).max(self.depth(b)) > DEPTH;
+        let lit = match is_deep || self.comparisons.len() > TERMS {
+            true => self.compare_places(around, comparison),
+            false => self.compare_terms(around, comparison),
+        };
+        self.comparisons.insert((a, b, is_strict), lit);
+        lit
+    }
+
+    fn compare_terms(&mut self, around: &mut Around<'_>, comparison: Comparison) -> Lit {
+        let Comparison { a, b, is_strict } = comparison;
+        match (self.term(a), self.term(b)) {
+            (RealTerm::Constant(x), RealTerm::Constant(y)) => {
+                Lit::constant(comparison.holds(f64::from_bits(x), f64::from_bits(y)))
+            }
+            (RealTerm::Choice(condition, yes, no), _) => {
+                let yes = self.compare(around, yes, b, is_strict);
+                let no = self.compare(around, no, b, is_strict);
+                around.solver.choose(condition, yes, no)
+            }
+            (_, RealTerm::Choice(condition, yes, no)) => {
+                let yes = self.compare(around, a, yes, is_strict);
+                let no = self.compare(around, a, no, is_strict);
+                around.solver.choose(condition, yes, no)
+            }
+            (RealTerm::Binary(op @ (Binary::Minimum | Binary::Maximum), x, y), _) => {
+                let sides = [x, y].map(|x| self.compare(around, x, b, is_strict));
+                let nans = [x, y].map(|x| self.is_nan(around.solver, x));
+                extreme(around.solver, op == Binary::Minimum, sides, nans)
+            }
+            (_, RealTerm::Binary(op @ (Binary::Minimum | Binary::Maximum), x, y)) => {
+                let sides = [x, y].map(|x| self.compare(around, a, x, is_strict));
+                let nans = [x, y].map(|x| self.is_nan(around.solver, x));
+                extreme(around.solver, op == Binary::Maximum, sides, nans)
+            }
+            (RealTerm::Binary(Binary::Subtract, x, y), _) if x == y => {
+                let (zero, nan) = (self.constant(0.0), self.is_nan(around.solver, a));
+                let order = self.compare(around, zero, b, is_strict);
+                around.solver.and(order, !nan)
+            }
+            (_, RealTerm::Binary(Binary::Subtract, x, y)) if x == y => {
+                let (zero, nan) = (self.constant(0.0), self.is_nan(around.solver, b));
+                let order = self.compare(around, a, zero, is_strict);
+                around.solver.and(order, !nan)
+            }
+            (RealTerm::Binary(Binary::Subtract, x, y), RealTerm::Constant(zero))
+                if is_zero(zero) =>
+            {
+                self.compare_difference(around, a, [x, y], is_strict)
+            }
+            (RealTerm::Constant(zero), RealTerm::Binary(Binary::Subtract, x, y))
+                if is_zero(zero) =>
+            {
+                self.compare_difference(around, b, [y, x], is_strict)
+            }
+            (_, RealTerm::Constant(bits)) => {
+                let inverted = self.inverted(around, comparison, a, f64::from_bits(bits), true);
+                inverted.unwrap_or_else(|| self.compare_places(around, comparison))
+            }
+            (RealTerm::Constant(bits), _) => {
+                let inverted = self.inverted(around, comparison, b, f64::from_bits(bits), false);
+                inverted.unwrap_or_else(|| self.compare_places(around, comparison))
+            }
+            _ => self.compare_places(around, comparison),
+        }
+    }
+
+    /// `x - y` below 0 is `x` below `y`, exactly: doubles that differ have a difference other than 0. Equal infinities have
+    /// none.
+    fn compare_difference(
+        &mut self,
+        around: &mut Around<'_>,
+        difference: Real,
+        [x, y]: [Real; 2],
+        is_strict: bool,
+    ) -> Lit {
+        let nan = self.is_nan(around.solver, difference);
+        let order = self.compare(around, x, y, is_strict);
+        around.solver.and(order, !nan)
+    }
+
+    /// The comparison of a function of one term with a constant as a comparison of that term.
+    fn inverted(
+        &mut self,
+        around: &mut Around<'_>,
+        comparison: Comparison,
+        function: Real,
+        constant: f64,
+        is_left: bool,
+    ) -> Option<Lit> {
+        if constant.is_nan() {
+            return Some(Lit::FALSE);
+        }
+        let test = |value: f64| match is_left {
+            true => comparison.holds(value, constant),
+            false => comparison.holds(constant, value),
+        };
+        match self.term(function) {
+            RealTerm::OfInteger(int) => {
+                Some(compare_integer(around, int, is_left, |k| test(k as f64)))
+            }
+            RealTerm::Unary(Unary::Absolute, x) => {
+                let negative = self.unary(Unary::Negate, x);
+                let sides = [x, negative].map(|x| match is_left {
+                    true => self.compare(around, x, comparison.b, comparison.is_strict),
+                    false => self.compare(around, comparison.a, x, comparison.is_strict),
+                });
+                Some(match is_left {
+                    true => around.solver.all(sides),
+                    false => around.solver.any(sides),
+                })
+            }
+            _ => {
+                let (argument, function) = self.monotone(function)?;
+                // The comparison turns once: from true to false where the function rises on the left side.
+                let begins_true = function.rises == is_left;
+                let holds = |k: i64| test(function.value(at(k))) == begins_true;
+                let turn = last_where(-last(), last(), holds);
+                Some(self.compare_with_turn(around, argument, turn, begins_true))
+            }
+        }
+    }
+
+    /// Whether a term is at most at the place of the turn, or else beyond it; NaN is neither.
+    fn compare_with_turn(
+        &mut self,
+        around: &mut Around<'_>,
+        argument: Real,
+        turn: Option<i64>,
+        up_to: bool,
+    ) -> Lit {
+        let nan = self.is_nan(around.solver, argument);
+        let below = match turn {
+            None => Lit::FALSE,
+            Some(turn) => {
+                let turn = self.constant(at(turn));
+                self.compare(around, argument, turn, false)
+            }
+        };
+        let wanted = if up_to { below } else { !below };
+        around.solver.and(wanted, !nan)
+    }
+
+    /// A term as a monotone function of another one that gives a number for each number.
+    fn monotone(&self, real: Real) -> Option<(Real, Monotone)> {
+        let usable =
+            |value: f64, is_factor: bool| value.is_finite() && (!is_factor || value != 0.0);
+        match self.term(real) {
+            RealTerm::Unary(Unary::Absolute, _) => None,
+            RealTerm::Unary(op, x) => Some((x, Monotone::unary(op))),
+            RealTerm::Binary(op, x, y) => match (self.term(x), self.term(y)) {
+                (_, RealTerm::Constant(bits)) => {
+                    let constant = f64::from_bits(bits);
+                    let is_factor = matches!(op, Binary::Multiply | Binary::Divide);
+                    let known = !matches!(op, Binary::Minimum | Binary::Maximum);
+                    (known && usable(constant, is_factor))
+                        .then(|| (x, Monotone::binary(op, constant, false)))
+                }
+                (RealTerm::Constant(bits), _) => {
+                    let constant = f64::from_bits(bits);
+                    let known = matches!(op, Binary::Add | Binary::Subtract | Binary::Multiply);
+                    (known && usable(constant, op == Binary::Multiply))
+                        .then(|| (y, Monotone::binary(op, constant, true)))
+                }
+                _ => None,
+            },
+            _ => None,
+        }
+    }
+
+    /// The comparison of two terms by their places alone.
+    fn compare_places(&mut self, around: &mut Around<'_>, comparison: Comparison) -> Lit {
+        let Comparison { a, b, is_strict } = comparison;
+        let (left, right) = (self.place(around.solver, a), self.place(around.solver, b));
+        let order = match left.plus(&right, -1) {
+            Some(difference) => {
+                let shift = Linear::constant(i64::from(is_strict));
+                match difference.plus(&shift, 1) {
+                    Some(sum) => around.solver.at_most_zero(&sum),
+                    None => around.solver.fresh(),
+                }
+            }
+            None => around.solver.fresh(),
+        };
+        let nans = [a, b].map(|x| !self.is_nan(around.solver, x));
+        around.solver.all([order, nans[0], nans[1]])
+    }
+
+    /// The place of a term as a sum of the solver's variables.
+    pub(super) fn place(&mut self, solver: &mut Solver, real: Real) -> Linear {
+        match self.term(real) {
+            RealTerm::Constant(bits) => {
+                let value = f64::from_bits(bits);
+                // The place of NaN does not matter.
+                Linear::constant(if value.is_nan() { 0 } else { place(value) })
+            }
+            RealTerm::Free(variable, _) => Linear::variable(variable),
+            // Negated, a double is as far from 0 on the other side.
+            RealTerm::Unary(Unary::Negate, a) => {
+                let place = self.place(solver, a);
+                let negated = Linear::constant(0).plus(&place, -1);
+                negated.unwrap_or_else(|| Linear::variable(solver.integer(-last(), last())))
+            }
+            term => {
+                let low = match term {
+                    RealTerm::Binary(Binary::Multiply, a, b) if a == b => 0,
+                    RealTerm::Unary(Unary::Absolute, _) => 0,
+                    _ => -last(),
+                };
+                let variable = self.places.entry(real);
+                Linear::variable(*variable.or_insert_with(|| solver.integer(low, last())))
+            }
+        }
+    }
+}
+
+/// A monotone function of one double.
+#[derive(Clone, Copy)]
+struct Monotone {
+    op: Result<Unary, Binary>,
+    constant: f64,
+    constant_first: bool,
+    rises: bool,
+}
+
+impl Monotone {
+    fn unary(op: Unary) -> Monotone {
+        Monotone {
+            op: Ok(op),
+            constant: 0.0,
+            constant_first: false,
+            rises: op != Unary::Negate,
+        }
+    }
+
+    fn binary(op: Binary, constant: f64, constant_first: bool) -> Monotone {
+        let is_factor = matches!(op, Binary::Multiply | Binary::Divide);
+        let is_subtracted = op == Binary::Subtract && constant_first;
+        Monotone {
+            op: Err(op),
+            constant,
+            constant_first,
+            rises: !(is_subtracted || is_factor && constant < 0.0),
+        }
+    }
+
+    fn value(self, x: f64) -> f64 {
+        match (self.op, self.constant_first) {
+            (Ok(op), _) => applied(op, x),
+            (Err(op), true) => combined(op, self.constant, x),
+            (Err(op), false) => combined(op, x, self.constant),
+        }
+    }
+}
+
+fn is_zero(bits: u64) -> bool {
+    f64::from_bits(bits) == 0.0
+}
+
+/// A comparison with the smaller or greater of two: it holds if one of the two is enough, else both must; NaN counts only if
+/// both are.
+fn extreme(solver: &mut Solver, one_is_enough: bool, sides: [Lit; 2], nans: [Lit; 2]) -> Lit {
+    if one_is_enough {
+        return solver.any(sides);
+    }
+    let either = [0, 1].map(|k| solver.or(sides[k], nans[k]));
+    let both = solver.all(either);
+    let no_number = solver.all(nans);
+    solver.and(both, !no_number)
+}
+
+/// The comparison of an integer that turns once: whether it is on the side where it holds.
+fn compare_integer(
+    around: &mut Around<'_>,
+    int: Int,
+    begins_true: bool,
+    test: impl Fn(i64) -> bool,
+) -> Lit {
+    let turn = last_where(i64::MIN, i64::MAX, |k| test(k) == begins_true);
+    let below = match turn {
+        None => Lit::FALSE,
+        Some(turn) => {
+            let turn = around.integers.constant(turn);
+            around.integers.at_most(around.solver, int, turn)
+        }
+    };
+    if begins_true { below } else { !below }
+}
+
+fn applied(op: Unary, a: f64) -> f64 {
+    match op {
+        Unary::Negate => -a,
+        Unary::Absolute => a.abs(),
+        Unary::Floor => a.floor(),
+        Unary::Ceiling => a.ceil(),
+        Unary::Round => a.round(),
+    }
+}
+
+fn combined(op: Binary, a: f64, b: f64) -> f64 {
+    match op {
+        Binary::Add => a + b,
+        Binary::Subtract => a - b,
+        Binary::Multiply => a * b,
+        Binary::Divide => a / b,
+        // The other one where one is NaN, as in `fmin` of C.
+        Binary::Minimum => a.min(b),
+        Binary::Maximum => a.max(b),
+    }
+}

@@ -1,0 +1,318 @@
+//! Runs with given or made-up inputs: they find what can happen, and show what the registers hold.
+
+use super::concrete::{Concrete, Plain, Pool, Random, Script};
+use super::cycle::{Cycle, State, first_state};
+use super::domain::{Flow, Source};
+use super::question::Question;
+use crate::net::{Input, Net, NodeId, PortRef};
+use rpi_image::{Role, Scalar, Type, Value};
+use rustc_hash::FxHashMap;
+
+/// Cycles of a run, at most.
+const LENGTH: usize = 24;
+/// Cycles of a long run, at most, and how many of those there are.
+const LONG: usize = 5_000;
+const LONG_RUNS: u64 = 3;
+/// States that are kept as samples, at most.
+const SAMPLES: usize = 400;
+/// Runs like one of the solver that are tried, at most.
+const VARIATIONS: u64 = 64;
+/// Inputs that are rounded, at most.
+const ROUNDED: usize = 12;
+/// Values in a pool, at most.
+const POOL: usize = 64;
+
+/// A run at the end of which a pair happens: its inputs, and how many cycles come before the last one.
+#[derive(Clone, Debug)]
+pub(super) struct Trace {
+    pub(super) script: Script,
+    pub(super) last: usize,
+}
+
+/// What was seen in runs.
+#[derive(Default)]
+pub(super) struct Seen {
+    /// For each pair a run at the end of which it happens.
+    pub(super) traces: Vec<Option<Trace>>,
+    /// Contents of the registers at the start of cycles.
+    pub(super) samples: Vec<State<Concrete<'static>>>,
+}
+
+/// The constants that decide something in a cone, without repetition.
+pub(super) fn pool(net: &Net, nodes: &[NodeId]) -> Pool {
+    let mut pool = Pool {
+        integers: vec![0, 1, 2],
+        reals: vec![0.0, 1.0],
+    };
+    for id in nodes {
+        let node = net.node(*id);
+        let constants = node.inputs.iter().filter_map(|input| match input {
+            Input::Const(value) => Some(&**value),
+            _ => None,
+        });
+        let own = node
+            .params
+            .iter()
+            .filter(|_| node.desc().role == Role::Constant);
+        constants.chain(own).for_each(|value| add(&mut pool, value));
+    }
+    pool
+}
+
+fn add(pool: &mut Pool, value: &Value) {
+    match value.ty() {
+        Some(Type::One(Scalar::Int)) => {
+            let new = value.as_int().filter(|v| !pool.integers.contains(v));
+            pool.integers
+                .extend(new.filter(|_| pool.integers.len() < POOL));
+        }
+        Some(Type::One(Scalar::Real)) => {
+            let new = value
+                .as_real()
+                .filter(|v| !v.is_nan() && !pool.reals.contains(v));
+            pool.reals.extend(new.filter(|_| pool.reals.len() < POOL));
+        }
+        _ => {}
+    }
+}
+
+/// Runs with made-up inputs. Takes a step off `steps` for each node that is computed.
+pub(super) fn explore(question: &Question<'_>, pool: &Pool, steps: &mut u64) -> Seen {
+    let mut seen = Seen {
+        traces: vec![None; question.events.len()],
+        samples: Vec::new(),
+    };
+    let size = (question.cone.nodes.len() + question.events.len()) as u64 + 1;
+    let mut seed = 0;
+    while *steps > size && seen.traces.iter().any(Option::is_none) {
+        let mut domain = Concrete::new(Script::new(), seed, pool);
+        domain.is_calm = seed == 0;
+        domain.keeps = usize::try_from(seed % 8).unwrap_or(0);
+        run(question, &mut domain, LENGTH, |cycle, state, together| {
+            *steps = steps.saturating_sub(size);
+            if seen.samples.len() < SAMPLES {
+                seen.samples.push(state.to_vec());
+            }
+            for (pair, trace) in together.iter().zip(&mut seen.traces) {
+                if *pair && trace.is_none() {
+                    *trace = Some(Trace {
+                        script: Script::new(),
+                        last: cycle,
+                    });
+                }
+            }
+            *steps > size
+        });
+        let found = seen.traces.iter_mut().flatten();
+        found
+            .filter(|trace| trace.script.is_empty())
+            .for_each(|trace| {
+                trace.script.clone_from(&domain.script);
+            });
+        seed += 1;
+    }
+    seen
+}
+
+/// A few long runs, for what a counter puts off: the first of them in which one of the pairs happens, and which pair.
+/// Takes a step off `steps` for each node that is computed.
+pub(super) fn explore_far(
+    question: &Question<'_>,
+    pool: &Pool,
+    pairs: &[usize],
+    steps: &mut u64,
+) -> Option<(usize, Trace)> {
+    let size = (question.cone.nodes.len() + question.events.len()) as u64 + 1;
+    let share = *steps / LONG_RUNS;
+    (0..LONG_RUNS).find_map(|seed| {
+        let mut domain = Concrete::new(Script::new(), seed, pool);
+        domain.is_calm = seed == 0;
+        domain.keeps = 7;
+        let (mut left, mut found) = (share, None);
+        run(question, &mut domain, LONG, |cycle, _, together| {
+            left = left.saturating_sub(size);
+            found = pairs
+                .iter()
+                .find(|pair| together[**pair])
+                .map(|pair| (*pair, cycle));
+            found.is_none() && left > size
+        });
+        *steps = steps.saturating_sub(share - left);
+        let (pair, last) = found?;
+        let script = domain.script;
+        Some((pair, Trace { script, last }))
+    })
+}
+
+/// Runs cycles until one has a fault or ends the command. `see` gets the number of a cycle, the registers at its start and
+/// which pairs happen in it for sure; it tells whether to go on.
+fn run(
+    question: &Question<'_>,
+    domain: &mut Concrete<'_>,
+    cycles: usize,
+    mut see: impl FnMut(usize, &[Flow<Concrete<'static>>], &[bool]) -> bool,
+) {
+    let mut state = first_state(domain, &question.cone);
+    for number in 0..cycles {
+        domain.cycle = number;
+        let mut cycle = Cycle::new(domain, &question.cone, &state);
+        let events = question.events.iter();
+        let together: Vec<bool> = events
+            .map(|event| {
+                let is = event.is(&mut cycle);
+                is.value && is.exact
+            })
+            .collect();
+        let ends = question.ends_at_once
+            || question.ends.iter().any(|port| {
+                let end = cycle.is_true(*port);
+                end.value && end.exact
+            });
+        let next = cycle.next();
+        if domain.is_faulty || !see(number, &plain(&state), &together) || ends {
+            return;
+        }
+        state = next;
+    }
+}
+
+/// The same state without the life time of its run.
+fn plain(state: &[Flow<Concrete<'_>>]) -> State<Concrete<'static>> {
+    let flows = state.iter();
+    flows
+        .map(|flow| Flow {
+            present: flow.present,
+            value: flow.value.clone(),
+        })
+        .collect()
+}
+
+/// Whether a run with these inputs shows a pair in its last cycle.
+pub(super) fn shows(question: &Question<'_>, pool: &Pool, pair: usize, trace: &Trace) -> bool {
+    let mut domain = Concrete::new(trace.script.clone(), 0, pool);
+    domain.is_calm = true;
+    let mut found = false;
+    run(
+        question,
+        &mut domain,
+        trace.last + 1,
+        |number, _, together| {
+            found = number == trace.last && together[pair];
+            true
+        },
+    );
+    found && !domain.is_faulty
+}
+
+/// A run like the one given that shows a pair in its last cycle, with some of the inputs made up: where the solver knows too
+/// little of what is computed with a real, its values need not fit together.
+pub(super) fn varied(
+    question: &Question<'_>,
+    pool: &Pool,
+    pair: usize,
+    trace: &Trace,
+    steps: &mut u64,
+) -> Option<Trace> {
+    let size = question.cone.nodes.len() as u64 + 1;
+    (1..=VARIATIONS).find_map(|seed| {
+        *steps = steps.checked_sub(size * (trace.last as u64 + 1))?;
+        let mut random = Random(seed);
+        let mut script = trace.script.clone();
+        script.retain(|(source, _), value| {
+            let is_real = value
+                .as_ref()
+                .is_some_and(|v| v.ty() == Some(Type::One(Scalar::Real)));
+            let dropped = random.below(8) < if is_real { 4 } else { 1 };
+            matches!(source, Source::Core(_)) || !dropped
+        });
+        let mut domain = Concrete::new(script, seed, pool);
+        let mut found = false;
+        run(
+            question,
+            &mut domain,
+            trace.last + 1,
+            |number, _, together| {
+                found = number == trace.last && together[pair];
+                true
+            },
+        );
+        let script = domain.script;
+        let last = trace.last;
+        found.then_some(Trace { script, last })
+    })
+}
+
+/// A run with the same end that is easier to read: as short as its last inputs allow, with round reals. A long run stays
+/// as it is.
+pub(super) fn simplified(question: &Question<'_>, pool: &Pool, pair: usize, trace: Trace) -> Trace {
+    let mut best = trace.clone();
+    for start in (1..=trace.last).rev().take(LENGTH) {
+        let kept = trace
+            .script
+            .iter()
+            .filter(|((_, cycle), _)| *cycle >= start);
+        let moved =
+            kept.map(|((source, cycle), value)| ((source.clone(), cycle - start), value.clone()));
+        let shorter = Trace {
+            script: moved.collect(),
+            last: trace.last - start,
+        };
+        if shows(question, pool, pair, &shorter) {
+            best = shorter;
+            break;
+        }
+    }
+    let rounded = if best.last > LENGTH { 0 } else { ROUNDED };
+    let keys: Vec<_> = best.script.keys().take(rounded).cloned().collect();
+    for key in keys {
+        let value = best.script.get(&key).cloned().flatten();
+        let Some(real) = value.filter(|v| v.ty() == Some(Type::One(Scalar::Real))) else {
+            continue;
+        };
+        let real = real.as_real().unwrap_or_default();
+        for round in [
+            0.0,
+            1.0,
+            real.round(),
+            real.floor(),
+            real.ceil(),
+            (real * 10.0).round() / 10.0,
+        ] {
+            let mut rounded = best.clone();
+            rounded.script.insert(key.clone(), Some(Value::real(round)));
+            if shows(question, pool, pair, &rounded) {
+                best = rounded;
+                break;
+            }
+        }
+    }
+    best
+}
+
+/// Flows in the last cycle of a run: those of `ports` that are present and known.
+pub(super) fn values(
+    question: &Question<'_>,
+    pool: &Pool,
+    trace: &Trace,
+    ports: &[PortRef],
+) -> FxHashMap<PortRef, Plain> {
+    let mut domain = Concrete::new(trace.script.clone(), 0, pool);
+    domain.is_calm = true;
+    let mut state = first_state(&mut domain, &question.cone);
+    let mut values = FxHashMap::default();
+    for number in 0..=trace.last {
+        domain.cycle = number;
+        let mut cycle = Cycle::new(&mut domain, &question.cone, &state);
+        if number == trace.last {
+            for port in ports {
+                let flow = cycle.flow(*port);
+                if flow.present.value && flow.value.exact {
+                    values.insert(*port, flow.value);
+                }
+            }
+        }
+        let next = cycle.next();
+        state = next;
+    }
+    values
+}

@@ -1,0 +1,202 @@
+//! A run in which two things happen, in words: which values make both true.
+
+use super::concrete::Pool;
+use super::gates::Gate;
+use super::question::Question;
+use super::trace::{Trace, values};
+use crate::net::{Activation, FragmentId, Input, Node, PortRef, without_calls};
+use crate::passes::proof::Happening;
+use rpi_image::{CommandFlow, Role, Scalar, Type, Value};
+use rustc_hash::FxHashSet;
+use std::fmt;
+
+/// Flows that are named, at most.
+const NAMED: usize = 4;
+/// Flows that are looked at for a name, at most.
+const SEARCHED: usize = 400;
+
+/// The last cycle of a run.
+#[derive(Clone, PartialEq, Eq, Debug)]
+pub(crate) struct Witness {
+    /// Number of the cycle, from 0.
+    pub(crate) cycle: usize,
+    /// Flows and states that decide, in words: `` `x` = 3 ``.
+    parts: Vec<String>,
+}
+
+impl fmt::Display for Witness {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str("both are present")?;
+        for (k, part) in self.parts.iter().enumerate() {
+            let joint = if k == 0 { "when" } else { "and" };
+            write!(f, " {joint} {part}")?;
+        }
+        match (self.cycle, self.parts.is_empty()) {
+            (0, true) => f.write_str(" in the first cycle"),
+            (0, false) => Ok(()),
+            (n, true) => write!(f, " after {}", rpi_diag::counted(n, "cycle")),
+            (n, false) => write!(f, ", for example after {}", rpi_diag::counted(n, "cycle")),
+        }
+    }
+}
+
+/// What made a pair happen at the end of a run.
+pub(super) fn of(question: &Question<'_>, pool: &Pool, pair: usize, trace: &Trace) -> Witness {
+    let mut search = Search {
+        question,
+        seen: FxHashSet::default(),
+        open: Vec::new(),
+        named: Vec::new(),
+        active: Vec::new(),
+    };
+    for happening in question.events[pair].happenings() {
+        search.happening(happening);
+    }
+    search.run();
+    let (named, active) = (search.named, search.active);
+    let values = values(question, pool, trace, &named);
+    let net = question.cone.net;
+    let flows = named.iter().filter_map(|port| {
+        let name = name(net.node(port.node))?;
+        let value = text(&values.get(port)?.value)?;
+        Some(format!("`{name}` {value}"))
+    });
+    let active = active
+        .iter()
+        .map(|id| format!("`{}` is active", net.fragment(*id).name));
+    let mut parts: Vec<String> = Vec::new();
+    for part in flows.chain(active) {
+        if parts.len() < NAMED && !parts.contains(&part) {
+            parts.push(part);
+        }
+    }
+    Witness {
+        cycle: trace.last,
+        parts,
+    }
+}
+
+/// Goes back from what happens to the nearest flows that have a name.
+struct Search<'a> {
+    question: &'a Question<'a>,
+    seen: FxHashSet<PortRef>,
+    open: Vec<PortRef>,
+    named: Vec<PortRef>,
+    /// Fragments that must be active, where no flow with a name says when: states.
+    active: Vec<FragmentId>,
+}
+
+impl Search<'_> {
+    fn happening(&mut self, happening: &Happening) {
+        self.fragment(happening.fragment);
+        for port in &happening.present {
+            self.presence(*port);
+        }
+    }
+
+    /// What decides whether a flow is present; its value does not matter.
+    fn presence(&mut self, port: PortRef) {
+        let node = self.question.cone.net.node(port.node);
+        let inputs = match Gate::of(node) {
+            Some(Gate::Choose) => 0..3,
+            Some(Gate::SetNull) => 1..2,
+            _ => 0..0,
+        };
+        self.fragment(node.fragment);
+        for (k, input) in node
+            .inputs
+            .iter()
+            .enumerate()
+            .filter(|(k, _)| inputs.contains(k))
+        {
+            if let Some(port) = input.port() {
+                match k {
+                    0 => self.push(port),
+                    _ if inputs.len() == 1 => self.push(port),
+                    _ => self.presence(port),
+                }
+            }
+        }
+    }
+
+    fn fragment(&mut self, id: FragmentId) {
+        let net = self.question.cone.net;
+        for id in net.enclosing(id) {
+            let fragment = net.fragment(id);
+            if let Activation::When { condition, .. } = fragment.activation {
+                // The condition of a state is made of the automaton around it.
+                let is_state = net
+                    .node(condition.node)
+                    .origin
+                    .span
+                    .contains(fragment.origin.span);
+                match is_state && !fragment.name.is_empty() {
+                    true if !self.active.contains(&id) => self.active.push(id),
+                    true => {}
+                    false => self.push(condition),
+                }
+            }
+        }
+    }
+
+    fn push(&mut self, port: PortRef) {
+        if self.seen.len() < SEARCHED && self.seen.insert(port) {
+            self.open.push(port);
+        }
+    }
+
+    fn run(&mut self) {
+        let mut at = 0;
+        while let Some(&port) = self.open.get(at) {
+            at += 1;
+            let net = self.question.cone.net;
+            let node = net.node(port.node);
+            if name(node).is_some() && is_told(node, port) {
+                self.named.push(port);
+            } else if node.desc().role == Role::IsAbsent {
+                let inputs: Vec<PortRef> = node.inputs.iter().filter_map(Input::port).collect();
+                inputs.into_iter().for_each(|port| self.presence(port));
+            } else if node.desc().role != Role::Delay {
+                let inputs: Vec<PortRef> = node.inputs.iter().filter_map(Input::port).collect();
+                inputs.into_iter().for_each(|port| self.push(port));
+            }
+        }
+    }
+}
+
+/// A flow's name as its author knows it.
+fn name(node: &Node) -> Option<String> {
+    let core = match node.desc().role {
+        Role::Flow(CommandFlow::Time) => Some("time"),
+        Role::Flow(CommandFlow::Cancel) => Some("cancel"),
+        Role::Flow(CommandFlow::Takeover) => Some("takeover"),
+        _ => None,
+    };
+    if let Some(core) = core {
+        return Some(core.to_owned());
+    }
+    let flow = node.origin.flow.as_ref()?;
+    let name = without_calls(flow);
+    (!name.contains('#')).then_some(name)
+}
+
+fn is_told(node: &Node, port: PortRef) -> bool {
+    let ty = node.outputs.get(usize::from(port.port));
+    let is_constant = node.desc().role == Role::Constant;
+    !is_constant
+        && matches!(
+            ty,
+            Some(Type::One(Scalar::Bool | Scalar::Int | Scalar::Real))
+        )
+}
+
+/// A value in words, as they follow the name of the flow.
+fn text(value: &Value) -> Option<String> {
+    if let Some(truth) = value.as_bool() {
+        return Some(format!("is {truth}"));
+    }
+    if let Some(int) = value.as_int() {
+        return Some(format!("= {int}"));
+    }
+    value.as_real().map(|real| format!("= {real:?}"))
+}

@@ -1,0 +1,394 @@
+//! Feasibility of bounds on integer variables and on sums of them: the simplex method with lazily asserted bounds
+//! (Dutertre and de Moura 2006), then a divisibility test and a few branches for the integers.
+//!
+//! Exact and bounded; what does not fit into 128 bits or takes too many steps is left open, which never counts as a proof.
+
+use super::rational::{Rational, gcd};
+use super::sat::Lit;
+use std::cmp::Ordering;
+use std::collections::BTreeMap;
+
+/// Branches for the integers of one question, at most.
+const BRANCHES: usize = 40;
+/// Pivots of one question, at most.
+const PIVOTS: usize = 2_000;
+/// Steps of the search that the change of a row counts as.
+const STEPS_PER_ROW: u64 = 8;
+
+/// Why a bound holds.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+enum Reason {
+    Always,
+    Asserted(Lit),
+    /// Case distinction of this depth.
+    Branch(usize),
+}
+
+/// What a check gives.
+#[derive(Clone, PartialEq, Eq, Debug)]
+pub(crate) enum Feasible {
+    Yes,
+    /// These literals cannot be true together.
+    No(Vec<Lit>),
+    Unknown,
+}
+
+/// An error of a check: bounds that contradict each other, or nothing known.
+enum Stop {
+    Conflict(Vec<Reason>),
+    Unknown,
+}
+
+type Checked = Result<(), Stop>;
+
+type Bound = Option<(i128, Reason)>;
+
+#[derive(Clone, Debug)]
+struct Variable {
+    value: Rational,
+    lower: Bound,
+    upper: Bound,
+    /// The bounds that always hold.
+    limits: (i128, i128),
+}
+
+type Row = BTreeMap<usize, Rational>;
+
+/// Variables with bounds, and rows: each says that a basic variable is a sum of others.
+#[derive(Debug, Default)]
+pub(crate) struct Simplex {
+    variables: Vec<Variable>,
+    rows: BTreeMap<usize, Row>,
+    /// What each sum is, over variables that are none.
+    definitions: BTreeMap<usize, Row>,
+    pivots: usize,
+    branches: usize,
+}
+
+fn known<T>(value: Option<T>) -> Result<T, Stop> {
+    value.ok_or(Stop::Unknown)
+}
+
+impl Simplex {
+    /// A new variable between two limits.
+    pub(crate) fn variable(&mut self, low: i128, high: i128) -> usize {
+        self.variables.push(Variable {
+            value: Rational::whole(0.clamp(low, high)),
+            lower: Some((low, Reason::Always)),
+            upper: Some((high, Reason::Always)),
+            limits: (low, high),
+        });
+        self.variables.len() - 1
+    }
+
+    /// Number of variables.
+    pub(crate) fn size(&self) -> usize {
+        self.variables.len()
+    }
+
+    /// Rows that the last check has changed, about.
+    pub(crate) fn work(&self) -> u64 {
+        (self.pivots + self.branches) as u64 * (self.rows.len() as u64 + 1) * STEPS_PER_ROW
+    }
+
+    /// The limits of a variable.
+    pub(crate) fn limits(&self, variable: usize) -> (i128, i128) {
+        self.variables[variable].limits
+    }
+
+    /// A new variable that is this sum; nothing if that does not fit.
+    pub(crate) fn sum(&mut self, terms: &[(usize, i64)], limits: (i128, i128)) -> Option<usize> {
+        let mut row = Row::new();
+        let mut definition = Row::new();
+        let mut value = Rational::ZERO;
+        for (variable, factor) in terms {
+            let factor = Rational::whole(i128::from(*factor));
+            value = value.add(self.variables[*variable].value.mul(factor)?)?;
+            definition.insert(*variable, factor);
+            match self.rows.get(variable).cloned() {
+                Some(inner) => add_scaled(&mut row, &inner, factor)?,
+                None => add_scaled(&mut row, &Row::from([(*variable, Rational::ONE)]), factor)?,
+            }
+        }
+        let new = self.variable(limits.0, limits.1);
+        self.variables[new].value = value;
+        self.rows.insert(new, row);
+        self.definitions.insert(new, definition);
+        Some(new)
+    }
+
+    /// Forgets all bounds but those that always hold.
+    pub(crate) fn reset(&mut self) {
+        for variable in &mut self.variables {
+            variable.lower = Some((variable.limits.0, Reason::Always));
+            variable.upper = Some((variable.limits.1, Reason::Always));
+        }
+        (self.pivots, self.branches) = (0, 0);
+    }
+
+    /// Adds bounds and checks everything: variable, bound, whether it is an upper one, and the literal that says so.
+    pub(crate) fn check(&mut self, bounds: &[(usize, i128, bool, Lit)]) -> Feasible {
+        self.reset();
+        let mut asserted = bounds.iter();
+        let all = self
+            .recompute()
+            .and_then(|()| {
+                asserted.try_for_each(|(variable, bound, is_upper, lit)| {
+                    self.bound(*variable, *bound, *is_upper, Reason::Asserted(*lit))
+                })
+            })
+            .and_then(|()| self.feasible())
+            .and_then(|()| self.divisible())
+            .and_then(|()| self.integral(0));
+        match all {
+            Ok(()) => Feasible::Yes,
+            Err(Stop::Unknown) => {
+                self.start_over();
+                Feasible::Unknown
+            }
+            Err(Stop::Conflict(reasons)) => Feasible::No(literals(&reasons)),
+        }
+    }
+
+    /// The rows as they are defined: an exchange that does not fit stops half-way and leaves them wrong.
+    fn start_over(&mut self) {
+        self.rows.clone_from(&self.definitions);
+        for variable in &mut self.variables {
+            let (low, high) = variable.limits;
+            variable.value = Rational::whole(0.clamp(low, high));
+        }
+    }
+
+    /// The integer that a variable is after a check, if it is one.
+    pub(crate) fn value(&self, variable: usize) -> Option<i128> {
+        self.variables[variable].value.as_whole()
+    }
+
+    fn bound(&mut self, at: usize, bound: i128, is_upper: bool, reason: Reason) -> Checked {
+        let variable = &mut self.variables[at];
+        let (own, other) = match is_upper {
+            true => (&mut variable.upper, &variable.lower),
+            false => (&mut variable.lower, &variable.upper),
+        };
+        let exceeds = |a: i128, b: i128| if is_upper { a < b } else { a > b };
+        if own.is_some_and(|(old, _)| !exceeds(bound, old)) {
+            return Ok(());
+        }
+        if let Some((other, why)) = other
+            && exceeds(bound, *other)
+        {
+            return Err(Stop::Conflict(vec![reason, *why]));
+        }
+        *own = Some((bound, reason));
+        let limit = Rational::whole(bound);
+        let order = known(variable.value.order(limit))?;
+        let violated = match is_upper {
+            true => order == Ordering::Greater,
+            false => order == Ordering::Less,
+        };
+        match violated && !self.rows.contains_key(&at) {
+            true => self.update(at, limit),
+            false => Ok(()),
+        }
+    }
+
+    /// Sets a variable that is no sum, and all sums with it.
+    fn update(&mut self, at: usize, value: Rational) -> Checked {
+        let change = known(value.sub(self.variables[at].value))?;
+        self.variables[at].value = value;
+        for (basic, row) in &self.rows {
+            if let Some(factor) = row.get(&at) {
+                let sum = &mut self.variables[*basic].value;
+                *sum = known(factor.mul(change).and_then(|c| sum.add(c)))?;
+            }
+        }
+        Ok(())
+    }
+
+    /// The first sum outside of its bounds: how far it must move, and whether upwards.
+    fn violation(&self) -> Result<Option<(usize, i128, bool)>, Stop> {
+        for basic in self.rows.keys() {
+            let variable = &self.variables[*basic];
+            if let Some((low, _)) = variable.lower
+                && known(variable.value.order(Rational::whole(low)))? == Ordering::Less
+            {
+                return Ok(Some((*basic, low, true)));
+            }
+            if let Some((high, _)) = variable.upper
+                && known(variable.value.order(Rational::whole(high)))? == Ordering::Greater
+            {
+                return Ok(Some((*basic, high, false)));
+            }
+        }
+        Ok(None)
+    }
+
+    fn feasible(&mut self) -> Checked {
+        while let Some((basic, target, upwards)) = self.violation()? {
+            self.pivots += 1;
+            if self.pivots > PIVOTS {
+                return Err(Stop::Unknown);
+            }
+            let Some(entering) = self.entering(basic, upwards) else {
+                return Err(Stop::Conflict(self.explain(basic, upwards)));
+            };
+            self.pivot(basic, entering, target)?;
+        }
+        Ok(())
+    }
+
+    /// A variable that can move so that the sum moves in this direction; the first one, so that it ends (Bland 1977).
+    fn entering(&self, basic: usize, upwards: bool) -> Option<usize> {
+        let row = self.rows.get(&basic)?;
+        let can_move = |(at, factor): &(&usize, &Rational)| {
+            let variable = &self.variables[**at];
+            let bound = match factor.is_positive() == upwards {
+                true => variable.upper,
+                false => variable.lower,
+            };
+            bound.is_none_or(|(b, _)| Some(b) != variable.value.as_whole())
+        };
+        row.iter().find(can_move).map(|(at, _)| *at)
+    }
+
+    fn explain(&self, basic: usize, upwards: bool) -> Vec<Reason> {
+        let side = |at: usize, upper: bool| match upper {
+            true => self.variables[at].upper,
+            false => self.variables[at].lower,
+        };
+        let row = self.rows.get(&basic).into_iter().flatten();
+        let others = row.filter_map(|(at, factor)| side(*at, factor.is_positive() == upwards));
+        let own = side(basic, !upwards);
+        own.into_iter().chain(others).map(|(_, why)| why).collect()
+    }
+
+    /// Makes `entering` the sum in place of `basic`, which takes the value `target`.
+    fn pivot(&mut self, basic: usize, entering: usize, target: i128) -> Checked {
+        let Some(mut row) = self.rows.remove(&basic) else {
+            return Err(Stop::Unknown);
+        };
+        let factor = known(row.remove(&entering))?;
+        let move_by = Rational::whole(target).sub(self.variables[basic].value);
+        let change = known(move_by.and_then(|m| m.div(factor)))?;
+        // entering = (basic - rest) / factor
+        let inverse = known(Rational::ONE.div(factor))?;
+        let negated = known(inverse.negated())?;
+        let mut solved = Row::from([(basic, inverse)]);
+        known(add_scaled(&mut solved, &row, negated))?;
+        for other in self.rows.values_mut() {
+            if let Some(factor) = other.remove(&entering) {
+                known(add_scaled(other, &solved, factor))?;
+            }
+        }
+        let moved = known(self.variables[entering].value.add(change))?;
+        self.variables[entering].value = moved;
+        self.rows.insert(entering, solved);
+        self.variables[basic].value = Rational::whole(target);
+        self.recompute()
+    }
+
+    /// The values of all sums from those of the other variables.
+    fn recompute(&mut self) -> Checked {
+        for (basic, row) in &self.rows {
+            let mut sum = Rational::ZERO;
+            for (at, factor) in row {
+                let term = known(self.variables[*at].value.mul(*factor))?;
+                sum = known(sum.add(term))?;
+            }
+            self.variables[*basic].value = sum;
+        }
+        Ok(())
+    }
+
+    /// Whether each row has a solution in integers once the variables with equal bounds have their values.
+    fn divisible(&self) -> Checked {
+        for (basic, row) in &self.rows {
+            let mut scale: i128 = 1;
+            for factor in row.values() {
+                let denominator = factor.denominator();
+                let shared = known(gcd(scale, denominator))?.max(1);
+                scale = known((scale / shared).checked_mul(denominator))?;
+            }
+            let (mut constant, mut divisor) = (0i128, 0i128);
+            let mut reasons = Vec::new();
+            let own = (basic, Rational::whole(-1));
+            for (at, factor) in row.iter().map(|(at, f)| (at, *f)).chain([own]) {
+                let scaled = known(factor.mul(Rational::whole(scale)))?;
+                let scaled = known(scaled.as_whole())?;
+                match self.fixed(*at) {
+                    Some((value, whys)) => {
+                        let term = known(scaled.checked_mul(value))?;
+                        constant = known(constant.checked_add(term))?;
+                        reasons.extend(whys);
+                    }
+                    None => divisor = known(gcd(divisor, scaled))?,
+                }
+            }
+            if divisor != 0 && constant % divisor != 0 {
+                return Err(Stop::Conflict(reasons));
+            }
+        }
+        Ok(())
+    }
+
+    fn fixed(&self, at: usize) -> Option<(i128, [Reason; 2])> {
+        let variable = &self.variables[at];
+        let ((low, why), (high, because)) = (variable.lower?, variable.upper?);
+        (low == high).then_some((low, [why, because]))
+    }
+
+    /// Tells cases apart until all variables are integers.
+    fn integral(&mut self, depth: usize) -> Checked {
+        let fraction = (0..self.variables.len()).find(|at| self.value(*at).is_none());
+        let Some(at) = fraction else {
+            return Ok(());
+        };
+        self.branches += 1;
+        if self.branches > BRANCHES {
+            return Err(Stop::Unknown);
+        }
+        let below = self.variables[at].value.floor();
+        let saved = (self.variables[at].lower, self.variables[at].upper);
+        let mut reasons = Vec::new();
+        for (bound, is_upper) in [(below, true), (known(below.checked_add(1))?, false)] {
+            let tried = self
+                .bound(at, bound, is_upper, Reason::Branch(depth))
+                .and_then(|()| self.feasible())
+                .and_then(|()| self.divisible())
+                .and_then(|()| self.integral(depth + 1));
+            let Err(Stop::Conflict(found)) = tried else {
+                return tried;
+            };
+            (self.variables[at].lower, self.variables[at].upper) = saved;
+            let depends = found.contains(&Reason::Branch(depth));
+            reasons.extend(found.into_iter().filter(|r| *r != Reason::Branch(depth)));
+            if !depends {
+                break;
+            }
+        }
+        Err(Stop::Conflict(reasons))
+    }
+}
+
+fn add_scaled(row: &mut Row, other: &Row, factor: Rational) -> Option<()> {
+    for (at, coefficient) in other {
+        let term = coefficient.mul(factor)?;
+        let sum = row.get(at).map_or(Some(term), |old| old.add(term))?;
+        match sum.is_zero() {
+            true => row.remove(at),
+            false => row.insert(*at, sum),
+        };
+    }
+    Some(())
+}
+
+fn literals(reasons: &[Reason]) -> Vec<Lit> {
+    let asserted = reasons.iter().filter_map(|reason| match reason {
+        Reason::Asserted(lit) => Some(*lit),
+        Reason::Always | Reason::Branch(_) => None,
+    });
+    let mut lits: Vec<Lit> = asserted.collect();
+    lits.sort_unstable();
+    lits.dedup();
+    lits
+}
