@@ -1,0 +1,197 @@
+//! Two set-points of one actuator in one command (M9): what the compiler says of them is compared with runs of the same
+//! equations by the reference interpreter.
+//!
+//! A plain run tries a few programs; `RPI_PROGRAMS=10000` tries so many, `RPI_SEED` others.
+
+mod made;
+#[path = "../properties/random.rs"]
+mod random;
+
+use made::{Made, made};
+use random::Random;
+use rpi_diag::Code;
+use rpi_driver::{Input, Kind, Typed, compile, typed};
+use rpi_reference::{Leaf, Reference, Value};
+
+/// Programs in a plain run.
+const PROGRAMS: u64 = 200;
+/// The seed of a plain run.
+const SEED: u64 = 20_261_125;
+/// Runs of each program, and cycles of each run.
+const RUNS: u64 = 60;
+const CYCLES: usize = 16;
+/// The period in seconds.
+const DT: f64 = 1e-3;
+
+/// What the compiler says of two set-points.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+enum Said {
+    /// Nothing: they are proved to exclude each other.
+    Exclusive,
+    /// An error: they meet in some run.
+    Together,
+    /// A note: neither is known, each cycle checks it.
+    Open,
+}
+
+fn number(name: &str, otherwise: u64) -> u64 {
+    let asked = std::env::var(name).ok().and_then(|text| text.parse().ok());
+    asked.unwrap_or(otherwise)
+}
+
+fn input(text: &str) -> Input {
+    Input {
+        path: "random.rpi".into(),
+        kind: Kind::Rpi,
+        bytes: text.as_bytes().to_vec(),
+    }
+}
+
+/// What the compiler says of the command of a program.
+fn said(made: &Made) -> Said {
+    let text = made.command();
+    let compiled = compile(&input(&text)).expect("it is text");
+    let other = |f: &&rpi_diag::Finding| {
+        f.severity() == rpi_diag::Severity::Error && f.code != Code::RPI6101
+    };
+    if let Some(finding) = compiled.findings.iter().find(other) {
+        panic!("{finding:?}\n{text}");
+    }
+    let has = |code: Code| compiled.findings.iter().any(|f| f.code == code);
+    match (has(Code::RPI6101), has(Code::RPI6105)) {
+        (true, _) => Said::Together,
+        (false, true) => Said::Open,
+        (false, false) => Said::Exclusive,
+    }
+}
+
+/// Values that meet often, at the edges sometimes.
+fn row(random: &mut Random, before: Option<&Vec<Leaf>>) -> Vec<Leaf> {
+    let values = (0..7).map(|k| match (before, k) {
+        (Some(before), _) if random.one_in(3) => before[k],
+        (_, 0..=2) => Some(Value::Bool(random.one_in(2))),
+        (_, 3 | 4) if random.one_in(60) => Some(Value::Int(*random.pick(&[
+            i64::MIN,
+            i64::MAX,
+            i64::MIN + 1,
+        ]))),
+        (_, 3 | 4) => Some(Value::Int(random.below(12) as i64 - 4)),
+        _ if random.one_in(30) => Some(Value::Real(*random.pick(&[
+            f64::NAN,
+            f64::INFINITY,
+            f64::NEG_INFINITY,
+        ]))),
+        _ => Some(Value::Real(random.below(30) as f64 * 0.5 - 5.0)),
+    });
+    values.collect()
+}
+
+/// Whether some run has both set-points in one cycle.
+fn meets(program: &Typed, seed: u64) -> bool {
+    let unit = program.unit("main").expect("it has a node");
+    (0..RUNS).any(|run| {
+        let mut random = Random::new(seed ^ (run << 40));
+        let mut reference = Reference::new(&program.units, &program.facts, unit, DT);
+        let mut before = None;
+        (0..CYCLES).any(|_| {
+            let now = row(&mut random, before.as_ref());
+            let both = match reference.cycle(&now) {
+                Ok(cycle) => cycle.outputs == [Some(Value::Bool(true))],
+                Err(_) => return false,
+            };
+            before = Some(now);
+            both
+        })
+    })
+}
+
+/// How often each answer was given: for programs that are exclusive, that meet in a run, and others.
+#[derive(Default, Debug)]
+struct Counts {
+    exclusive: [u64; 3],
+    meeting: [u64; 3],
+    others: [u64; 3],
+}
+
+fn look_at(seed: u64, counts: &mut Counts) {
+    let made = made(seed);
+    let text = made.node();
+    let program = typed(&input(&text)).expect("it is text");
+    let program = program.unwrap_or_else(|f| panic!("{f:?}\n{text}"));
+    let (meets, said) = (meets(&program, seed), said(&made));
+    let told = || format!("RPI_SEED={seed} RPI_PROGRAMS=1\n{}", made.command());
+    assert!(!(meets && made.is_exclusive), "not exclusive: {}", told());
+    assert!(
+        !(meets && said == Said::Exclusive),
+        "wrongly proved: {}",
+        told()
+    );
+    assert!(
+        !(made.is_exclusive && said == Said::Together),
+        "wrongly refused: {}",
+        told()
+    );
+    if said == Said::Open && std::env::var("RPI_TELL").is_ok() {
+        println!("open, meets {meets}: {}", told());
+    }
+    let row = match (made.is_exclusive, meets) {
+        (true, _) => &mut counts.exclusive,
+        (_, true) => &mut counts.meeting,
+        _ => &mut counts.others,
+    };
+    row[said as usize] += 1;
+}
+
+/// The findings of a program in `tests/exclusive`.
+fn findings(text: &str) -> Vec<rpi_diag::Finding> {
+    compile(&input(text)).expect("it is text").findings
+}
+
+#[test]
+fn set_points_that_exclude_each_other_are_accepted() {
+    let programs = [
+        include_str!("../../../../tests/exclusive/accepted.rpi"),
+        include_str!("../../../../tests/exclusive/accepted_robots.rpi"),
+    ];
+    for text in programs {
+        let told: Vec<String> = findings(text)
+            .iter()
+            .filter(|f| f.severity() == rpi_diag::Severity::Error || f.code == Code::RPI6105)
+            .map(|f| format!("{}: {} at {:?}", f.code, f.message, f.span()))
+            .collect();
+        assert!(told.is_empty(), "{told:?}");
+    }
+}
+
+#[test]
+fn set_points_that_meet_are_refused_with_the_values_of_a_run() {
+    let text = include_str!("../../../../tests/exclusive/refused.rpi");
+    let findings = findings(text);
+    let errors = findings
+        .iter()
+        .filter(|f| f.severity() == rpi_diag::Severity::Error);
+    let refused = errors.filter(|f| {
+        f.code == Code::RPI6101
+            && f.notes
+                .iter()
+                .any(|note| note.starts_with("both are present"))
+    });
+    assert_eq!(refused.count(), text.matches("\ncommand ").count());
+}
+
+#[test]
+fn what_is_said_of_two_set_points_agrees_with_runs() {
+    let (programs, first) = (number("RPI_PROGRAMS", PROGRAMS), number("RPI_SEED", SEED));
+    let mut counts = Counts::default();
+    for seed in first..first + programs {
+        look_at(seed, &mut counts);
+    }
+    println!("exclusive, together, open: {counts:?}");
+    if programs < PROGRAMS {
+        return;
+    }
+    let [proved, _, open] = counts.exclusive;
+    assert!(proved >= 9 * open, "too little is proved: {counts:?}");
+    let [_, refused, open] = counts.meeting;
+    assert!(refused >= 99 * open, "too much is let pass: {counts:?}");
+}
