@@ -76,15 +76,20 @@ fn add(pool: &mut Pool, value: &Value) {
     }
 }
 
-/// Runs with made-up inputs. Takes a step off `steps` for each node that is computed.
-pub(super) fn explore(question: &Question<'_>, pool: &Pool, steps: &mut u64) -> Seen {
+/// Runs with made-up inputs until each of these pairs has happened. Takes a step off `steps` for each node that is computed.
+pub(super) fn explore(
+    question: &Question<'_>,
+    pool: &Pool,
+    pairs: &[usize],
+    steps: &mut u64,
+) -> Seen {
     let mut seen = Seen {
         traces: vec![None; question.events.len()],
         samples: Vec::new(),
     };
     let size = (question.cone.nodes.len() + question.events.len()) as u64 + 1;
     let mut seed = 0;
-    while *steps > size && seen.traces.iter().any(Option::is_none) {
+    while *steps > size && pairs.iter().any(|pair| seen.traces[*pair].is_none()) {
         let mut domain = Concrete::new(Script::new(), seed, pool);
         domain.is_calm = seed == 0;
         domain.keeps = usize::try_from(seed % 8).unwrap_or(0);
@@ -93,13 +98,11 @@ pub(super) fn explore(question: &Question<'_>, pool: &Pool, steps: &mut u64) -> 
             if seen.samples.len() < SAMPLES {
                 seen.samples.push(state.to_vec());
             }
-            for (pair, trace) in together.iter().zip(&mut seen.traces) {
-                if *pair && trace.is_none() {
-                    *trace = Some(Trace {
-                        script: Script::new(),
-                        last: cycle,
-                    });
-                }
+            for pair in pairs.iter().filter(|pair| together[**pair]) {
+                seen.traces[*pair].get_or_insert_with(|| Trace {
+                    script: Script::new(),
+                    last: cycle,
+                });
             }
             *steps > size
         });
