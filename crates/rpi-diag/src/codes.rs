@@ -135,6 +135,7 @@ codes! {
     RPI3006 Error "automaton without one initial state";
     RPI3007 Error "clocks that do not meet";
     RPI3008 Warning "operand with state that can fault";
+    RPI3009 Error "delay of two clocks";
     RPI3101 Warning "flow that nothing uses";
     RPI3102 Warning "claim that can never hold";
     RPI3103 Warning "state that nothing leads to";

@@ -4,7 +4,7 @@ use rpi_diag::{Finding, SourceMap};
 use rpi_lower::LowerOptions;
 use rpi_net::Net;
 use rpi_net::lustre::Boundary;
-use rpi_net::passes::{Item, Schedule, analyse};
+use rpi_net::passes::{Item, analyse};
 use rpi_sema::program::Program;
 use rpi_syntax::{Mode, Parens, with_stack};
 use std::fmt::Write as _;
@@ -62,26 +62,23 @@ pub fn schedule(net: &Net) -> Option<String> {
     let analysis = analyse(net.clone(), |_| false).ok()?;
     let schedule = analysis.schedule.as_ref()?;
     let mut out = String::new();
-    put_items(&analysis.net, schedule, rpi_net::FragmentId::ROOT, &mut out);
-    Some(out)
-}
-
-fn put_items(net: &Net, schedule: &Schedule, fragment: rpi_net::FragmentId, out: &mut String) {
-    let depth = net.enclosing(fragment).count() - 1;
-    for item in schedule.items(fragment) {
-        let indent = "  ".repeat(depth);
+    let net = &analysis.net;
+    for item in schedule.walk() {
+        let depth = |fragment| net.enclosing(fragment).count() - 1;
         // Writing to a string cannot fail.
         let _ = match item {
             Item::Node(id) => {
-                let node = net.node(*id);
+                let node = net.node(id);
+                let indent = "  ".repeat(depth(node.fragment));
                 writeln!(out, "{indent}{} = {}", node.name, node.desc().name)
             }
-            Item::Fragment(id) => writeln!(out, "{indent}fragment {}", net.fragment(*id).name),
+            Item::Fragment(id) => {
+                let indent = "  ".repeat(depth(id) - 1);
+                writeln!(out, "{indent}fragment {}", net.fragment(id).name)
+            }
         };
-        if let Item::Fragment(id) = item {
-            put_items(net, schedule, *id, out);
-        }
     }
+    Some(out)
 }
 
 /// The net in the reference system's text form, and what of the program that cannot hold.

@@ -119,6 +119,9 @@ pub struct Fragment {
     pub activation: Activation,
     /// When its state starts afresh.
     pub restart: Restart,
+    /// Whether it only gathers operations of one clock: then it is no vertex for what is around it, each of its operations
+    /// waits for what that operation reads, and it may be entered several times in a cycle.
+    pub is_clock: bool,
     /// Ports that the source declares; a declared in-port is a dependency of the fragment even if nothing inside reads it.
     pub inputs: Vec<FragmentPort>,
     /// Named out-ports (the root's are the command's own).
@@ -275,6 +278,7 @@ impl Net {
             parent: None,
             activation: Activation::Always,
             restart: Restart::Never,
+            is_clock: false,
             inputs: Vec::new(),
             outputs: Vec::new(),
             budget_ns: None,

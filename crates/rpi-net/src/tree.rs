@@ -86,6 +86,31 @@ impl Tree {
         items.into_iter().map(|(_, item)| item).collect()
     }
 
+    /// The same, with all that stands in fragments of clocks in it, whatever their depth.
+    #[must_use]
+    pub fn items_through(&self, net: &Net, fragment: FragmentId) -> Vec<Item> {
+        let is_clock = |f: &FragmentId| net.fragment(*f).is_clock;
+        let mut open: Vec<FragmentId> = self.children(fragment).to_vec();
+        open.retain(is_clock);
+        if open.is_empty() {
+            return self.items(fragment);
+        }
+        open.push(fragment);
+        let mut items: Vec<(u32, Item)> = Vec::new();
+        while let Some(around) = open.pop() {
+            let nodes = self.nodes(around).iter();
+            items.extend(nodes.map(|n| (n.0, Item::Node(*n))));
+            let children = self.children(around).iter();
+            items.extend(children.map(|f| (self.first[f.index()], Item::Fragment(*f))));
+            if around != fragment {
+                let inner = self.children(around).iter().copied();
+                open.extend(inner.filter(is_clock));
+            }
+        }
+        items.sort_unstable();
+        items.into_iter().map(|(_, item)| item).collect()
+    }
+
     /// The enclosing fragment; none for the root.
     #[must_use]
     pub fn parent(&self, fragment: FragmentId) -> Option<FragmentId> {

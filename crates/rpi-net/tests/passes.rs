@@ -177,7 +177,7 @@ fn every_recorded_net_passes() {
         let schedule = analysis.schedule.expect("it has no ring");
         assert_eq!(schedule.nodes().count(), analysis.net.nodes.len());
         assert!(!matches!(
-            schedule.items(rpi_net::FragmentId::ROOT),
+            schedule.run(rpi_net::FragmentId::ROOT, 0),
             [Item::Fragment(_)]
         ));
     }

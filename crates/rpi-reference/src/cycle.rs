@@ -38,7 +38,7 @@ pub(crate) enum Keep {
     /// The same, known.
     LastLeaf(FlowId, usize, Leaf),
     /// `a -> b` or `first` has had its first cycle.
-    Begun(ExprId),
+    Begun(ExprId, usize),
     /// Whether a block was active.
     Active(BlockId, bool),
     /// The state of an automaton, and those that still have to start afresh.
@@ -177,7 +177,7 @@ impl<'p> Reference<'p> {
             self.leaf(here, id, k)?;
         }
         if let Kind::Call(call) = &expr.kind
-            && self.ticks(here, id)?
+            && self.ticks(here, self.clocks(here).place(id))?
             && let Some(instance) = self.called(here, id, call)?
         {
             self.body(instance)?;
@@ -202,7 +202,7 @@ impl<'p> Reference<'p> {
         let unit = self.instances[here.instance].unit;
         let mut absent = Vec::new();
         for k in 0..unit.expr(id).ty.leaf_count() {
-            absent.push(self.read_by(here, id, x, k)?.is_none());
+            absent.push(self.leaf(here, x, k)?.is_none());
         }
         self.where_absent(here, y, &absent)
     }
@@ -210,7 +210,9 @@ impl<'p> Reference<'p> {
     fn where_absent(&mut self, here: Here, y: ExprId, absent: &[bool]) -> Result<(), Stop> {
         let unit = self.instances[here.instance].unit;
         if let Kind::Build(parts) = &unit.expr(y).kind
-            && !unit.has_clocks
+            && !self.facts[self.instances[here.instance].id.0 as usize]
+                .clocks
+                .any()
         {
             let mut first = 0;
             for part in parts {
@@ -249,7 +251,7 @@ impl<'p> Reference<'p> {
                 }
             }
             Kind::Each(Each::Arrow, _) => Here {
-                chosen: here.chosen && self.is_first(here, id) == (number == 0),
+                chosen: here.chosen && self.is_first(here, id, 0) == (number == 0),
                 ..here
             },
             Kind::Each(Each::Pre | Each::Last | Each::Hold, _) | Kind::Current(_) => {
@@ -338,7 +340,7 @@ impl<'p> Reference<'p> {
             match keep {
                 Keep::Leaf(id, k, leaf) => drop(memory.kept.insert((id, k), leaf)),
                 Keep::LastLeaf(flow, k, leaf) => drop(memory.last.insert((flow, k), leaf)),
-                Keep::Begun(id) => drop(memory.begun.insert(id)),
+                Keep::Begun(id, k) => drop(memory.begun.insert((id, k))),
                 Keep::Active(block, true) => drop(memory.was_active.insert(block)),
                 Keep::Active(block, false) => drop(memory.was_active.remove(&block)),
                 Keep::State(k, state, owed) => {

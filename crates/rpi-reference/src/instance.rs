@@ -33,8 +33,8 @@ pub(crate) struct Memory {
     pub(crate) kept: BTreeMap<Place, Leaf>,
     /// What the flows that states share were.
     pub(crate) last: BTreeMap<(FlowId, usize), Leaf>,
-    /// The expressions `a -> b` and `first` that have had their first cycle (M5.1).
-    pub(crate) begun: BTreeSet<ExprId>,
+    /// The leaves of expressions `a -> b` and `first` that have had their first cycle (M5.1).
+    pub(crate) begun: BTreeSet<Place>,
     /// The instance behind each call.
     pub(crate) calls: BTreeMap<ExprId, InstanceId>,
     /// The blocks in it that were active in its previous cycle.

@@ -1,11 +1,11 @@
 //! Expressions: one leaf of one expression in this cycle.
 
-use rpi_sema::clocks::Clocks;
+use rpi_sema::clocks::{ClockId, Clocks, Decider, Tick};
 use rpi_sema::ty::Ty;
-use rpi_sema::typed::{ClockOn, Each, Expr, ExprId, Kind, PrimCall};
+use rpi_sema::typed::{BlockId, Each, Expr, ExprId, Kind, PrimCall, Unit};
 
 use crate::cycle::{Keep, Reference};
-use crate::instance::Here;
+use crate::instance::{Here, InstanceId};
 use crate::operator;
 use crate::value::{Leaf, Stop, Value};
 
@@ -18,7 +18,8 @@ impl<'p> Reference<'p> {
             Some(None) => return Err(Stop::Ring),
             None => drop(now.leaves.insert((id, k), None)),
         }
-        let leaf = match self.ticks(here, id)? {
+        let clock = self.clocks(here).leaf(id, k);
+        let leaf = match self.ticks(here, clock)? {
             true => self.fresh(here, id, k)?,
             false => None,
         };
@@ -76,7 +77,7 @@ impl<'p> Reference<'p> {
             }
             Kind::Each(each, operands) => self.each(here, id, *each, operands, k),
             Kind::Equal { operands, negated } => self.equal(here, *operands, *negated),
-            Kind::Present(operand) => self.present(here, id, *operand),
+            Kind::Present(operand) => self.present(here, *operand),
             Kind::Prim(call) => self.operator(here, id, call),
             Kind::Call(call) => self.result(here, id, call, k),
             Kind::When { value, .. } => self.leaf(here, *value, k),
@@ -136,16 +137,20 @@ impl<'p> Reference<'p> {
             (Each::Pre, [x]) => self.pre(here, id, *x, k),
             (Each::Last, [x]) => self.last(here, *x, k),
             (Each::Arrow, [a, b]) => {
-                let (side, number) = if self.first(here, id) { (a, 0) } else { (b, 1) };
+                let (side, number) = if self.first(here, id, k) {
+                    (a, 0)
+                } else {
+                    (b, 1)
+                };
                 let there = self.operand(here, id, number)?;
                 self.leaf(there, *side, k)
             }
-            (Each::Coalesce, [a, b]) => match self.read_by(here, id, *a, k)? {
-                None => self.read_by(here, id, *b, k),
+            (Each::Coalesce, [a, b]) => match self.leaf(here, *a, k)? {
+                None => self.leaf(here, *b, k),
                 present => Ok(present),
             },
             (Each::Hold, [x, init]) => {
-                let x = self.read_by(here.unguarded(), id, *x, k)?;
+                let x = self.leaf(here.unguarded(), *x, k)?;
                 self.held(here, id, k, x, *init)
             }
             _ => Err(Stop::Beyond(format!("{each:?}"))),
@@ -204,16 +209,16 @@ impl<'p> Reference<'p> {
         }
     }
 
-    /// Whether this is the first cycle of what stands here.
-    pub(crate) fn first(&mut self, here: Here, id: ExprId) -> bool {
-        self.keep.push((here, Keep::Begun(id)));
-        self.is_first(here, id)
+    /// Whether this is the first cycle of a leaf of what stands here.
+    pub(crate) fn first(&mut self, here: Here, id: ExprId, k: usize) -> bool {
+        self.keep.push((here, Keep::Begun(id, k)));
+        self.is_first(here, id, k)
     }
 
     /// The same, looked at only: what does not tick in this cycle has not had its first one.
-    pub(crate) fn is_first(&mut self, here: Here, id: ExprId) -> bool {
+    pub(crate) fn is_first(&mut self, here: Here, id: ExprId, k: usize) -> bool {
         let memory = self.instances[here.instance].memory(here.block);
-        !memory.begun.contains(&id)
+        !memory.begun.contains(&(id, k))
     }
 
     /// `x = y`: all leaves are equal.
@@ -232,31 +237,13 @@ impl<'p> Reference<'p> {
     }
 
     /// `present(x)`: all leaves are there.
-    fn present(&mut self, here: Here, id: ExprId, operand: ExprId) -> Result<Leaf, Stop> {
+    fn present(&mut self, here: Here, operand: ExprId) -> Result<Leaf, Stop> {
         let unit = self.instances[here.instance].unit;
         let mut all = true;
         for k in 0..unit.expr(operand).ty.leaf_count() {
-            all &= self.read_by(here, id, operand, k)?.is_some();
+            all &= self.leaf(here, operand, k)?.is_some();
         }
         Ok(Some(Value::Bool(all)))
-    }
-
-    /// An operand of an operator that looks at its presence: absent where its clock does not tick and the operator's does
-    /// (M4.7).
-    pub(crate) fn read_by(
-        &mut self,
-        here: Here,
-        id: ExprId,
-        operand: ExprId,
-        k: usize,
-    ) -> Result<Leaf, Stop> {
-        let leaf = self.leaf(here, operand, k)?;
-        for on in self.clocks(here).beyond(operand, id) {
-            if self.is_on(here, *on)? != Some(true) {
-                return Ok(None);
-            }
-        }
-        Ok(leaf)
     }
 
     fn operator(&mut self, here: Here, id: ExprId, call: &PrimCall) -> Result<Leaf, Stop> {
@@ -266,7 +253,7 @@ impl<'p> Reference<'p> {
             operands.push(self.leaf(there, *input, 0)?);
         }
         match call.prim.desc().name {
-            "Rpi::First" => Ok(Some(Value::Bool(self.first(here, id)))),
+            "Rpi::First" => Ok(Some(Value::Bool(self.first(here, id, 0)))),
             "Rpi::Time" => Ok(Some(self.time())),
             "Core::CycleTime" => Ok(Some(Value::Real(self.dt))),
             name => operator::apply(name, &operands, here.chosen),
@@ -290,7 +277,8 @@ impl<'p> Reference<'p> {
 
     /// `current x`: x at the latest tick of its clock (M4.7).
     fn current(&mut self, here: Here, id: ExprId, operand: ExprId, k: usize) -> Result<Leaf, Stop> {
-        let Some(on) = self.clocks(here).of_value(operand).last().copied() else {
+        let clocks = self.clocks(here);
+        let Some(on) = clocks.path(clocks.leaf(operand, k)).last().copied() else {
             return self.leaf(here, operand, k);
         };
         let instance = &mut self.instances[here.instance];
@@ -305,9 +293,9 @@ impl<'p> Reference<'p> {
         Ok(leaf)
     }
 
-    /// Whether the clock of an expression ticks (M4.7).
-    pub(crate) fn ticks(&mut self, here: Here, id: ExprId) -> Result<bool, Stop> {
-        for on in self.clocks(here).of_expr(id) {
+    /// Whether a clock ticks (M4.7).
+    pub(crate) fn ticks(&mut self, here: Here, clock: ClockId) -> Result<bool, Stop> {
+        for on in self.clocks(here).path(clock) {
             if self.is_on(here, *on)? != Some(true) {
                 return Ok(false);
             }
@@ -315,15 +303,58 @@ impl<'p> Reference<'p> {
         Ok(true)
     }
 
-    fn clocks(&self, here: Here) -> &'p Clocks {
+    pub(crate) fn clocks(&self, here: Here) -> &'p Clocks {
         &self.facts[self.instances[here.instance].id.0 as usize].clocks
     }
 
-    /// Whether the flow that decides about a clock has its value.
-    fn is_on(&mut self, here: Here, on: ClockOn) -> Result<Option<bool>, Stop> {
-        let leaf = self.flow(here.instance, on.flow, 0)?;
+    /// Whether what decides about a clock has its value.
+    fn is_on(&mut self, here: Here, on: Tick) -> Result<Option<bool>, Stop> {
+        let leaf = self.deciding(here.instance, on.by)?;
         Ok(leaf.map(|leaf| has(leaf, on.value)))
     }
+
+    /// What decides about a clock: a flow, or what decides inside of a call (M4.11).
+    fn deciding(&mut self, instance: InstanceId, by: Decider) -> Result<Leaf, Stop> {
+        let (id, number) = match by {
+            Decider::Flow(flow) => return self.flow(instance, flow, 0),
+            Decider::Inside(id, number) => (id, number),
+        };
+        let unit = self.instances[instance].unit;
+        let Kind::Call(call) = &unit.expr(id).kind else {
+            return Ok(None);
+        };
+        let here = self.inside(instance, block_of(unit, id));
+        let clock = self.clocks(here).place(id);
+        if !self.ticks(here, clock)? {
+            return Ok(None);
+        }
+        let Some(inner) = self.called(here, id, call)? else {
+            return Ok(None);
+        };
+        let exposed = self.facts[call.unit.0 as usize].clocks.exposed();
+        match exposed.get(number as usize) {
+            Some((by, _)) => self.deciding(inner, *by),
+            None => Ok(None),
+        }
+    }
+}
+
+/// The block in which an expression stands that an equation is made of.
+fn block_of(unit: &Unit, id: ExprId) -> BlockId {
+    let blocks = (0..).map(BlockId).zip(&unit.blocks);
+    let mut blocks = blocks.filter(|(_, block)| {
+        let mut values = block.equations.iter().map(|equation| equation.value);
+        values.any(|value| contains(unit, value, id))
+    });
+    blocks.next().map_or(BlockId::ROOT, |(block, _)| block)
+}
+
+fn contains(unit: &Unit, whole: ExprId, part: ExprId) -> bool {
+    let mut found = whole == part;
+    unit.expr(whole)
+        .kind
+        .operands(&mut |operand| found = found || contains(unit, operand, part));
+    found
 }
 
 /// A leaf of a struct that is made here: it lies in the subrange of its field (M2.4).

@@ -27,7 +27,11 @@ impl Builder<'_> {
         let Some(parent) = fragment.parent else {
             return;
         };
-        let active = self.activity(id, parent);
+        let is_again = self.times[id.index()] > 0;
+        let active = match is_again {
+            true => self.active[id.index()],
+            false => self.activity(id, parent),
+        };
         self.active[id.index()] = active;
         self.flat.tables.fragments[id.index()].active = active.0;
         if active == Slot::TRUE && fragment.restart == Restart::Never {
@@ -36,7 +40,9 @@ impl Builder<'_> {
         }
         let scope = self.flat.open(self.scope[parent.index()], active);
         self.scope[id.index()] = scope;
-        self.restart(id, parent, scope);
+        if !is_again {
+            self.restart(id, parent, scope);
+        }
         self.items(id);
         self.flat.close(scope);
     }

@@ -59,6 +59,8 @@ struct Builder<'a> {
     scope: Vec<ScopeId>,
     /// What tells that a fragment is active, given that its parent is.
     active: Vec<Slot>,
+    /// How often each fragment has been entered.
+    times: Vec<u32>,
     /// The `first` flow of each fragment that asks for it.
     firsts: BTreeMap<FragmentId, Slot>,
     /// Delays, with the slots in which they keep value and presence.
@@ -84,16 +86,19 @@ impl<'a> Builder<'a> {
             flows: vec![Flow::NONE; ports as usize],
             scope: vec![ScopeId::ROOT; net.fragments.len()],
             active: vec![Slot::TRUE; net.fragments.len()],
+            times: vec![0; net.fragments.len()],
             firsts: BTreeMap::new(),
             delays: Vec::new(),
             fields: FxHashMap::default(),
         }
     }
 
-    /// The items of a fragment in schedule order.
+    /// What runs in a fragment when it is entered, in schedule order.
     fn items(&mut self, fragment: FragmentId) {
         let plan = self.plan;
-        for item in plan.schedule.items(fragment) {
+        let time = self.times[fragment.index()];
+        self.times[fragment.index()] += 1;
+        for item in plan.schedule.run(fragment, time as usize) {
             match item {
                 Item::Node(id) => self.node(*id),
                 Item::Fragment(child) => self.fragment(*child),

@@ -111,6 +111,7 @@ impl Build {
                 absent: Absent::Inactive,
             },
             restart,
+            is_clock: false,
             inputs: Vec::new(),
             outputs: Vec::new(),
             budget_ns: None,

@@ -78,7 +78,7 @@ impl Analysis {
     /// Finds out anew what depends on what.
     fn order(&mut self) {
         self.dependencies = Dependencies::new(&self.net, &self.tree);
-        self.schedule = Schedule::new(&self.dependencies);
+        self.schedule = Schedule::new(&self.net, &self.dependencies);
     }
 }
 
@@ -249,7 +249,7 @@ fn verified(check: impl FnOnce() -> Result<(), Violation>) -> Result<(), Violati
 pub fn has_ring(net: &Net) -> bool {
     let dependencies = Dependencies::new(net, &Tree::new(net));
     // A delay that is added to an imported net may break what looks like one.
-    Schedule::new(&dependencies).is_none()
+    Schedule::new(net, &dependencies).is_none()
         && analyse_unless_ring(net.clone(), |_| false).is_ok_and(|analysis| analysis.is_none())
 }
 

@@ -98,7 +98,10 @@ fn finding(
         .take(SHOWN)
         .filter_map(|s| fix(net, s, activated));
     finding.fixes = fixes.collect();
-    let is_fragment = |e: &EdgeIndex| matches!(item(graph, *e), Some(Item::Fragment(_)));
+    let is_fragment = |e: &EdgeIndex| match item(graph, *e) {
+        Some(Item::Fragment(id)) => !net.fragment(id).is_clock,
+        _ => false,
+    };
     finding.help(match is_program(net) {
         true if ring.iter().any(is_fragment) => {
             "delay one step by `pre`; a fragment is one step, whatever is delayed inside of it"
@@ -304,7 +307,7 @@ fn span(net: &Net, reader: Reader) -> Span {
 /// Where the fragments stand that are not always active, and whether they are states.
 fn activated(net: &Net) -> BTreeMap<Span, bool> {
     let fragments = net.fragments.iter().skip(1);
-    let sometimes = fragments.filter(|f| f.activation != Activation::Always);
+    let sometimes = fragments.filter(|f| f.activation != Activation::Always && !f.is_clock);
     sometimes.map(|f| (f.origin.span, is_state(f))).collect()
 }
 

@@ -4,6 +4,9 @@
 //! for its activation and for everything that is read from inside it or declared as its in-port, whatever reads it
 //! there; so a `pre` breaks a cycle only at the level at which the cycle runs (M6). A delay in the graph's own fragment
 //! waits for nothing: it is latched after the cycle.
+//!
+//! A fragment that gathers operations of one clock is transparent: its operations are vertices of the graph around it, which
+//! wait for what they read, and for the clock. The vertex of such a fragment stands for its activation alone.
 
 use crate::net::{Activation, FragmentId, Input, Net, NodeId, PortRef, Restart};
 use crate::tree::{Item, Tree};
@@ -36,6 +39,7 @@ pub struct Dependence {
 #[derive(Clone, Debug)]
 pub struct Dependencies {
     graphs: Vec<Graph>,
+    is_clock: Vec<bool>,
 }
 
 /// Vertices are numbered in declaration order.
@@ -49,26 +53,31 @@ impl Dependencies {
         for (reader, place, source) in links(net) {
             builder.connect(reader, place, source);
         }
+        let is_clock = net.fragments.iter().map(|fragment| fragment.is_clock);
         Dependencies {
             graphs: builder.graphs,
+            is_clock: is_clock.collect(),
         }
     }
 
     /// The graphs of no net.
     pub(crate) fn none() -> Self {
-        Dependencies { graphs: Vec::new() }
-    }
-
-    /// The items of a fragment in declaration order.
-    pub fn items(&self, fragment: FragmentId) -> impl Iterator<Item = Item> + '_ {
-        self.graphs[fragment.index()].node_weights().copied()
+        Dependencies {
+            graphs: Vec::new(),
+            is_clock: Vec::new(),
+        }
     }
 
     pub(crate) fn graph(&self, fragment: FragmentId) -> &Graph {
         &self.graphs[fragment.index()]
     }
 
-    /// Number of fragments.
+    /// Whether a fragment only gathers operations of one clock.
+    pub(crate) fn is_clock(&self, fragment: FragmentId) -> bool {
+        self.is_clock[fragment.index()]
+    }
+
+    /// All fragments.
     pub(crate) fn fragments(&self) -> impl Iterator<Item = FragmentId> + use<> {
         (0..u32::try_from(self.graphs.len()).unwrap_or(u32::MAX)).map(FragmentId)
     }
@@ -125,12 +134,18 @@ impl<'a> Builder<'a> {
         for fragment in net.fragment_ids() {
             builder.add_vertices(fragment);
         }
+        for fragment in net.fragment_ids().filter(|id| net.fragment(*id).is_clock) {
+            builder.connect_clock(fragment);
+        }
         builder
     }
 
     /// Adds a fragment's graph, its vertices in declaration order.
     fn add_vertices(&mut self, fragment: FragmentId) {
-        let items = self.tree.items(fragment);
+        if self.net.fragment(fragment).is_clock {
+            return self.graphs.push(Graph::new());
+        }
+        let items = self.tree.items_through(self.net, fragment);
         let mut graph = Graph::with_capacity(items.len(), 2 * items.len());
         for item in items {
             let at = graph.add_node(item);
@@ -142,14 +157,45 @@ impl<'a> Builder<'a> {
         self.graphs.push(graph);
     }
 
+    /// Lets all that stands in the fragment of a clock wait for the clock.
+    fn connect_clock(&mut self, clock: FragmentId) {
+        let Activation::When { condition, .. } = self.net.fragment(clock).activation else {
+            return;
+        };
+        let (from, level) = (self.fragment_at[clock.index()], self.level(clock));
+        let nodes = self.tree.nodes(clock).iter();
+        let nodes = nodes.map(|node| self.node_at[node.index()]);
+        let children = self.tree.children(clock).iter();
+        let children = children.map(|child| self.fragment_at[child.index()]);
+        let graph = &mut self.graphs[level.index()];
+        for to in nodes.chain(children) {
+            let reader = Reader::Activation(clock);
+            let source = condition;
+            graph.add_edge(from, to, Dependence { source, reader });
+        }
+    }
+
+    /// The innermost fragment around one, or it itself, that has a graph.
+    fn level(&self, fragment: FragmentId) -> FragmentId {
+        let mut around = self.net.enclosing(fragment);
+        let level = around.find(|around| !self.net.fragment(*around).is_clock);
+        level.unwrap_or(FragmentId::ROOT)
+    }
+
+    /// The fragment that stands for `inner` at a level: the outermost below it that is no clock's.
+    fn child_towards(&self, level: FragmentId, inner: FragmentId) -> Option<FragmentId> {
+        let below = self.tree.between(inner, level);
+        below.filter(|f| !self.net.fragment(*f).is_clock).last()
+    }
+
     /// Adds the edge of one reading, in the innermost fragment that encloses both ends.
     fn connect(&mut self, reader: Reader, place: FragmentId, source: PortRef) {
         let origin = self.net.node(source.node).fragment;
-        let level = self.tree.common(place, origin);
+        let level = self.level(self.tree.common(place, origin));
         let Some(to) = self.reading_vertex(reader, level, place) else {
             return;
         };
-        let from = match self.tree.child_towards(level, origin) {
+        let from = match self.child_towards(level, origin) {
             Some(child) => self.fragment_at[child.index()],
             None => self.node_at[source.node.index()],
         };
@@ -163,7 +209,7 @@ impl<'a> Builder<'a> {
         level: FragmentId,
         place: FragmentId,
     ) -> Option<NodeIndex> {
-        if let Some(child) = self.tree.child_towards(level, place) {
+        if let Some(child) = self.child_towards(level, place) {
             return Some(self.fragment_at[child.index()]);
         }
         match reader {

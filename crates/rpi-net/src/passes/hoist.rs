@@ -37,7 +37,7 @@ pub fn hoist_delays(net: &mut Net, dependencies: &Dependencies) -> usize {
 /// Delays inside of child fragments whose reading closes a ring here, with all that read them from here.
 fn late_readings(net: &Net, graph: &Graph) -> BTreeMap<PortRef, Vec<Reader>> {
     let is_delay = |d: &Dependence| net.node(d.source.node).desc().role == Role::Delay;
-    let from_inside = |v| matches!(graph[v], Item::Fragment(_));
+    let from_inside = |v| matches!(graph[v], Item::Fragment(f) if !net.fragment(f).is_clock);
     if !graph.node_indices().any(from_inside) {
         return BTreeMap::new();
     }

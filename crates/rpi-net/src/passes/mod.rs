@@ -4,6 +4,7 @@
 
 mod analysis;
 pub mod causality;
+mod clocks;
 mod conjunction;
 pub mod dependencies;
 mod ends;

@@ -4,51 +4,84 @@
 //! executor places its primitives, and it is the same in every run.
 
 use crate::net::{FragmentId, Net, NodeId};
+use crate::passes::clocks;
 use crate::passes::dependencies::{Dependencies, Graph};
 use crate::tree::Item;
 use crate::violation::Violation;
 use petgraph::Direction::Incoming;
 use petgraph::graph::NodeIndex;
 use petgraph::visit::EdgeRef;
+use smallvec::SmallVec;
 use std::cmp::Reverse;
 use std::collections::BinaryHeap;
 
 /// The order of evaluation of a net.
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub struct Schedule {
-    items: Vec<Vec<Item>>,
+    /// Of each fragment what runs whenever it is entered. Fragments are entered once in a cycle, but for those of clocks.
+    runs: Vec<SmallVec<[Vec<Item>; 1]>>,
 }
 
 impl Schedule {
     /// The schedule, unless something depends on itself (then the causality pass says what).
     #[must_use]
-    pub fn new(dependencies: &Dependencies) -> Option<Self> {
-        let items: Option<Vec<_>> = dependencies
-            .fragments()
-            .map(|f| order(dependencies.graph(f)))
-            .collect();
-        Some(Schedule { items: items? })
+    pub fn new(net: &Net, dependencies: &Dependencies) -> Option<Self> {
+        let mut runs = vec![SmallVec::new(); net.fragments.len()];
+        let levels = dependencies.fragments();
+        for level in levels.filter(|f| !dependencies.is_clock(*f)) {
+            let graph = dependencies.graph(level);
+            let is_clock = |item: &Item| match item {
+                Item::Fragment(f) => dependencies.is_clock(*f),
+                Item::Node(_) => false,
+            };
+            if graph.node_weights().any(is_clock) {
+                for (fragment, run) in clocks::runs(net, dependencies, level)? {
+                    runs[fragment.index()].push(run);
+                }
+            } else {
+                runs[level.index()].push(order(graph)?);
+            }
+        }
+        Some(Schedule { runs })
     }
 
-    /// The items of a fragment in order of evaluation.
+    /// What runs in a fragment when it is entered for the time of this number in a cycle, from 0, in order of evaluation.
     #[must_use]
-    pub fn items(&self, fragment: FragmentId) -> &[Item] {
-        &self.items[fragment.index()]
+    pub fn run(&self, fragment: FragmentId, time: usize) -> &[Item] {
+        let run = self.runs[fragment.index()].get(time);
+        run.map_or(&[], Vec::as_slice)
+    }
+
+    /// How often a fragment is entered in a cycle.
+    #[must_use]
+    pub fn times(&self, fragment: FragmentId) -> usize {
+        self.runs[fragment.index()].len()
+    }
+
+    /// All items in order of evaluation, each fragment before what is in it, whenever it is entered.
+    pub fn walk(&self) -> impl Iterator<Item = Item> + '_ {
+        let mut times = vec![0_usize; self.runs.len()];
+        let mut open = vec![self.run(FragmentId::ROOT, 0).iter()];
+        std::iter::from_fn(move || {
+            loop {
+                let Some(item) = open.last_mut()?.next() else {
+                    open.pop();
+                    continue;
+                };
+                if let Item::Fragment(f) = item {
+                    open.push(self.run(*f, times[f.index()]).iter());
+                    times[f.index()] += 1;
+                }
+                return Some(*item);
+            }
+        })
     }
 
     /// All nodes in order of evaluation, each fragment's in its place.
     pub fn nodes(&self) -> impl Iterator<Item = NodeId> + '_ {
-        let mut open = vec![self.items(FragmentId::ROOT).iter()];
-        std::iter::from_fn(move || {
-            loop {
-                match open.last_mut()?.next() {
-                    Some(Item::Node(n)) => return Some(*n),
-                    Some(Item::Fragment(f)) => open.push(self.items(*f).iter()),
-                    None => {
-                        open.pop();
-                    }
-                }
-            }
+        self.walk().filter_map(|item| match item {
+            Item::Node(id) => Some(id),
+            Item::Fragment(_) => None,
         })
     }
 }
@@ -87,30 +120,42 @@ pub fn verify(
     schedule: &Schedule,
 ) -> Result<(), Violation> {
     let mut places = Places::new(net);
-    for fragment in net.fragment_ids() {
-        let graph = dependencies.graph(fragment);
-        let items = schedule.items(fragment);
-        places.fill(items);
-        let all = graph.node_weights().all(|item| places.holds(items, *item));
-        if !all || graph.node_count() != items.len() {
-            let name = net.path(fragment, "");
-            return Err(Violation::new(format!(
-                "schedule: items missing or doubled in `{name}`"
-            )));
+    for (at, item) in schedule.walk().enumerate() {
+        let is_clock = matches!(item, Item::Fragment(f) if net.fragment(f).is_clock);
+        if !places.put(item, at) && !is_clock {
+            return Err(Violation::new(format!("schedule: {item:?} is doubled")));
         }
+    }
+    for fragment in dependencies.fragments() {
+        let graph = dependencies.graph(fragment);
         for edge in graph.edge_references() {
             let (source, target) = (graph[edge.source()], graph[edge.target()]);
+            let is_activation =
+                |item: Item| matches!(item, Item::Fragment(f) if dependencies.is_clock(f));
+            if is_activation(source) || is_activation(target) {
+                continue;
+            }
             if places.of(source) >= places.of(target) {
                 return Err(Violation::new(format!(
                     "schedule: {target:?} comes before {source:?} which it reads"
                 )));
             }
         }
+        let is_there = |item: &Item| {
+            matches!(item, Item::Fragment(f) if dependencies.is_clock(*f))
+                || places.of(*item) != usize::MAX
+        };
+        if !graph.node_weights().all(is_there) {
+            let name = net.path(fragment, "");
+            return Err(Violation::new(format!(
+                "schedule: items missing in `{name}`"
+            )));
+        }
     }
     Ok(())
 }
 
-/// For each item of a net its place in the order of its fragment.
+/// For each item of a net its place in the order.
 struct Places {
     nodes: Vec<usize>,
     fragments: Vec<usize>,
@@ -124,13 +169,13 @@ impl Places {
         }
     }
 
-    fn fill(&mut self, items: &[Item]) {
-        for (at, item) in items.iter().enumerate() {
-            match item {
-                Item::Node(n) => self.nodes[n.index()] = at,
-                Item::Fragment(f) => self.fragments[f.index()] = at,
-            }
-        }
+    /// Notes the place of an item; false if it has one.
+    fn put(&mut self, item: Item, at: usize) -> bool {
+        let place = match item {
+            Item::Node(n) => &mut self.nodes[n.index()],
+            Item::Fragment(f) => &mut self.fragments[f.index()],
+        };
+        std::mem::replace(place, at) == usize::MAX
     }
 
     fn of(&self, item: Item) -> usize {
@@ -138,10 +183,5 @@ impl Places {
             Item::Node(n) => self.nodes[n.index()],
             Item::Fragment(f) => self.fragments[f.index()],
         }
-    }
-
-    /// Whether the item stands among these, where it is said to.
-    fn holds(&self, items: &[Item], item: Item) -> bool {
-        items.get(self.of(item)) == Some(&item)
     }
 }

@@ -103,6 +103,7 @@ impl<'t> Builder<'_, 't> {
             parent: Some(self.around(id)),
             activation: Activation::Always,
             restart: Restart::Never,
+            is_clock: false,
             inputs: Vec::new(),
             outputs: Vec::new(),
             budget_ns: None,

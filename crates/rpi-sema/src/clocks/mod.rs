@@ -1,68 +1,66 @@
-//! The clock calculus: in which cycles of its unit each expression has a value.
+//! The clock calculus: in which cycles of its unit each leaf of each expression has a value.
 //!
-//! A clock is all cycles of the unit, or those of another clock in which a flow has a value (`x when c`). Operands of an
-//! operator have one clock; outside Lustre those of slower ones may be absent where they meet. `merge` and `current` lead
-//! back to the clock that was sampled. A call has a clock of its own to which the clocks of the callee's ports are
-//! relative. Clocks are inferred by unification; two that do not meet are reported, both named. After Caspi and Pouzet,
-//! Synchronous Kahn networks (1996), with the names of Lustre V6: a constant has every clock.
+//! A clock is all cycles of the unit, or those of another clock in which a flow has a value (`x when c`). `T on c` is a
+//! subtype of `T?`: a flow has the clock of its defining expression, whatever it is called and wherever it is kept, and
+//! only an operator that reads it together with a faster one sees it as optional. So the clock of an operator is the
+//! slowest that those of all its operands are sampled from; a delay or an initialisation does not mix clocks. The clocks
+//! are the greatest solution of these equations, which does not depend on their order. In Lustre operands of different
+//! clocks are an error. After Caspi and Pouzet, Synchronous Kahn networks (1996), with the names of Lustre V6: a constant
+//! has every clock.
 //!
 //! | file | idea |
 //! |---|---|
-//! | `terms.rs` | clocks on their way |
-//! | `infer.rs` | expressions and equations |
-//! | `lift.rs` | operands of other clocks, which may be absent |
-//! | `order.rs` | equations behind those that they read |
-//! | `calls.rs` | clocks of ports seen by the caller |
-//! | `targets.rs` | what equations give their clocks to |
-//! | `covered.rs` | whether something around a place has been told |
+//! | `clock.rs`, `row.rs` | clocks being worked out; the clocks of a value, leaf by leaf |
+//! | `solve.rs`, `calls.rs` | the greatest solution; clocks of ports as the caller sees them |
+//! | `decider.rs` | one name for each flow that decides, whatever it is called |
+//! | `place.rs` | constants take the clock of who reads them |
+//! | `check.rs`, `mixed.rs`, `covered.rs` | clocks that do not meet |
+//! | `borders.rs` | flows of blocks that may be inactive |
 
+mod borders;
 mod calls;
+mod check;
+mod clock;
 mod covered;
-mod infer;
-mod lift;
-mod order;
-mod targets;
-mod terms;
+mod decider;
+mod mixed;
+mod place;
+mod row;
+mod solve;
 
-use crate::typed::{ClockOn, ExprId, FlowId, Kind, Unit};
+pub use borders::Borders;
+pub(crate) use calls::may_be_inactive;
+pub use clock::{Decider, Tick};
+pub use row::Row;
+
+use crate::facts::Facts;
+use crate::hash::Map;
+use crate::typed::{ExprId, FlowId, Kind, Unit};
 use rpi_diag::Finding;
-use std::collections::BTreeMap;
 use std::fmt::Write as _;
-use std::ops::Range;
+
+/// Number of a clock of a unit.
+#[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Debug)]
+pub struct ClockId(u32);
+
+impl ClockId {
+    /// All cycles of the unit.
+    pub const BASE: ClockId = ClockId(0);
+}
 
 /// The clocks of a unit. Empty where nothing is sampled.
 #[derive(Clone, Debug, Default)]
 pub struct Clocks {
-    exprs: Vec<Vec<ClockOn>>,
-    values: Vec<Vec<ClockOn>>,
-    flows: Vec<Vec<ClockOn>>,
-    /// Expressions of which leaves are read by a faster clock.
-    lifted: BTreeMap<ExprId, Vec<Lifted>>,
-}
-
-/// Leaves of a value that are read by a faster clock than theirs, and so are optional there.
-#[derive(Clone, Debug)]
-pub struct Lifted {
-    /// Which leaves.
-    pub leaves: Range<usize>,
-    /// Their clock.
-    own: Vec<ClockOn>,
-    /// How many of its samplings the reader's clock has, too.
-    outer: usize,
-}
-
-impl Lifted {
-    /// The clock of the reader.
-    #[must_use]
-    pub fn outer(&self) -> &[ClockOn] {
-        &self.own[..self.outer]
-    }
-
-    /// What the leaves are sampled by beyond that.
-    #[must_use]
-    pub fn beyond(&self) -> &[ClockOn] {
-        &self.own[self.outer..]
-    }
+    /// Of each clock what is sampled one after the other, from all cycles of the unit on.
+    paths: Vec<Vec<Tick>>,
+    exprs: Vec<Row<ClockId>>,
+    flows: Vec<Row<ClockId>>,
+    /// Of each call the clock by which it runs.
+    calls: Map<ExprId, ClockId>,
+    /// What decides about out-ports, with its clock.
+    exposed: Vec<(Decider, ClockId)>,
+    /// Reads of flows of blocks that may be inactive meanwhile.
+    outside: Vec<bool>,
 }
 
 impl Clocks {
@@ -72,55 +70,97 @@ impl Clocks {
         !self.exprs.is_empty()
     }
 
-    /// The clock by which an expression is computed: what is sampled one after the other, from all cycles of the unit on.
+    /// The clocks of the leaves of an expression.
     #[must_use]
-    pub fn of_expr(&self, id: ExprId) -> &[ClockOn] {
-        self.exprs.get(id.0 as usize).map_or(&[], Vec::as_slice)
+    pub fn row(&self, id: ExprId) -> Row<ClockId> {
+        let known = self.exprs.get(id.0 as usize);
+        known.cloned().unwrap_or(Row::All(ClockId::BASE))
     }
 
-    /// The clock of an expression's value; a call may give values of other clocks than its own.
+    /// The clock of a leaf of an expression.
     #[must_use]
-    pub fn of_value(&self, id: ExprId) -> &[ClockOn] {
-        self.values.get(id.0 as usize).map_or(&[], Vec::as_slice)
+    pub fn leaf(&self, id: ExprId, k: usize) -> ClockId {
+        let known = self.exprs.get(id.0 as usize);
+        known.map_or(ClockId::BASE, |row| row.leaf(k))
     }
 
-    /// What the clock of an operand is sampled by beyond what the clock of the operator that reads it has in common with it.
+    /// The clock by which an expression is computed that has one: a call may give values of other clocks than its own.
     #[must_use]
-    pub fn beyond(&self, operand: ExprId, reader: ExprId) -> &[ClockOn] {
-        let (own, read) = (self.of_value(operand), self.of_expr(reader));
+    pub fn place(&self, id: ExprId) -> ClockId {
+        match self.calls.get(&id) {
+            Some(clock) => *clock,
+            None => self.leaf(id, 0),
+        }
+    }
+
+    /// The clocks of the leaves of a flow.
+    #[must_use]
+    pub fn flow(&self, id: FlowId) -> Row<ClockId> {
+        let known = self.flows.get(id.0 as usize);
+        known.cloned().unwrap_or(Row::All(ClockId::BASE))
+    }
+
+    /// What a clock samples one after the other.
+    #[must_use]
+    pub fn path(&self, clock: ClockId) -> &[Tick] {
+        self.paths.get(clock.0 as usize).map_or(&[], Vec::as_slice)
+    }
+
+    /// What a clock is sampled by beyond what it has in common with a reader's.
+    #[must_use]
+    pub fn beyond(&self, clock: ClockId, reader: ClockId) -> &[Tick] {
+        let (own, read) = (self.path(clock), self.path(reader));
         let common = own.iter().zip(read).take_while(|(a, b)| a == b);
         &own[common.count()..]
     }
 
-    /// The leaves of an expression that are read by a faster clock.
+    /// For a leaf of what is sampled (`x when c`) the clock that it has in common with what decides, and what it is sampled
+    /// by beyond that.
     #[must_use]
-    pub fn lifted(&self, id: ExprId) -> &[Lifted] {
-        self.lifted.get(&id).map_or(&[], Vec::as_slice)
+    pub fn beyond_sampled(&self, value: ExprId, k: usize, when: ExprId) -> (&[Tick], &[Tick]) {
+        let own = self.path(self.leaf(value, k));
+        let of_when = self.path(self.leaf(when, 0));
+        let decides = &of_when[..of_when.len().saturating_sub(1)];
+        let common = own.iter().zip(decides).take_while(|(a, b)| a == b).count();
+        own.split_at(common)
     }
 
-    /// The clock of a flow.
+    /// Whether a reader of one clock sees a leaf of another as optional: it is absent where its clock does not tick.
     #[must_use]
-    pub fn of_flow(&self, id: FlowId) -> &[ClockOn] {
-        self.flows.get(id.0 as usize).map_or(&[], Vec::as_slice)
+    pub fn is_slower(&self, clock: ClockId, reader: ClockId) -> bool {
+        clock != reader && !self.beyond(clock, reader).is_empty()
+    }
+
+    /// Whether an expression reads a flow of a block that may be inactive meanwhile.
+    #[must_use]
+    pub fn is_outside(&self, id: ExprId) -> bool {
+        self.outside.get(id.0 as usize).copied().unwrap_or(false)
+    }
+
+    /// What decides about the clocks of the out-ports, with the clock of what decides.
+    #[must_use]
+    pub fn exposed(&self) -> &[(Decider, ClockId)] {
+        &self.exposed
     }
 }
 
-/// The clocks of a unit, and where they do not meet.
+/// The clocks of a unit, and where they do not meet. `facts` has those of the units that it calls.
 #[must_use]
-pub fn find(units: &[Unit], unit: &Unit) -> (Clocks, Vec<Finding>) {
-    match unit.has_clocks || calls_sampled(units, unit) {
-        true => infer::infer(units, unit),
+pub fn find(units: &[Unit], facts: &[Facts], unit: &Unit) -> (Clocks, Vec<Finding>) {
+    match unit.has_clocks || calls_sampled(units, facts, unit) {
+        true => solve::solve(units, facts, unit),
         false => (Clocks::default(), Vec::new()),
     }
 }
 
 /// Whether a unit calls one with sampled ports.
-fn calls_sampled(units: &[Unit], unit: &Unit) -> bool {
+fn calls_sampled(units: &[Unit], facts: &[Facts], unit: &Unit) -> bool {
     unit.exprs.iter().any(|expr| match &expr.kind {
         Kind::Call(call) => {
             let callee = &units[call.unit.0 as usize];
             let mut ports = callee.inputs.iter().chain(&callee.outputs);
-            ports.any(|port| callee.flow(*port).clock.is_some())
+            let exposed = &facts[call.unit.0 as usize].clocks.exposed;
+            !exposed.is_empty() || ports.any(|port| callee.flow(*port).clock.is_some())
         }
         _ => false,
     })
@@ -128,26 +168,50 @@ fn calls_sampled(units: &[Unit], unit: &Unit) -> bool {
 
 /// A clock as it is written, `when c when not d`; nothing for all cycles.
 #[must_use]
-pub fn print(unit: &Unit, clock: &[ClockOn]) -> String {
+pub fn print(units: &[Unit], facts: &[Facts], unit: &Unit, path: &[Tick]) -> String {
     let mut text = String::new();
-    for on in clock {
-        let _ = write!(text, " when {}", condition(unit, *on));
+    for tick in path {
+        let _ = write!(text, " when {}", condition(units, facts, unit, *tick));
     }
     text.trim_start().to_owned()
 }
 
-/// The condition of a sampling: `c`, `not c`, `Value(c)`.
-fn condition(unit: &Unit, on: ClockOn) -> String {
-    let flow = unit.flow(on.flow);
+/// The condition of a sampling: `c`, `not c`, `Value(c)`; what decides inside of a call is named after its unit, `Call.c`.
+fn condition(units: &[Unit], facts: &[Facts], unit: &Unit, tick: Tick) -> String {
+    let Decider::Flow(flow) = tick.by else {
+        return inner_condition(units, facts, unit, tick);
+    };
+    let flow = unit.flow(flow);
     // What the compiler made of an argument is called like the port that it is for.
     let name = flow.name.split('#').next().unwrap_or_default();
-    let value = usize::try_from(on.value).unwrap_or(usize::MAX);
+    let value = usize::try_from(tick.value).unwrap_or(usize::MAX);
     match &flow.ty {
         crate::ty::Ty::Enum(e) => match e.values.get(value) {
             Some(value) => format!("{value}({name})"),
             None => name.to_owned(),
         },
-        _ if on.value == 0 => format!("not {name}"),
+        _ if tick.value == 0 => format!("not {name}"),
         _ => name.to_owned(),
+    }
+}
+
+fn inner_condition(units: &[Unit], facts: &[Facts], unit: &Unit, tick: Tick) -> String {
+    let Decider::Inside(call, number) = tick.by else {
+        return String::new();
+    };
+    let Kind::Call(call) = &unit.expr(call).kind else {
+        return String::new();
+    };
+    let (callee, clocks) = (
+        &units[call.unit.0 as usize],
+        &facts[call.unit.0 as usize].clocks,
+    );
+    let Some((by, _)) = clocks.exposed.get(number as usize) else {
+        return callee.name.to_string();
+    };
+    let inner = condition(units, facts, callee, Tick { by: *by, ..tick });
+    match inner.strip_prefix("not ") {
+        Some(inner) => format!("not {}.{inner}", callee.name),
+        None => format!("{}.{inner}", callee.name),
     }
 }

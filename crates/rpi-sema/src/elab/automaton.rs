@@ -268,7 +268,7 @@ impl<'u> Elab<'u> {
         let mut merged: Option<Wire> = None;
         for inner in &shared.states {
             let place = scope.unit.flow(*inner).span;
-            let wire = self.read_flow(scope, *inner, at, place);
+            let wire = self.read_flow(scope, (*inner, true), at, place);
             let Some(so_far) = merged else {
                 merged = Some(wire);
                 continue;
@@ -294,14 +294,15 @@ impl<'u> Elab<'u> {
     ) -> Wire {
         let span = scope.unit.flow(default).span;
         let scalars = leaf_scalars(&scope.unit.flow(shared.flow).ty);
-        let mut chosen = self.read_flow(scope, default, at, span);
+        let chosen = self.read_flow(scope, (default, false), at, span);
+        let mut chosen = self.off_clock_absent(scope, default, &chosen, span);
         for inner in &shared.states {
             let (block, place) = (scope.unit.flow(*inner).block, scope.unit.flow(*inner).span);
             let Some(k) = automaton.states.iter().position(|s| s.block == block) else {
                 continue;
             };
             let here = self.is_state(state, k, at, automaton.span);
-            let wire = self.read_flow(scope, *inner, at, place);
+            let wire = self.read_flow(scope, (*inner, true), at, place);
             let pairs = wire.iter().zip(&*chosen).zip(&scalars);
             let either = pairs.map(|((own, other), scalar)| {
                 let inputs = [here.clone(), own.clone(), other.clone()];

@@ -36,6 +36,7 @@ impl<'u> Elab<'u> {
             };
             self.content(scope, block, at);
         }
+        self.bind_outside(scope);
         self.find_gates(scope);
     }
 
@@ -86,7 +87,6 @@ impl<'u> Elab<'u> {
         let content = unit.block(block);
         let around = std::mem::replace(&mut scope.base, at.fragment);
         for equation in &content.equations {
-            let at = self.apart(at, equation.span);
             self.equation(scope, equation, at);
         }
         for claim in &content.claims {
@@ -112,8 +112,9 @@ impl<'u> Elab<'u> {
         let before = self.net.nodes.len();
         let taken = equation.targets.iter().map(|t| t.ty.leaf_count());
         let taken = taken.sum::<usize>().max(1);
-        let mut wire = self.wide(scope, equation.value, taken, at);
-        wire = self.targets_in_subranges(scope, equation, wire, at);
+        let wire = self.wide(scope, equation.value, taken, at);
+        let wire = self.taken(scope, equation, wire);
+        let mut wire = self.targets_in_subranges(scope, equation, wire, at);
         if self.mode == Mode::Steps || self.mode == Mode::Net && stays(scope.unit, equation) {
             wire = self.steps(&wire, scope.unit.expr(equation.value), at);
         }

@@ -46,34 +46,51 @@ impl<'u> Elab<'u> {
         let mut args = Vec::with_capacity(call.args.len());
         for (port, arg) in callee.inputs.iter().zip(&call.args) {
             let count = callee.flow(*port).ty.leaf_count();
-            args.push(arg.map(|id| Arg {
-                wire: self.wide(scope, id, count, given),
-                span: scope.unit.expr(id).span,
+            let is_sampled = callee.flow(*port).clock.is_some();
+            args.push(arg.map(|arg| Arg {
+                wire: match is_sampled {
+                    true => self.wide(scope, arg, count, given),
+                    false => self.argument(scope, [id, arg], count, given),
+                },
+                span: scope.unit.expr(arg).span,
             }));
         }
         let path = self.path(id);
         match &call.activation {
-            Activation::Always => self.inlined(call.unit, &args, at, path, span),
+            Activation::Always => {
+                let wire = self.inlined(call.unit, &args, at, path, span);
+                let exposed = std::mem::take(&mut self.exposed);
+                self.bind_inside(scope, id, exposed);
+                wire
+            }
             Activation::Restart { every } => {
-                let every = self.one(scope, *every, at.unguarded());
+                let every = self.operand(scope, [id, *every], at.unguarded());
                 let Some(every) = self.port_of(&every, Scalar::Bool, at, span) else {
                     return super::signal::nothing();
                 };
                 let activation = net::Activation::Always;
                 let inner =
                     self.fragment(&path, at.fragment, activation, Restart::Every(every), span);
-                self.inlined(call.unit, &args, At::fragment(inner), path, span)
+                let wire = self.inlined(call.unit, &args, At::fragment(inner), path, span);
+                let exposed = std::mem::take(&mut self.exposed);
+                self.bind_inside(scope, id, exposed);
+                wire
             }
             Activation::Condact {
                 every,
                 default,
                 restart,
             } => {
-                let every = self.one(scope, *every, at.unguarded());
-                let inner = self.activated(scope, &every, *restart, &path, at, span);
+                let every = self.operand(scope, [id, *every], at.unguarded());
+                let restart = restart.map(|restart| [id, restart]);
+                let inner = self.activated(scope, &every, restart, &path, at, span);
+                self.keeps_results = !scope.unit.is_lustre;
                 let result = self.inlined(call.unit, &args, At::fragment(inner), path, span);
+                let exposed = std::mem::take(&mut self.exposed);
+                self.bind_inside(scope, id, exposed);
                 let result = self.leaving(&result, inner, at.fragment);
-                let default = default.map(|id| self.expr(scope, id, at.unguarded()));
+                let default =
+                    default.map(|one| self.operand_wire(scope, [id, one], at.unguarded()));
                 let run = Run {
                     every,
                     result,
@@ -82,6 +99,21 @@ impl<'u> Elab<'u> {
                 };
                 self.held(&run, id, scope, at)
             }
+        }
+    }
+
+    /// An argument: absent where its clock does not tick and the call's does.
+    fn argument(
+        &mut self,
+        scope: &mut Scope<'u>,
+        [id, arg]: [ExprId; 2],
+        count: usize,
+        at: At,
+    ) -> Wire {
+        let wire = self.operand_wire(scope, [id, arg], at);
+        match (&wire[..], count) {
+            ([Signal::Absent], n) if n != 1 => (0..n).map(|_| Signal::Absent).collect(),
+            _ => wire,
         }
     }
 
@@ -98,13 +130,13 @@ impl<'u> Elab<'u> {
         &mut self,
         scope: &mut Scope<'u>,
         every: &Signal,
-        restart: Option<ExprId>,
+        restart: Option<[ExprId; 2]>,
         path: &str,
         at: At,
         span: Span,
     ) -> FragmentId {
         let at = at.unguarded();
-        let restart = restart.map(|id| self.one(scope, id, at));
+        let restart = restart.map(|pair| self.operand(scope, pair, at));
         let restart = restart.and_then(|signal| self.port_of(&signal, Scalar::Bool, at, span));
         let restart = restart.map_or(Restart::Never, Restart::Every);
         let activation = self.when(every, at, span);
@@ -139,6 +171,7 @@ impl<'u> Elab<'u> {
             parent: Some(parent),
             activation,
             restart,
+            is_clock: false,
             inputs: Vec::new(),
             outputs: Vec::new(),
             budget_ns: None,
@@ -234,6 +267,7 @@ impl<'u> Elab<'u> {
             // It runs, cycle by cycle; only functions are worked out beforehand.
             return self.fail(NotConstant::Flow(span));
         }
+        let keeps_results = std::mem::take(&mut self.keeps_results);
         self.called_here(unit);
         let mut scope = Scope::new(unit, id);
         scope.called = Some(span);
@@ -264,10 +298,21 @@ impl<'u> Elab<'u> {
         if self.mode != Mode::Constant {
             self.body(&mut scope, inner);
         }
+        let is_lifted = keeps_results || crate::clocks::may_be_inactive(unit);
+        let around = std::mem::replace(&mut scope.base, inner.fragment);
         let mut leaves = Vec::new();
         for output in &unit.outputs {
-            leaves.extend(self.flow(&mut scope, *output, span).iter().cloned());
+            let mut wire = self.flow(&mut scope, *output, span);
+            if is_lifted {
+                wire = self.off_clock_absent(&mut scope, *output, &wire, span);
+            }
+            leaves.extend(wire.iter().cloned());
         }
+        scope.base = around;
+        self.exposed = match self.mode {
+            Mode::Constant => Vec::new(),
+            _ => self.expose(&mut scope, id, span),
+        };
         self.leaving(&leaves.into(), inner.fragment, at.fragment)
     }
 

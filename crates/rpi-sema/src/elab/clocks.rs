@@ -1,16 +1,19 @@
-//! Sampled flows: an expression on clock c is computed in a fragment that is active when c (M4).
+//! Sampled flows: an expression on clock c is computed in a fragment that is active when c (M4). The fragment is none of
+//! the text: what waits for what is a matter of the single operations in it (M5).
 
 use super::families::Family;
 use super::scope::Scope;
-use super::signal::{Signal, Wire, alias_of};
-use super::{At, Elab, Mode, Sampled};
-use crate::typed::{ClockOn, ExprId, FlowId};
+use super::signal::{Signal, Wire};
+use super::{At, Elab, Mode};
+use crate::clocks::{ClockId, Decider, Row, Tick};
+use crate::facts::Facts;
+use crate::typed::{Equation, ExprId, FlowId, Kind, Place, UnitId};
 use rpi_diag::Span;
-use rpi_image::{Scalar, Type, Value};
+use rpi_image::{Scalar, Value};
 use rpi_net::prim;
-use rpi_net::{Activation, FragmentId, PortRef, Restart};
+use rpi_net::{FragmentId, PortRef, Restart};
 
-/// What a clock's fragments are known by: the fragment around them, the flow that decides, and for which value.
+/// What a clock's fragment is known by: the fragment around it, what decides, and for which value.
 pub(super) type ClockKey = (FragmentId, Deciding, u32);
 
 /// What decides whether a clock ticks.
@@ -21,30 +24,47 @@ pub(super) enum Deciding {
     Constant(i64),
 }
 
+/// Where the leaves of an expression are computed.
+pub(super) enum LeafPlaces {
+    All(At),
+    Each(Vec<At>),
+}
+
+impl LeafPlaces {
+    pub(super) fn at(&self, k: usize) -> At {
+        match self {
+            LeafPlaces::All(at) => *at,
+            LeafPlaces::Each(places) => places[k.min(places.len() - 1)],
+        }
+    }
+}
+
 impl<'u> Elab<'u> {
     /// Where an expression is evaluated: in the fragment of its clock.
     pub(super) fn placed(&mut self, scope: &mut Scope<'u>, id: ExprId, at: At) -> At {
-        let Some(facts) = self.facts_of(scope).filter(|facts| facts.clocks.any()) else {
-            return at;
-        };
-        let span = scope.unit.expr(id).span;
-        self.on_clock(scope, facts.clocks.of_expr(id), at, span)
+        match self.clocked_facts(scope) {
+            Some(facts) => self.place(scope, facts.clocks.place(id), at),
+            None => at,
+        }
+    }
+
+    /// Where the leaves of an expression are evaluated that works leaf by leaf, of which `at` is the first one's place.
+    pub(super) fn leaf_places(&mut self, scope: &mut Scope<'u>, id: ExprId, at: At) -> LeafPlaces {
+        let row = self.clocked_facts(scope).map(|facts| facts.clocks.row(id));
+        match row {
+            None | Some(Row::All(_)) => LeafPlaces::All(at),
+            Some(Row::Each(leaves)) => {
+                let place = |clock: &ClockId| self.place(scope, *clock, at);
+                LeafPlaces::Each(leaves.iter().map(place).collect())
+            }
+        }
     }
 
     /// A place in the fragment of a clock. A guard that lies around it counts there, too.
-    pub(super) fn on_clock(
-        &mut self,
-        scope: &mut Scope<'u>,
-        clock: &'u [ClockOn],
-        at: At,
-        span: Span,
-    ) -> At {
-        let fragment = self.clocked(scope, clock, at, span);
-        let inside = fragment == at.fragment
-            || self
-                .net
-                .enclosing(fragment)
-                .any(|outer| outer == at.fragment);
+    pub(super) fn place(&mut self, scope: &mut Scope<'u>, clock: ClockId, at: At) -> At {
+        let fragment = self.clock_fragment(scope, clock);
+        let mut around = self.net.enclosing(fragment);
+        let inside = fragment == at.fragment || around.any(|outer| outer == at.fragment);
         At {
             fragment,
             guard: at.guard.filter(|_| inside),
@@ -52,161 +72,66 @@ impl<'u> Elab<'u> {
         }
     }
 
-    pub(super) fn facts_of(&self, scope: &Scope<'u>) -> Option<&'u crate::facts::Facts> {
+    pub(super) fn facts_of(&self, scope: &Scope<'u>) -> Option<&'u Facts> {
         let facts = self.facts;
         scope.id.and_then(|unit| facts.get(unit.0 as usize))
     }
 
-    /// The fragment of a clock, for an expression that stands at a place.
-    fn clocked(
-        &mut self,
-        scope: &mut Scope<'u>,
-        clock: &'u [ClockOn],
-        place: At,
-        span: Span,
-    ) -> FragmentId {
-        let mut fragment = scope.base;
-        if self.mode != Mode::Constant {
-            for on in clock {
-                fragment = self.sampled(scope, *on, fragment, place, span);
-            }
+    /// What is known of a unit in which something is sampled.
+    pub(super) fn clocked_facts(&self, scope: &Scope<'u>) -> Option<&'u Facts> {
+        let facts = self.facts_of(scope).filter(|facts| facts.clocks.any());
+        facts.filter(|_| self.mode != Mode::Constant)
+    }
+
+    /// The fragment of a clock of the block that is being elaborated.
+    fn clock_fragment(&mut self, scope: &mut Scope<'u>, clock: ClockId) -> FragmentId {
+        let Some(facts) = self.clocked_facts(scope).filter(|_| clock != ClockId::BASE) else {
+            return scope.base;
+        };
+        let key = (scope.base, clock);
+        if let Some(known) = scope.clocks.get(&key) {
+            return *known;
         }
+        let mut fragment = scope.base;
+        for tick in facts.clocks.path(clock) {
+            fragment = self.sampled(scope, *tick, fragment);
+        }
+        scope.clocks.insert(key, fragment);
         fragment
     }
 
-    fn sampled(
-        &mut self,
-        scope: &mut Scope<'u>,
-        on: ClockOn,
-        parent: FragmentId,
-        place: At,
-        span: Span,
-    ) -> FragmentId {
-        let wire = self.flow(scope, on.flow, span);
-        let deciding = match wire.first() {
-            Some(Signal::Port(port)) => Some(Deciding::Flow(self.first_name(*port))),
-            Some(Signal::Const(value)) => {
+    fn sampled(&mut self, scope: &mut Scope<'u>, tick: Tick, parent: FragmentId) -> FragmentId {
+        let (span, name) = self.written(scope, tick.by);
+        let deciding = match self.deciding(scope, tick.by, span) {
+            Signal::Port(port) => Some(Deciding::Flow(self.first_name(port))),
+            Signal::Const(value) => {
                 let value = value.as_bool().map(i64::from).or(value.as_int());
                 value.map(Deciding::Constant)
             }
             _ => None,
         };
-        let key = deciding.map(|deciding| (parent, deciding, on.value));
-        if let Some(fragment) = key.and_then(|key| self.known_clock(key, place)) {
-            return fragment;
+        let key = deciding.map(|deciding| (parent, deciding, tick.value));
+        if let Some(known) = key.and_then(|key| self.clocks.get(&key)) {
+            return *known;
         }
         let at = At::fragment(parent);
-        let condition = self.ticks(scope, on, at, span);
+        let condition = self.ticks(scope, tick, at, span);
         let activation = self.when(&condition, at, span);
-        let name = format!("{}@{}", scope.prefix, scope.unit.flow(on.flow).name);
-        let fragment = self.ticking_by(&name, parent, activation, span);
-        if let Some(key) = key {
-            self.clocks.entry(key).or_default().push(fragment);
-        }
-        fragment
-    }
-
-    /// A fragment of a clock that there is already: any; or, if all in one would make a ring, only one around the place,
-    /// so that each sampled expression has its own.
-    fn known_clock(&self, key: ClockKey, place: At) -> Option<FragmentId> {
-        let known = self.clocks.get(&key)?;
-        let mut around = self.net.enclosing(place.fragment);
-        match self.sampled {
-            Sampled::Together => known.first().copied(),
-            _ => around.find(|fragment| known.contains(fragment)),
-        }
-    }
-
-    /// Where an equation of a node is evaluated that is called on a clock: in a fragment of its own, if all in one would
-    /// make a ring.
-    pub(super) fn apart(&mut self, at: At, span: Span) -> At {
-        match self.sampled == Sampled::DelaysBeside && self.ticking.contains(&at.fragment) {
-            true => At {
-                fragment: self.like(at.fragment, span),
-                ..at
-            },
-            false => at,
-        }
-    }
-
-    /// One more fragment of the same clock.
-    fn like(&mut self, fragment: FragmentId, span: Span) -> FragmentId {
-        let known = &self.net.fragments[fragment.0 as usize];
-        let parent = known.parent.unwrap_or(FragmentId::ROOT);
-        let name = known.name.split('#').next().unwrap_or_default().to_owned();
-        self.ticking_by(&name, parent, known.activation.clone(), span)
-    }
-
-    /// A fragment that is active while a clock ticks.
-    fn ticking_by(
-        &mut self,
-        name: &str,
-        parent: FragmentId,
-        activation: Activation,
-        span: Span,
-    ) -> FragmentId {
-        let path = format!("{name}#{}", self.net.fragments.len());
+        let path = format!("{}@{name}#{}", scope.prefix, self.net.fragments.len());
         let fragment = self.fragment(&path, parent, activation, Restart::Never, span);
+        let made = &mut self.net.fragments[fragment.0 as usize];
+        made.is_clock = true;
         // Its author knows the flows in it, but not that there is a fragment around them.
-        self.net.fragments[fragment.0 as usize].origin.flow = None;
-        self.ticking.insert(fragment);
+        made.origin.flow = None;
+        if let Some(key) = key {
+            self.clocks.insert(key, fragment);
+        }
         fragment
-    }
-
-    /// `pre x` on a clock beside the fragment of that clock, so that it breaks rings through the fragment: what x was at
-    /// the latest tick. None where there is nothing to be gained.
-    pub(super) fn pre_beside(
-        &mut self,
-        scope: &mut Scope<'u>,
-        operand: ExprId,
-        id: ExprId,
-        at: At,
-    ) -> Option<Wire> {
-        if self.sampled != Sampled::DelaysBeside || at.fragment == scope.base {
-            return None;
-        }
-        let clock = self.facts_of(scope)?.clocks.of_expr(id);
-        let span = scope.unit.expr(id).span;
-        // The operand is not evaluated where it is read: there it would be part of the ring.
-        let (wire, ticks, beside) = match clock.split_last() {
-            Some((on, outer)) => {
-                let beside = At::fragment(self.clocked(scope, outer, at, span));
-                let wire = self.expr(scope, operand, beside);
-                (wire, self.ticks(scope, *on, beside, span), beside)
-            }
-            None => {
-                if !self.ticking.contains(&scope.base) {
-                    return None;
-                }
-                let base = &self.net.fragments[scope.base.0 as usize];
-                let parent = base.parent?;
-                let Activation::When { condition, .. } = base.activation else {
-                    return None;
-                };
-                let own = At::fragment(self.like(scope.base, span));
-                let wire = self.expr(scope, operand, own);
-                (wire, Signal::Port(condition), At::fragment(parent))
-            }
-        };
-        let scalars = super::expr::leaf_scalars(&scope.unit.expr(id).ty);
-        let absence = self.absence(scope, operand);
-        let mut leaves = Vec::with_capacity(scalars.len());
-        for (k, (signal, scalar)) in wire.iter().zip(scalars).enumerate() {
-            let latch = (signal, scalar, &ticks);
-            leaves.push(match absence.leaf(k) {
-                true => self.latch(latch, None, beside, span),
-                false => {
-                    let none = Signal::Const(Value::neutral(Type::One(scalar)));
-                    let latest = self.latch(latch, Some(&none), beside, span);
-                    self.behind_first_tick(&latest, (&none, scalar), at.unguarded(), span)
-                }
-            });
-        }
-        Some(leaves.into())
     }
 
     /// By what a flow was known when something was sampled by it first: maybe before its equation was reached.
     fn first_name(&self, port: PortRef) -> PortRef {
+        use super::signal::alias_of;
         let mut name = port;
         while let Some(before) = self.names_before.get(&name)
             && alias_of(name).is_none_or(|alias| alias_of(*before) < Some(alias))
@@ -216,55 +141,95 @@ impl<'u> Elab<'u> {
         name
     }
 
-    /// What a signal was when its clock ticked last before this cycle; until then `before`, or absent.
-    fn latch(
-        &mut self,
-        (signal, scalar, ticks): (&Signal, Scalar, &Signal),
-        before: Option<&Signal>,
-        at: At,
-        span: Span,
-    ) -> Signal {
-        let held = self.new_alias(scalar);
-        let family = match before {
-            Some(_) => Family::Pre,
-            None => Family::OptionalPre,
-        };
-        let mut latest = self.delay(family, scalar, &Signal::Port(held), at, span);
-        if let Some(before) = before {
-            let first = self.first(at.fragment, span);
-            let inputs = [first, before.clone(), latest];
-            latest = self.family(Family::Conditional, scalar, &inputs, at, span);
-        }
-        let inputs = [ticks.clone(), signal.clone(), latest.clone()];
-        let next = self.family(Family::Conditional, scalar, &inputs, at, span);
-        self.bind_alias(held, &next);
-        latest
-    }
-
-    /// A value that is there from the second tick of a fragment on: at the first it is that of a delay, which has none.
-    fn behind_first_tick(
-        &mut self,
-        latest: &Signal,
-        (any, scalar): (&Signal, Scalar),
-        at: At,
-        span: Span,
-    ) -> Signal {
-        let undefined = self.delay(Family::Pre, scalar, any, at, span);
-        let inputs = [self.first(at.fragment, span), undefined, latest.clone()];
-        self.family(Family::Conditional, scalar, &inputs, at, span)
-    }
-
-    /// Whether the flow that decides has the value.
-    fn ticks(&mut self, scope: &mut Scope<'u>, on: ClockOn, at: At, span: Span) -> Signal {
-        let wire = self.flow(scope, on.flow, span);
-        let deciding = wire.first().cloned().unwrap_or(Signal::Absent);
-        match (scope.unit.flow(on.flow).ty.scalar(), on.value) {
-            (Some(Scalar::Bool), 0) => {
-                self.simple(prim!("Core::BooleanNot"), &[deciding], at, span)
+    /// Where what decides stands in the text, and what it is called there.
+    fn written(&self, scope: &Scope<'u>, by: Decider) -> (Span, String) {
+        match by {
+            Decider::Flow(flow) => {
+                let flow = scope.unit.flow(flow);
+                (flow.span, flow.name.to_string())
             }
-            (Some(Scalar::Bool), _) => deciding,
+            Decider::Inside(call, number) => {
+                (scope.unit.expr(call).span, format!("inside{number}"))
+            }
+        }
+    }
+
+    /// What decides about a clock.
+    fn deciding(&mut self, scope: &mut Scope<'u>, by: Decider, span: Span) -> Signal {
+        match by {
+            Decider::Flow(flow) => {
+                let wire = self.flow(scope, flow, span);
+                wire.first().cloned().unwrap_or(Signal::Absent)
+            }
+            Decider::Inside(call, number) => {
+                let port = match scope.inside.get(&(call, number)) {
+                    Some(port) => *port,
+                    None => {
+                        let scalar = self.scalar_inside(scope, by);
+                        let port = self.new_alias(scalar);
+                        scope.inside.insert((call, number), port);
+                        port
+                    }
+                };
+                Signal::Port(port)
+            }
+        }
+    }
+
+    /// The type of what decides.
+    fn scalar_inside(&self, scope: &Scope<'u>, by: Decider) -> Scalar {
+        let (mut unit, mut by) = (scope.unit, by);
+        loop {
+            let (call, number) = match by {
+                Decider::Flow(flow) => {
+                    return unit.flow(flow).ty.scalar().unwrap_or(Scalar::Bool);
+                }
+                Decider::Inside(call, number) => (call, number),
+            };
+            let Kind::Call(call) = &unit.expr(call).kind else {
+                return Scalar::Bool;
+            };
+            let exposed = self.facts[call.unit.0 as usize].clocks.exposed();
+            let Some((inner, _)) = exposed.get(number as usize) else {
+                return Scalar::Bool;
+            };
+            (unit, by) = (&self.units[call.unit.0 as usize], *inner);
+        }
+    }
+
+    /// What decides about the clocks of a unit's out-ports, for its caller.
+    pub(super) fn expose(&mut self, scope: &mut Scope<'u>, id: UnitId, span: Span) -> Vec<Signal> {
+        let facts = self.facts.get(id.0 as usize);
+        let exposed = facts.map_or(&[][..], |facts| facts.clocks.exposed());
+        let exposed = exposed.iter();
+        exposed
+            .map(|(by, _)| self.deciding(scope, *by, span))
+            .collect()
+    }
+
+    /// Connects what decides inside of a call.
+    pub(super) fn bind_inside(
+        &mut self,
+        scope: &mut Scope<'u>,
+        call: ExprId,
+        exposed: Vec<Signal>,
+    ) {
+        for (number, signal) in (0..).zip(exposed) {
+            let by = Decider::Inside(call, number);
+            if let Signal::Port(alias) = self.deciding(scope, by, Span::NONE) {
+                self.bind_alias(alias, &signal);
+            }
+        }
+    }
+
+    /// Whether what decides has the value.
+    fn ticks(&mut self, scope: &mut Scope<'u>, tick: Tick, at: At, span: Span) -> Signal {
+        let deciding = self.deciding(scope, tick.by, span);
+        match (self.scalar_inside(scope, tick.by), tick.value) {
+            (Scalar::Bool, 0) => self.simple(prim!("Core::BooleanNot"), &[deciding], at, span),
+            (Scalar::Bool, _) => deciding,
             _ => {
-                let value = Signal::Const(Value::int(on.value.into()));
+                let value = Signal::Const(Value::int(tick.value.into()));
                 self.simple(prim!("Core::IntEquals"), &[deciding, value], at, span)
             }
         }
@@ -282,7 +247,8 @@ impl<'u> Elab<'u> {
         let span = scope.unit.expr(id).span;
         let scalars = super::expr::leaf_scalars(&scope.unit.expr(id).ty);
         let is_truth = scope.unit.expr(on).ty.scalar() == Some(Scalar::Bool);
-        let deciding = self.one(scope, on, at);
+        let deciding = self.operand_wire(scope, [id, on], at);
+        let deciding = deciding.first().cloned().unwrap_or(Signal::Absent);
         let Some(((_, last), others)) = cases.split_last() else {
             return super::signal::nothing();
         };
@@ -319,28 +285,32 @@ impl<'u> Elab<'u> {
     pub(super) fn current(
         &mut self,
         scope: &mut Scope<'u>,
-        operand: ExprId,
+        [id, operand]: [ExprId; 2],
         at: At,
-        span: Span,
     ) -> Wire {
         let wire = self.expr(scope, operand, at.unguarded());
-        let clock = self
-            .facts_of(scope)
-            .map(|facts| facts.clocks.of_value(operand));
-        let Some(on) = clock.and_then(|clock| clock.last()).copied() else {
+        let Some(facts) = self.clocked_facts(scope) else {
             return wire;
         };
+        let span = scope.unit.expr(id).span;
+        let places = self.leaf_places(scope, id, at);
         let scalars = super::expr::leaf_scalars(&scope.unit.expr(operand).ty);
         let before = match scope.unit.is_lustre {
             true => Family::Pre,
             false => Family::OptionalPre,
         };
-        let ticks = self.ticks(scope, on, at, span);
         let mut leaves = Vec::with_capacity(scalars.len());
-        for (signal, scalar) in wire.iter().zip(scalars) {
+        for (k, (signal, scalar)) in wire.iter().zip(scalars).enumerate() {
+            let clock = facts.clocks.leaf(operand, k);
+            let Some(tick) = facts.clocks.path(clock).last() else {
+                leaves.push(signal.clone());
+                continue;
+            };
+            let at = places.at(k);
+            let ticks = self.ticks(scope, *tick, at, span);
             let result = self.new_alias(scalar);
             let before = self.delay(before, scalar, &Signal::Port(result), at, span);
-            let inputs = [ticks.clone(), signal.clone(), before];
+            let inputs = [ticks, signal.clone(), before];
             let held = self.family(Family::Conditional, scalar, &inputs, at, span);
             self.bind_alias(result, &held);
             leaves.push(held);
@@ -348,7 +318,7 @@ impl<'u> Elab<'u> {
         leaves.into()
     }
 
-    /// An out-port of what is run, absent where its clock does not tick.
+    /// A flow for a reader in all cycles of its block: absent where its clock does not tick.
     pub(super) fn off_clock_absent(
         &mut self,
         scope: &mut Scope<'u>,
@@ -356,78 +326,212 @@ impl<'u> Elab<'u> {
         wire: &Wire,
         span: Span,
     ) -> Wire {
-        let clock = self
-            .facts_of(scope)
-            .map_or(&[][..], |f| f.clocks.of_flow(flow));
+        let Some(facts) = self.clocked_facts(scope) else {
+            return wire.clone();
+        };
         let scalars = super::expr::leaf_scalars(&scope.unit.flow(flow).ty);
-        self.absent_beside(scope, clock, (wire, &scalars), At::ROOT, span)
+        let row = facts.clocks.flow(flow);
+        let clocks = |k: usize| (row.leaf(k), ClockId::BASE);
+        self.seen(scope, (wire, &scalars), clocks, span)
     }
 
-    /// An operand for an operator that looks at its presence: absent where its clock does not tick and the operator's
-    /// does.
-    pub(super) fn read_by(
+    /// An operand of a strict operator or call: absent where the operator's clock ticks and its own does not.
+    pub(super) fn operand_wire(
         &mut self,
         scope: &mut Scope<'u>,
         [reader, operand]: [ExprId; 2],
-        scalars: &[Scalar],
         at: At,
     ) -> Wire {
-        let wire = self.wide(scope, operand, scalars.len(), at);
-        let clock = self
-            .facts_of(scope)
-            .map_or(&[][..], |f| f.clocks.beyond(operand, reader));
-        let span = scope.unit.expr(operand).span;
-        self.absent_beside(scope, clock, (&wire, scalars), at, span)
+        let clock = match self.clocked_facts(scope) {
+            Some(facts) => facts.clocks.place(reader),
+            None => ClockId::BASE,
+        };
+        self.read_at(scope, operand, clock, at)
     }
 
-    /// A value whose reader has a faster clock, or parts of it: absent where its own does not tick.
-    pub(super) fn lifted(&mut self, scope: &mut Scope<'u>, id: ExprId, wire: Wire, at: At) -> Wire {
-        let facts = self.facts_of(scope);
-        let lifts = facts.map_or(&[][..], |facts| facts.clocks.lifted(id));
-        if lifts.is_empty() {
-            return wire;
-        }
-        let expr = scope.unit.expr(id);
-        let scalars = super::expr::leaf_scalars(&expr.ty);
-        let mut signals = wire.to_vec();
-        for lift in lifts {
-            let at = At::fragment(self.clocked(scope, lift.outer(), at, expr.span));
-            let [start, end] = [lift.leaves.start, lift.leaves.end].map(|at| at.min(signals.len()));
-            let leaves = start..end;
-            let part: Wire = signals[leaves.clone()].iter().cloned().collect();
-            let scalars = scalars.get(leaves.clone()).unwrap_or_default();
-            let part = self.absent_beside(scope, lift.beyond(), (&part, scalars), at, expr.span);
-            for (signal, lifted) in signals[leaves].iter_mut().zip(part.iter()) {
-                *signal = lifted.clone();
-            }
-        }
-        signals.into()
-    }
-
-    /// A value, absent where one of these clocks, each within the one before, does not tick.
-    fn absent_beside(
+    /// An operand of an operator that works leaf by leaf.
+    pub(super) fn read_each(
         &mut self,
         scope: &mut Scope<'u>,
-        clock: &[ClockOn],
-        (wire, scalars): (&Wire, &[Scalar]),
+        [reader, operand]: [ExprId; 2],
+        count: usize,
         at: At,
+    ) -> Wire {
+        let wire = self.wide(scope, operand, count, at);
+        let Some(facts) = self.clocked_facts(scope) else {
+            return wire;
+        };
+        let clocks = &facts.clocks;
+        let pair = |k: usize| (clocks.leaf(operand, k), clocks.leaf(reader, k));
+        let expr = scope.unit.expr(operand);
+        let scalars = super::expr::leaf_scalars(&expr.ty);
+        self.seen(scope, (&wire, &scalars), pair, expr.span)
+    }
+
+    /// A value for a reader of one clock.
+    pub(super) fn read_at(
+        &mut self,
+        scope: &mut Scope<'u>,
+        id: ExprId,
+        clock: ClockId,
+        at: At,
+    ) -> Wire {
+        let wire = self.expr(scope, id, at);
+        let Some(facts) = self.clocked_facts(scope) else {
+            return wire;
+        };
+        let expr = scope.unit.expr(id);
+        let scalars = super::expr::leaf_scalars(&expr.ty);
+        let pair = |k: usize| (facts.clocks.leaf(id, k), clock);
+        self.seen(scope, (&wire, &scalars), pair, expr.span)
+    }
+
+    /// The value of an equation as its targets take it.
+    pub(super) fn taken(
+        &mut self,
+        scope: &mut Scope<'u>,
+        equation: &'u Equation,
+        wire: Wire,
+    ) -> Wire {
+        let Some(facts) = self.clocked_facts(scope) else {
+            return wire;
+        };
+        let clocks = &facts.clocks;
+        let mut wanted = Vec::with_capacity(wire.len());
+        for target in &equation.targets {
+            let row = match target.place {
+                Place::Flow { flow, at } => (clocks.flow(flow), at as usize),
+                _ => (Row::All(ClockId::BASE), 0),
+            };
+            let leaves = 0..target.ty.leaf_count();
+            wanted.extend(leaves.map(|k| row.0.leaf(row.1 + k)));
+        }
+        let own = |k: usize| clocks.leaf(equation.value, k);
+        let pair = |k: usize| (own(k), wanted.get(k).copied().unwrap_or(own(k)));
+        let expr = scope.unit.expr(equation.value);
+        let scalars = super::expr::leaf_scalars(&expr.ty);
+        self.seen(scope, (&wire, &scalars), pair, expr.span)
+    }
+
+    /// Leaves of a value, each with its clock and that of its reader: those of slower clocks are absent where these do not
+    /// tick.
+    fn seen(
+        &mut self,
+        scope: &mut Scope<'u>,
+        (wire, scalars): (&Wire, &[Scalar]),
+        clocks: impl Fn(usize) -> (ClockId, ClockId),
         span: Span,
     ) -> Wire {
-        if clock.is_empty() {
+        let Some(facts) = self.clocked_facts(scope) else {
+            return wire.clone();
+        };
+        let is_slower = |k: usize| {
+            let (own, reader) = clocks(k);
+            facts.clocks.is_slower(own, reader)
+        };
+        if !(0..wire.len()).any(is_slower) {
             return wire.clone();
         }
+        let mut leaves = Vec::with_capacity(wire.len());
+        let mut off: Option<((ClockId, ClockId), Signal)> = None;
+        for (k, signal) in wire.iter().enumerate() {
+            if !is_slower(k) {
+                leaves.push(signal.clone());
+                continue;
+            }
+            let pair = clocks(k);
+            let at = At::fragment(self.clock_fragment(scope, pair.1));
+            let known = off.take().filter(|(known, _)| *known == pair);
+            let known = match known {
+                Some((_, known)) => known,
+                None => self.off(scope, facts.clocks.beyond(pair.0, pair.1), at, span),
+            };
+            let scalar = scalars.get(k).copied().unwrap_or(Scalar::Bool);
+            let inputs = [signal.clone(), known.clone()];
+            leaves.push(self.family(Family::SetNull, scalar, &inputs, at, span));
+            off = Some((pair, known));
+        }
+        leaves.into()
+    }
+
+    /// What is sampled: of another clock than what decides, or a faster one, it is optional where both meet.
+    pub(super) fn sampled_value(
+        &mut self,
+        scope: &mut Scope<'u>,
+        [id, value]: [ExprId; 2],
+        at: At,
+    ) -> Wire {
+        let wire = self.expr(scope, value, at);
+        let Some(facts) = self.clocked_facts(scope) else {
+            return wire;
+        };
+        let expr = scope.unit.expr(value);
+        let scalars = super::expr::leaf_scalars(&expr.ty);
+        let mut leaves = Vec::with_capacity(wire.len());
+        for (k, (signal, scalar)) in wire.iter().zip(scalars).enumerate() {
+            let (common, beyond) = facts.clocks.beyond_sampled(value, k, id);
+            if beyond.is_empty() {
+                leaves.push(signal.clone());
+                continue;
+            }
+            let mut fragment = scope.base;
+            for tick in common {
+                fragment = self.sampled(scope, *tick, fragment);
+            }
+            let at = At::fragment(fragment);
+            let off = self.off(scope, beyond, at, expr.span);
+            let inputs = [signal.clone(), off];
+            leaves.push(self.family(Family::SetNull, scalar, &inputs, at, expr.span));
+        }
+        leaves.into()
+    }
+
+    /// Whether one of these clocks, each within the one before, does not tick.
+    fn off(&mut self, scope: &mut Scope<'u>, path: &[Tick], at: At, span: Span) -> Signal {
         let mut active = Signal::Const(Value::bool(true));
-        for on in clock.iter().rev() {
-            let ticks = self.ticks(scope, *on, at, span);
+        for tick in path.iter().rev() {
+            let ticks = self.ticks(scope, *tick, at, span);
             let no = Signal::Const(Value::bool(false));
             let inputs = [ticks, active, no];
             active = self.family(Family::Conditional, Scalar::Bool, &inputs, at, span);
         }
-        let off = self.simple(prim!("Core::BooleanNot"), &[active], at, span);
-        let leaves = wire.iter().zip(scalars).map(|(signal, scalar)| {
-            let inputs = [signal.clone(), off.clone()];
-            self.family(Family::SetNull, *scalar, &inputs, at, span)
-        });
-        leaves.collect()
+        self.simple(prim!("Core::BooleanNot"), &[active], at, span)
+    }
+
+    /// A flow as it leaves its block: in all cycles of the block, absent where its clock does not tick. It is connected at
+    /// the end, when the fragment of the block is there.
+    pub(super) fn flow_outside(&mut self, scope: &mut Scope<'u>, flow: FlowId, span: Span) -> Wire {
+        let facts = self.clocked_facts(scope);
+        let is_base = |facts: &Facts| facts.clocks.flow(flow) == Row::All(ClockId::BASE);
+        if facts.is_none_or(is_base) {
+            return self.flow(scope, flow, span);
+        }
+        if let Some((_, known)) = scope.outside.iter().find(|(known, _)| *known == flow) {
+            return known.clone();
+        }
+        let wire = self.alias_wire(&scope.unit.flow(flow).ty, span);
+        scope.outside.push((flow, wire.clone()));
+        wire
+    }
+
+    /// Connects what leaves blocks.
+    pub(super) fn bind_outside(&mut self, scope: &mut Scope<'u>) {
+        let around = scope.base;
+        for (flow, aliases) in std::mem::take(&mut scope.outside) {
+            let declared = scope.unit.flow(flow);
+            let Some(fragment) = scope.fragment(declared.block) else {
+                continue;
+            };
+            scope.base = fragment;
+            self.begin(&format!("{}{}", scope.prefix, declared.name));
+            let wire = self.flow(scope, flow, declared.span);
+            let wire = self.off_clock_absent(scope, flow, &wire, declared.span);
+            for (alias, signal) in aliases.iter().zip(wire.iter()) {
+                if let Signal::Port(alias) = alias {
+                    self.bind_alias(*alias, signal);
+                }
+            }
+        }
+        scope.base = around;
     }
 }

@@ -29,7 +29,8 @@ impl<'u> Elab<'u> {
         let Ty::Device(ty) = &unit.expr(device).ty else {
             return nothing();
         };
-        let name = self.one(scope, device, at);
+        let name = self.expr(scope, device, at);
+        let name = name.first().cloned().unwrap_or(Signal::Absent);
         let (Some(name), Some(port)) = (self.device_name(&name), ty.ports.get(port as usize))
         else {
             return nothing();

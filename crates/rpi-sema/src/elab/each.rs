@@ -1,10 +1,12 @@
 //! Operators that work leaf by leaf: `if`, `pre`, `->`, `??`, `hold`.
 
+use super::clocks::LeafPlaces;
 use super::expr::leaf_scalars;
 use super::families::{Family, member};
 use super::scope::Scope;
 use super::signal::{Signal, Wire};
 use super::{At, Elab, Mode, NotConstant};
+use crate::clocks::ClockId;
 use crate::typed::{Each, ExprId, Kind, Unit};
 use rpi_diag::Span;
 use rpi_image::{Scalar, Type, Value};
@@ -42,13 +44,14 @@ impl<'u> Elab<'u> {
             (Each::Coalesce, [a, b]) => self.choice_by_presence(scope, [id, *a, *b], at),
             (Each::Hold, [x, init]) => {
                 let (at, scalars) = (at.unguarded(), leaf_scalars(ty));
-                let x = self.read_by(scope, [id, *x], &scalars, at);
-                let init = self.read_by(scope, [id, *init], &scalars, at);
-                let leaves = x.iter().zip(init.iter()).zip(scalars);
+                let x = self.read_each(scope, [id, *x], scalars.len(), at);
+                let init = self.read_each(scope, [id, *init], scalars.len(), at);
+                let places = self.leaf_places(scope, id, at);
+                let leaves = x.iter().zip(init.iter()).zip(scalars).enumerate();
                 leaves
-                    .map(|((x, init), scalar)| {
+                    .map(|(k, ((x, init), scalar))| {
                         let inputs = [x.clone(), init.clone()];
-                        self.family(Family::Hold, scalar, &inputs, at, span)
+                        self.family(Family::Hold, scalar, &inputs, places.at(k), span)
                     })
                     .collect()
             }
@@ -68,15 +71,19 @@ impl<'u> Elab<'u> {
         let span = scope.unit.expr(id).span;
         let scalars = leaf_scalars(&scope.unit.expr(id).ty);
         let count = scalars.len();
-        let condition = self.one(scope, condition, at);
+        let places = self.leaf_places(scope, id, at);
+        if let LeafPlaces::Each(_) = places {
+            return self.choice_of_each(scope, condition, [yes, no], id, &places);
+        }
+        let condition = self.operand(scope, [id, condition], at);
         let sides = self.choice_here(&condition, at, span);
         if let Signal::Const(value) = &condition
             && self.chooses(scope, id, value)
         {
             let [in_yes, in_no] = sides.map(|side| At { side, ..at });
             return match value.as_bool() == Some(true) {
-                true => self.wide(scope, yes, count, in_yes),
-                false => self.wide(scope, no, count, in_no),
+                true => self.read_each(scope, [id, yes], count, in_yes),
+                false => self.read_each(scope, [id, no], count, in_no),
             };
         }
         let guards = self.guards(scope, &condition, [yes, no], at, span);
@@ -85,8 +92,10 @@ impl<'u> Elab<'u> {
             side: sides[k],
             ..at
         });
-        let [yes, no] = [(yes, in_yes), (no, in_no)].map(|(id, there)| {
-            self.operand(scope, id, |elab, scope| elab.wide(scope, id, count, there))
+        let [yes, no] = [(yes, in_yes), (no, in_no)].map(|(branch, there)| {
+            self.lazily(scope, branch, |elab, scope| {
+                elab.read_each(scope, [id, branch], count, there)
+            })
         });
         let mut leaves = Vec::with_capacity(count);
         for (k, scalar) in scalars.into_iter().enumerate() {
@@ -95,6 +104,44 @@ impl<'u> Elab<'u> {
             };
             let inputs = [condition.clone(), yes.clone(), no.clone()];
             leaves.push(self.family(Family::Conditional, scalar, &inputs, at, span));
+        }
+        leaves.into()
+    }
+
+    /// `if c then x else y` of a value whose leaves have several clocks: each is chosen by its own.
+    fn choice_of_each(
+        &mut self,
+        scope: &mut Scope<'u>,
+        condition: ExprId,
+        branches: [ExprId; 2],
+        id: ExprId,
+        places: &LeafPlaces,
+    ) -> Wire {
+        let span = scope.unit.expr(id).span;
+        let scalars = leaf_scalars(&scope.unit.expr(id).ty);
+        let base = At::fragment(scope.base);
+        let decided = self.placed(scope, condition, base);
+        let plain = self.expr(scope, condition, decided);
+        let guards = match plain.first() {
+            Some(signal) => self.guards(scope, &signal.clone(), branches, decided, span),
+            None => [None; 2],
+        };
+        let [yes, no] = [0, 1].map(|k| {
+            let guard = guards[k];
+            let at = At { guard, ..decided };
+            self.read_each(scope, [id, branches[k]], scalars.len(), at)
+        });
+        let clocks = self.facts_of(scope).map(|facts| facts.clocks.row(id));
+        let mut leaves = Vec::with_capacity(scalars.len());
+        for (k, scalar) in scalars.into_iter().enumerate() {
+            let (Some(yes), Some(no)) = (yes.get(k), no.get(k)) else {
+                break;
+            };
+            let clock = clocks.as_ref().map_or(ClockId::BASE, |row| row.leaf(k));
+            let here = self.read_at(scope, condition, clock, decided);
+            let here = here.first().cloned().unwrap_or(Signal::Absent);
+            let inputs = [here, yes.clone(), no.clone()];
+            leaves.push(self.family(Family::Conditional, scalar, &inputs, places.at(k), span));
         }
         leaves.into()
     }
@@ -162,9 +209,6 @@ impl<'u> Elab<'u> {
 
     /// `pre x`: which of both delays depends on whether x can be absent.
     fn pre(&mut self, scope: &mut Scope<'u>, x: ExprId, id: ExprId, at: At) -> Wire {
-        if let Some(before) = self.pre_beside(scope, x, id, at) {
-            return before;
-        }
         let absence = self.absence(scope, x);
         self.delayed(scope, x, id, at, |leaf| absence.leaf(leaf))
     }
@@ -200,6 +244,7 @@ impl<'u> Elab<'u> {
         }
         let scalars = leaf_scalars(&scope.unit.expr(id).ty);
         let wire = self.expr(scope, x, at.unguarded());
+        let places = self.leaf_places(scope, id, at);
         let mut leaves = Vec::with_capacity(scalars.len());
         for (k, (scalar, signal)) in scalars.into_iter().zip(wire.iter()).enumerate() {
             let family = if optional(k) {
@@ -207,7 +252,7 @@ impl<'u> Elab<'u> {
             } else {
                 Family::Pre
             };
-            leaves.push(self.delay(family, scalar, signal, at, span));
+            leaves.push(self.delay(family, scalar, signal, places.at(k), span));
         }
         leaves.into()
     }
@@ -256,14 +301,16 @@ impl<'u> Elab<'u> {
         let first = self.first(at.fragment, span);
         let guards = self.guards(scope, &first, [a, b], at, span);
         let [in_a, in_b] = guards.map(|guard| At { guard, ..at });
-        let a = self.wide(scope, a, scalars.len(), in_a);
-        let b = self.wide(scope, b, scalars.len(), in_b);
+        let a = self.read_each(scope, [id, a], scalars.len(), in_a);
+        let b = self.read_each(scope, [id, b], scalars.len(), in_b);
+        let places = self.leaf_places(scope, id, at);
         let mut leaves = Vec::with_capacity(scalars.len());
         for (k, scalar) in scalars.into_iter().enumerate() {
             let (Some(a), Some(b)) = (a.get(k), b.get(k)) else {
                 break;
             };
-            let inputs = [first.clone(), a.clone(), b.clone()];
+            let at = places.at(k);
+            let inputs = [self.first(at.fragment, span), a.clone(), b.clone()];
             leaves.push(match a == b {
                 true => a.clone(),
                 false => self.family(Family::Conditional, scalar, &inputs, at, span),

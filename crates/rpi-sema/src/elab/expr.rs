@@ -5,6 +5,7 @@ use super::pack::natural;
 use super::scope::Scope;
 use super::signal::{Given, Signal, Wire, nothing, single};
 use super::{At, Elab, Mode, NotConstant};
+use crate::clocks::ClockId;
 use crate::typed::{Activation, ExprId, Kind, PrimCall};
 use rpi_diag::{Finding, Span};
 use rpi_image::{ParamType, PortType, Role, Scalar, Type, Value};
@@ -36,11 +37,9 @@ impl<'u> Elab<'u> {
         if self.allowance.is_used_up {
             return nothing();
         }
-        let read_at = at;
         let at = self.placed(scope, id, at);
         self.innermost_first(scope, id, at);
         let wire = self.fresh(scope, id, at);
-        let wire = self.lifted(scope, id, wire, read_at);
         self.may_hold(wire.len(), scope.unit.expr(id).span);
         let guard = at.guard.filter(|_| self.can_fault(scope, id));
         scope.remember(id, &wire, guard);
@@ -84,7 +83,11 @@ impl<'u> Elab<'u> {
                 .map(|_| Signal::Absent)
                 .collect(),
             Kind::Outside => self.left_open(scope, id, at),
-            Kind::Flow(flow) => self.read_flow(scope, *flow, at, span),
+            Kind::Flow(flow) => {
+                let facts = self.facts_of(scope);
+                let outside = facts.is_some_and(|facts| facts.clocks.is_outside(id));
+                self.read_flow(scope, (*flow, outside), at, span)
+            }
             Kind::Sensor { device, port } => self.sensor(scope, *device, *port, at, span),
             Kind::Part { base, at: offset } => {
                 let wire = self.expr(scope, *base, at);
@@ -120,19 +123,25 @@ impl<'u> Elab<'u> {
                 self.replaced_in_subranges(scope, wire.into(), [id, *value], *offset, at)
             }
             Kind::Each(each, operands) => self.each(scope, *each, operands, id, at),
-            Kind::Equal { operands, negated } => self.equal(scope, *operands, *negated, at, span),
+            Kind::Equal { operands, negated } => self.equal(scope, id, *operands, *negated, at),
             Kind::Present(operand) => self.present(scope, [id, *operand], at, span),
-            Kind::Prim(call) => self.prim_call(scope, call, at, span),
+            Kind::Prim(call) => self.prim_call(scope, call, id, at),
             Kind::Call(call) => self.call(scope, call, id, at),
-            Kind::When { value, .. } => self.expr(scope, *value, at),
+            Kind::When { value, .. } => self.sampled_value(scope, [id, *value], at),
             Kind::Merge { on, cases } => self.merge(scope, *on, cases, id, at),
-            Kind::Current(operand) => self.current(scope, *operand, at, span),
+            Kind::Current(operand) => self.current(scope, [id, *operand], at),
         }
     }
 
-    /// A condition as one signal.
+    /// A condition of a block as one signal, in all cycles of the block.
     pub(super) fn one(&mut self, scope: &mut Scope<'u>, id: ExprId, at: At) -> Signal {
-        let wire = self.expr(scope, id, at);
+        let wire = self.read_at(scope, id, ClockId::BASE, at);
+        wire.first().cloned().unwrap_or(Signal::Absent)
+    }
+
+    /// An operand as one signal.
+    pub(super) fn operand(&mut self, scope: &mut Scope<'u>, pair: [ExprId; 2], at: At) -> Signal {
+        let wire = self.operand_wire(scope, pair, at);
         wire.first().cloned().unwrap_or(Signal::Absent)
     }
 
@@ -176,8 +185,8 @@ impl<'u> Elab<'u> {
         at: At,
     ) -> Wire {
         let span = scope.unit.expr(id).span;
-        let wire = self.expr(scope, base, at);
-        let index = self.one(scope, index, at);
+        let wire = self.operand_wire(scope, [id, base], at);
+        let index = self.operand(scope, [id, index], at);
         let scalars = leaf_scalars(&scope.unit.expr(id).ty);
         let size = scalars.len().max(1);
         let count = wire.len() / size;
@@ -262,13 +271,14 @@ impl<'u> Elab<'u> {
     fn equal(
         &mut self,
         scope: &mut Scope<'u>,
+        id: ExprId,
         operands: [ExprId; 2],
         negated: bool,
         at: At,
-        span: Span,
     ) -> Wire {
+        let span = scope.unit.expr(id).span;
         let scalars = leaf_scalars(&scope.unit.expr(operands[0]).ty);
-        let [a, b] = operands.map(|id| self.expr(scope, id, at));
+        let [a, b] = operands.map(|operand| self.operand_wire(scope, [id, operand], at));
         let mut all: Option<Signal> = None;
         for ((a, b), scalar) in a.iter().zip(b.iter()).zip(scalars) {
             let same = self.family(Family::Equals, scalar, &[a.clone(), b.clone()], at, span);
@@ -293,7 +303,7 @@ impl<'u> Elab<'u> {
         span: Span,
     ) -> Wire {
         let scalars = leaf_scalars(&scope.unit.expr(operand).ty);
-        let wire = self.read_by(scope, [id, operand], &scalars, at);
+        let wire = self.operand_wire(scope, [id, operand], at);
         let mut all = Signal::Const(Value::bool(true));
         for (signal, scalar) in wire.iter().zip(scalars) {
             let there = match signal {
@@ -342,9 +352,10 @@ impl<'u> Elab<'u> {
         &mut self,
         scope: &mut Scope<'u>,
         call: &'u PrimCall,
+        id: ExprId,
         at: At,
-        span: Span,
     ) -> Option<Wire> {
+        let span = scope.unit.expr(id).span;
         let operand = call.inputs.first().copied().flatten()?;
         let Kind::Present(tested) = scope.unit.expr(operand).kind else {
             return None;
@@ -355,16 +366,17 @@ impl<'u> Elab<'u> {
         if call.prim != prim!("Core::BooleanNot") {
             return None;
         }
-        let wire = self.expr(scope, tested, at);
+        let wire = self.operand_wire(scope, [operand, tested], at);
         let is_flow = matches!(wire.first()?, Signal::Port(_) | Signal::Element(..));
         is_flow.then(|| single(self.family(Family::IsNull, scalar, &wire, at, span)))
     }
 
-    fn prim_call(&mut self, scope: &mut Scope<'u>, call: &'u PrimCall, at: At, span: Span) -> Wire {
-        if let Some(test) = self.absent_test(scope, call, at, span) {
+    fn prim_call(&mut self, scope: &mut Scope<'u>, call: &'u PrimCall, id: ExprId, at: At) -> Wire {
+        let span = scope.unit.expr(id).span;
+        if let Some(test) = self.absent_test(scope, call, id, at) {
             return test;
         }
-        if let Some(decided) = self.short_circuit(scope, call, at, span) {
+        if let Some(decided) = self.short_circuit(scope, call, id, at) {
             return decided;
         }
         let desc = call.prim.desc();
@@ -381,7 +393,7 @@ impl<'u> Elab<'u> {
         };
         let mut inputs = Given::new();
         for (port, input) in call.prim.desc().inputs.iter().zip(&call.inputs) {
-            inputs.push(input.map(|id| self.given(scope, id, port.ty, at)));
+            inputs.push(input.map(|input| self.given(scope, [id, input], port.ty, at)));
         }
         let Some(params) = self.params(scope, call, at, span) else {
             return nothing();
@@ -404,9 +416,15 @@ impl<'u> Elab<'u> {
     }
 
     /// What an in-port is given, and as what it takes it.
-    fn given(&mut self, scope: &mut Scope<'u>, id: ExprId, port: PortType, at: At) -> (Type, Wire) {
-        let wire = self.expr(scope, id, at);
-        let known = crate::check::machine_type(&scope.unit.expr(id).ty);
+    fn given(
+        &mut self,
+        scope: &mut Scope<'u>,
+        pair: [ExprId; 2],
+        port: PortType,
+        at: At,
+    ) -> (Type, Wire) {
+        let wire = self.operand_wire(scope, pair, at);
+        let known = crate::check::machine_type(&scope.unit.expr(pair[1]).ty);
         let is_array = !matches!(port, PortType::One(_));
         let ty = known.filter(|_| is_array);
         (ty.unwrap_or_else(|| natural(port, wire.len())), wire)

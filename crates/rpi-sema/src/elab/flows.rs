@@ -27,7 +27,7 @@ impl<'u> Elab<'u> {
         }
     }
 
-    fn alias_wire(&mut self, ty: &Ty, span: Span) -> Wire {
+    pub(super) fn alias_wire(&mut self, ty: &Ty, span: Span) -> Wire {
         if !self.may_hold(ty.leaf_count(), span) {
             return nothing();
         }

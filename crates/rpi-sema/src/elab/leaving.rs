@@ -21,15 +21,20 @@ pub(super) struct Leaving {
 }
 
 impl<'u> Elab<'u> {
-    /// The wire of a flow as it is read from somewhere in its unit.
+    /// The wire of a flow as it is read from somewhere in its unit; from outside of a block that may be inactive meanwhile it
+    /// is a flow of the surroundings.
     pub(super) fn read_flow(
         &mut self,
         scope: &mut Scope<'u>,
-        flow: FlowId,
+        (flow, is_outside): (FlowId, bool),
         at: At,
         span: Span,
     ) -> Wire {
-        let wire = self.wire_read(scope, flow, at, span);
+        let wire = match is_outside {
+            true => self.flow_outside(scope, flow, span),
+            false => self.flow(scope, flow, span),
+        };
+        let wire = self.wire_read(scope, flow, wire, at);
         if self.mode == Mode::Steps {
             return self.reads(scope, flow, &wire, at, span);
         }
@@ -46,8 +51,7 @@ impl<'u> Elab<'u> {
         leaves.collect()
     }
 
-    fn wire_read(&mut self, scope: &mut Scope<'u>, flow: FlowId, at: At, span: Span) -> Wire {
-        let wire = self.flow(scope, flow, span);
+    fn wire_read(&mut self, scope: &mut Scope<'u>, flow: FlowId, wire: Wire, at: At) -> Wire {
         let block = scope.unit.flow(flow).block;
         let wire = self.read_inside(scope, block, wire, at.fragment);
         if self.mode == Mode::Constant || block == BlockId::ROOT {

@@ -130,17 +130,6 @@ enum Mode {
     Constant,
 }
 
-/// How what ticks by one clock lies in fragments, each of which is one vertex for what is around it.
-#[derive(Clone, Copy, PartialEq, PartialOrd, Debug)]
-enum Sampled {
-    /// All in one.
-    Together,
-    /// Each sampled expression in one of its own.
-    Apart,
-    /// So, and its delays beside it, where they break rings through it.
-    DelaysBeside,
-}
-
 /// Where an expression is evaluated.
 #[derive(Clone, Copy, PartialEq, Debug)]
 struct At {
@@ -192,13 +181,13 @@ struct Elab<'u> {
     /// What the core gives in each cycle (`time`, `cancel`), as far as it has been read in a fragment.
     of_cycle: Map<(FragmentId, PrimId), signal::Wire>,
     /// The fragments of clocks.
-    clocks: Map<clocks::ClockKey, Vec<FragmentId>>,
-    /// All fragments of clocks, those included that one clock has more of.
-    ticking: Set<FragmentId>,
+    clocks: Map<clocks::ClockKey, FragmentId>,
+    /// What decides about the clocks of the results of the unit that was inlined last.
+    exposed: Vec<Signal>,
+    /// Whether the results of the unit that is inlined next are kept while it does not run.
+    keeps_results: bool,
     /// By what flows were known before their equations were reached, where something is sampled.
     names_before: Map<PortRef, PortRef>,
-    /// How what ticks by one clock lies in fragments.
-    sampled: Sampled,
     /// Elements that have been taken out of array ports.
     elements: Map<(PortRef, u32), PortRef>,
     /// Sensor ports that have been read.
@@ -255,9 +244,9 @@ impl<'u> Elab<'u> {
             firsts: Map::default(),
             of_cycle: Map::default(),
             clocks: Map::default(),
-            ticking: Set::default(),
+            exposed: Vec::new(),
+            keeps_results: false,
             names_before: Map::default(),
-            sampled: Sampled::Together,
             elements: Map::default(),
             sensors: Map::default(),
             within: Map::default(),

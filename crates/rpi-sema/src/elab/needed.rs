@@ -55,7 +55,7 @@ pub struct Operand {
 
 impl<'u> Elab<'u> {
     /// The wire of an operand that is needed only where something chooses it.
-    pub(super) fn operand(
+    pub(super) fn lazily(
         &mut self,
         scope: &mut Scope<'u>,
         id: ExprId,
@@ -78,9 +78,10 @@ impl<'u> Elab<'u> {
         &mut self,
         scope: &mut Scope<'u>,
         call: &'u PrimCall,
+        id: ExprId,
         at: At,
-        span: Span,
     ) -> Option<Wire> {
+        let span = scope.unit.expr(id).span;
         let logic = Logic::of(call.prim)?;
         let &[Some(left), Some(right)] = &call.inputs[..] else {
             return None;
@@ -91,7 +92,7 @@ impl<'u> Elab<'u> {
         {
             return None;
         }
-        let first = self.one(scope, left, at);
+        let first = self.operand(scope, [id, left], at);
         if first == Signal::Const(Value::bool(logic.deciding())) && self.leaves(scope, right) {
             return Some(single(Signal::Const(Value::bool(logic.decided()))));
         }
@@ -102,7 +103,9 @@ impl<'u> Elab<'u> {
             }
             false => at,
         };
-        let second = self.operand(scope, right, |elab, scope| elab.expr(scope, right, there));
+        let second = self.lazily(scope, right, |elab, scope| {
+            elab.operand_wire(scope, [id, right], there)
+        });
         let second = second.first().cloned().unwrap_or(Signal::Absent);
         Some(single(self.simple(call.prim, &[first, second], at, span)))
     }
@@ -140,22 +143,25 @@ impl<'u> Elab<'u> {
     ) -> Wire {
         let unit = scope.unit;
         let (scalars, span) = (leaf_scalars(&unit.expr(id).ty), unit.expr(id).span);
-        let first = self.read_by(scope, [id, a], &scalars, at);
+        let first = self.read_each(scope, [id, a], scalars.len(), at);
+        let places = self.leaf_places(scope, id, at);
         let second = match self.mode != Mode::Constant && self.can_fault(scope, b) {
             true => {
-                let absent = first.iter().zip(&scalars);
+                let absent = first.iter().zip(&scalars).enumerate();
                 let absent: Vec<Signal> = absent
-                    .map(|(leaf, scalar)| self.is_absent(leaf, *scalar, at, span))
+                    .map(|(k, (leaf, scalar))| self.is_absent(leaf, *scalar, places.at(k), span))
                     .collect();
                 self.where_absent(scope, [id, b], &absent, at)
             }
-            false => self.operand(scope, b, |elab, scope| {
-                elab.read_by(scope, [id, b], &scalars, at)
+            false => self.lazily(scope, b, |elab, scope| {
+                elab.read_each(scope, [id, b], scalars.len(), at)
             }),
         };
-        let leaves = first.iter().zip(second.iter()).zip(scalars);
+        let leaves = first.iter().zip(second.iter()).zip(scalars).enumerate();
         leaves
-            .map(|((a, b), scalar)| self.coalesce(a.clone(), b.clone(), scalar, at, span))
+            .map(|(k, ((a, b), scalar))| {
+                self.coalesce(a.clone(), b.clone(), scalar, places.at(k), span)
+            })
             .collect()
     }
 
@@ -173,7 +179,7 @@ impl<'u> Elab<'u> {
         let is_one = absent.iter().all(|leaf| *leaf == absent[0]);
         if let Kind::Build(parts) = &expr.kind
             && !is_one
-            && !unit.has_clocks
+            && self.clocked_facts(scope).is_none()
         {
             let mut rest = absent;
             let mut leaves = Vec::with_capacity(absent.len());
@@ -191,9 +197,8 @@ impl<'u> Elab<'u> {
             true => at,
             false => self.guarded_by(needed, at, expr.span),
         };
-        let scalars = leaf_scalars(&expr.ty);
-        self.operand(scope, id, |elab, scope| {
-            elab.read_by(scope, [reader, id], &scalars, there)
+        self.lazily(scope, id, |elab, scope| {
+            elab.read_each(scope, [reader, id], absent.len(), there)
         })
     }
 

@@ -3,7 +3,8 @@
 use super::families::Family;
 use super::scope::{Scope, State};
 use super::signal::{Signal, Wire, single};
-use super::{At, Claims, Elab, Mode, NotConstant, Operand, Sampled};
+use super::{At, Claims, Elab, Mode, NotConstant, Operand};
+use crate::clocks::ClockId;
 use crate::facts::Facts;
 use crate::ty::Ty;
 use crate::typed::{BlockId, ExprId, FlowId, FlowRole, Leaf, Optional, Unit, UnitId, UnitKind};
@@ -76,26 +77,21 @@ pub fn elaborate(
     args: &[Argument],
     claims: Claims,
 ) -> Elaborated {
-    Job::new(units, facts, id, args, claims).net()
+    Job::new(units, facts, id, args, claims).run(Mode::Net)
 }
 
-/// The net of a unit with a node for every equation, so that a dependency cycle through it names each step. What is
-/// sampled is apart as far as it can be: no fragment of a clock makes a cycle that the flows do not have.
+/// The net of a unit with a node for every equation, so that a dependency cycle through it names each step.
 #[must_use]
 pub fn elaborate_steps(units: &[Unit], facts: &[Facts], id: UnitId, args: &[Argument]) -> Net {
-    Job::new(units, facts, id, args, Claims::Report)
-        .run(Mode::Steps, Sampled::DelaysBeside)
-        .0
-        .net
+    let job = Job::new(units, facts, id, args, Claims::Report);
+    job.run(Mode::Steps).net
 }
 
 /// Whether something depends on itself within a cycle through what only a constant rules out.
 #[must_use]
 pub fn hides_ring(units: &[Unit], facts: &[Facts], id: UnitId, args: &[Argument]) -> bool {
     let job = Job::new(units, facts, id, args, Claims::Report);
-    let hows = [Sampled::Together, Sampled::Apart, Sampled::DelaysBeside];
-    let mut nets = hows.iter().map(|how| job.run(Mode::Whole, *how).0.net);
-    nets.all(|net| rpi_net::passes::has_ring(&net))
+    rpi_net::passes::has_ring(&job.run(Mode::Whole).net)
 }
 
 /// Makes the net of a node that runs by itself, outside of any command; its local flows can be looked at if they are
@@ -109,7 +105,7 @@ pub fn elaborate_alone(
     locals: bool,
 ) -> Elaborated {
     let job = Job::new(units, facts, id, &[], claims);
-    Job { locals, ..job }.net()
+    Job { locals, ..job }.run(Mode::Net)
 }
 
 /// What is to be elaborated.
@@ -141,25 +137,10 @@ impl<'u, 'a> Job<'u, 'a> {
         }
     }
 
-    /// The net. What ticks by one clock shares a fragment, which is one vertex around it; where that makes a ring which the
-    /// flows themselves do not have, it is taken apart as far as needed.
-    fn net(&self) -> Elaborated {
-        let (together, has_clocks) = self.run(Mode::Net, Sampled::Together);
-        let is_whole = together.findings.is_empty();
-        if !has_clocks || !is_whole || !rpi_net::passes::has_ring(&together.net) {
-            return together;
-        }
-        let others = [Sampled::Apart, Sampled::DelaysBeside];
-        let mut others = others.iter().map(|how| self.run(Mode::Net, *how).0);
-        let apart = others.find(|made| !rpi_net::passes::has_ring(&made.net));
-        apart.unwrap_or(together)
-    }
-
-    /// What became of it, and whether there are fragments of clocks.
-    fn run(&self, mode: Mode, sampled: Sampled) -> (Elaborated, bool) {
+    /// What became of it.
+    fn run(&self, mode: Mode) -> Elaborated {
         let mut elab = Elab::new(self.units, self.facts, mode);
         elab.claims = self.claims;
-        elab.sampled = sampled;
         elab.pay_for(self.id);
         let unit = &self.units[self.id.0 as usize];
         elab.tells_landmarks = unit.kind == UnitKind::Test;
@@ -190,7 +171,7 @@ impl<'u, 'a> Job<'u, 'a> {
         let ports = elab.watched.split_off(claims);
         let locals = locals.into_iter().zip(ports);
         elab.net.exports.append(&mut elab.watched);
-        let elaborated = Elaborated {
+        Elaborated {
             net: elab.net,
             inputs,
             outputs,
@@ -199,8 +180,7 @@ impl<'u, 'a> Job<'u, 'a> {
             findings: elab.findings,
             operands: elab.operands,
             leaves_out: elab.leaves_out,
-        };
-        (elaborated, !elab.clocks.is_empty())
+        }
     }
 }
 
@@ -431,8 +411,12 @@ impl<'u> Elab<'u> {
             if declared.role != FlowRole::Local || is_device {
                 continue;
             }
-            let wire = self.read_flow(scope, id, At::ROOT, declared.span);
-            let wire = self.off_clock_absent(scope, id, &wire, declared.span);
+            let is_inner = declared.block != BlockId::ROOT;
+            let wire = self.read_flow(scope, (id, is_inner), At::ROOT, declared.span);
+            let wire = match is_inner {
+                true => wire,
+                false => self.off_clock_absent(scope, id, &wire, declared.span),
+            };
             let name = unit.path_of(id);
             self.begin(&name);
             let mut leaves: Vec<(String, Ty)> = Vec::new();
@@ -456,7 +440,7 @@ impl<'u> Elab<'u> {
             let fragment = scope.fragments[k].unwrap_or(rpi_net::FragmentId::ROOT);
             for export in &block.exports {
                 scope.base = fragment;
-                let wire = self.expr(scope, export.value, At::fragment(fragment));
+                let wire = self.read_at(scope, export.value, ClockId::BASE, At::fragment(fragment));
                 scope.base = rpi_net::FragmentId::ROOT;
                 self.begin(&export.key);
                 let mut leaves: Vec<(String, Ty)> = Vec::new();

@@ -3,6 +3,7 @@
 use super::leaving::Leaving;
 use super::signal::Wire;
 use super::slots::Slots;
+use crate::clocks::ClockId;
 use crate::hash::Map;
 use crate::typed::{BlockId, ExprId, FlowId, Unit, UnitId};
 use rpi_diag::Span;
@@ -25,6 +26,12 @@ pub(super) struct Scope<'u> {
     pub(super) leaving: Vec<Leaving>,
     /// The fragment to which its clocks are relative: that of the block being elaborated.
     pub(super) base: FragmentId,
+    /// The fragments of clocks, by the fragment that they are relative to.
+    pub(super) clocks: Map<(FragmentId, ClockId), FragmentId>,
+    /// What decides inside of calls.
+    pub(super) inside: Map<(ExprId, u32), PortRef>,
+    /// Flows with clocks that are read outside of their blocks.
+    pub(super) outside: Vec<(FlowId, Wire)>,
     /// Path of the calls that lead here, with a dot at its end.
     pub(super) prefix: String,
     /// The call that it is made for.
@@ -66,6 +73,9 @@ impl<'u> Scope<'u> {
             fragments: Vec::new(),
             leaving: Vec::new(),
             base: FragmentId::ROOT,
+            clocks: Map::default(),
+            inside: Map::default(),
+            outside: Vec::new(),
             prefix: String::new(),
             called: None,
         }

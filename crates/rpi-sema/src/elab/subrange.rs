@@ -40,20 +40,21 @@ impl<'u> Elab<'u> {
         let mut signals = wire.to_vec();
         let mut first = 0;
         for target in &equation.targets {
-            let (at, declared) = match target.place {
-                Place::Flow { flow, .. } => (
-                    self.place_of(scope, flow, at),
-                    Some(scope.unit.flow(flow).span),
-                ),
-                _ => (at, None),
-            };
-            let how = Checked {
-                at,
-                span,
-                declared,
-                is_input: false,
+            let flow = match target.place {
+                Place::Flow { flow, at } => Some((flow, at as usize)),
+                _ => None,
             };
             for (leaf, range) in target.ty.subranges(false) {
+                let at = match flow {
+                    Some((flow, offset)) => self.place_of(scope, (flow, offset + leaf), at),
+                    None => at,
+                };
+                let how = Checked {
+                    at,
+                    span,
+                    declared: flow.map(|(flow, _)| scope.unit.flow(flow).span),
+                    is_input: false,
+                };
                 self.check(&mut signals, first + leaf, range, how);
             }
             first += target.ty.leaf_count();
@@ -103,15 +104,14 @@ impl<'u> Elab<'u> {
         if ranges.is_empty() {
             return;
         }
-        let at = self.place_of(scope, flow, at);
-        let how = Checked {
-            at,
-            span,
-            declared: (span != declared.span).then_some(declared.span),
-            is_input: true,
-        };
         let mut signals = wire.to_vec();
         for (leaf, range) in ranges {
+            let how = Checked {
+                at: self.place_of(scope, (flow, leaf), at),
+                span,
+                declared: (span != declared.span).then_some(declared.span),
+                is_input: true,
+            };
             self.check(&mut signals, leaf, range, how);
         }
         *scope.state(flow) = State::Known(signals.into());
@@ -226,13 +226,12 @@ impl<'u> Elab<'u> {
         });
     }
 
-    /// Where a flow is there: in the fragment of its clock.
-    fn place_of(&mut self, scope: &mut Scope<'u>, flow: FlowId, at: At) -> At {
-        let Some(facts) = self.facts_of(scope).filter(|facts| facts.clocks.any()) else {
-            return at;
-        };
-        let span = scope.unit.flow(flow).span;
-        self.on_clock(scope, facts.clocks.of_flow(flow), at, span)
+    /// Where a leaf of a flow is there: in the fragment of its clock.
+    fn place_of(&mut self, scope: &mut Scope<'u>, (flow, leaf): (FlowId, usize), at: At) -> At {
+        match self.clocked_facts(scope) {
+            Some(facts) => self.place(scope, facts.clocks.flow(flow).leaf(leaf), at),
+            None => at,
+        }
     }
 
     /// The fields that `x with .n = y` replaces.

@@ -69,6 +69,15 @@ impl Absence {
         }
     }
 
+    /// Absent in leaves for which this holds, too.
+    #[must_use]
+    pub fn or(&self, count: usize, absent: impl Fn(usize) -> bool) -> Absence {
+        match self {
+            Absence::All(true) => Absence::MAYBE,
+            known => Absence::of((0..count.max(1)).map(|k| known.leaf(k) || absent(k))),
+        }
+    }
+
     /// With the leaves from `at` on replaced by so many of another.
     #[must_use]
     pub fn replaced(&self, count: usize, at: usize, part: &Absence, of_part: usize) -> Absence {

@@ -2,6 +2,7 @@
 
 use super::presence::Inference;
 use super::reads::{Definition, Reads};
+use crate::clocks::ClockId;
 use crate::typed::{
     Activation, Call, Each, ExprId, FlowId, Kind, Optional, Place, Shared, Unit, UnitKind,
 };
@@ -14,7 +15,7 @@ pub(super) fn demand(inference: &Inference<'_>, reads: &Reads<'_>, findings: &mu
     conditions(inference, findings);
     for id in (0..).map(ExprId).take(inference.unit.exprs.len()) {
         match &inference.unit.expr(id).kind {
-            Kind::Call(call) => arguments(inference, call, findings),
+            Kind::Call(call) => arguments(inference, id, call, findings),
             Kind::Each(Each::Coalesce, operands)
                 if !reads_one_of(inference, operands[0], &faulty) =>
             {
@@ -58,18 +59,20 @@ fn flows(
                 continue;
             }
         };
-        let value = &inference.exprs[equation.value.0 as usize];
         let mut at = 0;
         for target in &equation.targets {
             let count = target.ty.leaf_count();
             if let Place::Flow { flow, .. } = target.place
                 && inference.must_be_present(flow)
-                && value.part(at, count).any()
+                && inference
+                    .taken(equation.value, (at, count), &target.place)
+                    .any()
             {
                 faulty.insert(flow);
+                let clock = inference.clocks.flow(flow).leaf(0);
                 let flow = inference.unit.flow(flow);
                 let text = format!("`{}` is `{}`, which is always present", flow.name, flow.ty);
-                let finding = inference.absent_here(equation.value, "absent in some cycles");
+                let finding = inference.absent_here(equation.value, clock, "absent in some cycles");
                 findings.push(finding.also(flow.span, text));
             }
             at += count;
@@ -131,8 +134,8 @@ fn conditions(inference: &Inference<'_>, findings: &mut Vec<Finding>) {
         // What can not be asked is no fault.
         let claims = claims.map(|(id, why)| (id, why, "true"));
         for (id, why, otherwise) in decisions.chain(claims) {
-            if inference.exprs[id.0 as usize].any() {
-                let finding = inference.absent_here(id, why);
+            if inference.seen_at(id, ClockId::BASE).any() {
+                let finding = inference.absent_here(id, ClockId::BASE, why);
                 findings.push(match block.when == Some(id) && reads_flow_of(unit, id, k) {
                     true => finding.help(
                         "it can not be decided by what it computes itself; by what that was before it can: `pre F.x ?? 0`",
@@ -157,16 +160,22 @@ fn reads_flow_of(unit: &Unit, id: ExprId, block: usize) -> bool {
     false
 }
 
-fn arguments(inference: &Inference<'_>, call: &Call, findings: &mut Vec<Finding>) {
+fn arguments(inference: &Inference<'_>, id: ExprId, call: &Call, findings: &mut Vec<Finding>) {
+    let place = inference.clocks.place(id);
     let callee = &inference.units[call.unit.0 as usize];
     for (flow, arg) in callee.inputs.iter().zip(&call.args) {
         let (flow, Some(arg)) = (callee.flow(*flow), arg) else {
             continue;
         };
         let total = flow.optional != Optional::Declared(true) && callee.kind != UnitKind::Function;
-        if total && inference.exprs[arg.0 as usize].any() {
+        // An in-port with a clock is given what has that clock.
+        let seen = match flow.clock {
+            Some(_) => inference.exprs[arg.0 as usize].clone(),
+            None => inference.seen_at(*arg, place),
+        };
+        if total && seen.any() {
             let text = format!("`{}` of `{}` is always present", flow.name, callee.name);
-            let finding = inference.absent_here(*arg, "absent in some cycles");
+            let finding = inference.absent_here(*arg, place, "absent in some cycles");
             findings.push(finding.also(flow.span, text));
         }
     }
@@ -176,9 +185,9 @@ fn arguments(inference: &Inference<'_>, call: &Call, findings: &mut Vec<Finding>
         Activation::Condact { every, restart, .. } => [Some(*every), *restart],
     };
     for id in conditions.into_iter().flatten() {
-        if inference.exprs[id.0 as usize].any() {
-            let finding =
-                inference.absent_here(id, "an activation is true or false, never neither");
+        if inference.seen_at(id, place).any() {
+            let why = "an activation is true or false, never neither";
+            let finding = inference.absent_here(id, place, why);
             findings.push(finding.fix(inference.coalesced(id, "false")));
         }
     }
@@ -192,7 +201,7 @@ fn needless(
     findings: &mut Vec<Finding>,
 ) {
     let unit = inference.unit;
-    let sure = !inference.read_by(id, first).any() && unit.expr(first).ty.leaf_count() > 0;
+    let sure = !inference.seen_by(id, first).any() && unit.expr(first).ty.leaf_count() > 0;
     if sure && !matches!(unit.expr(first).kind, Kind::Fault) {
         let finding = Finding::new(Code::RPI3002, "the right side of `??` is never used")
             .at(unit.expr(second).span, "never used")
@@ -202,15 +211,23 @@ fn needless(
 }
 
 /// What makes an expression absent: the first flow or operand that is.
-pub(super) fn origin(inference: &Inference<'_>, id: ExprId) -> Option<(Span, String)> {
-    let unit = inference.unit;
-    let mut at = id;
+pub(super) fn origin(
+    inference: &Inference<'_>,
+    id: ExprId,
+    reader: ClockId,
+) -> Option<(Span, String)> {
+    let (unit, clocks) = (inference.unit, inference.clocks);
+    let (mut at, mut reader) = (id, reader);
     loop {
         let expr = unit.expr(at);
-        if let Some(lift) = inference.clocks.lifted(at).first().filter(|_| at != id) {
-            let clock = crate::clocks::print(unit, lift.beyond());
+        let row = clocks.row(at);
+        let slower = row.iter().find(|own| clocks.is_slower(*own, reader));
+        if let Some(own) = slower.filter(|_| at != id) {
+            let path = clocks.beyond(own, reader);
+            let clock = crate::clocks::print(inference.units, inference.facts, unit, path);
             return Some((expr.span, format!("this is there only `{clock}`")));
         }
+        reader = clocks.place(at);
         match &expr.kind {
             Kind::Flow(flow) => {
                 let flow = unit.flow(*flow);
@@ -235,9 +252,18 @@ pub(super) fn origin(inference: &Inference<'_>, id: ExprId) -> Option<(Span, Str
             },
             _ => {}
         }
+        // These read what is sampled by its own clock.
+        let is_exact = matches!(
+            expr.kind,
+            Kind::Current(_) | Kind::Merge { .. } | Kind::Part { .. } | Kind::Build(_)
+        );
         let mut next = None;
         expr.kind.operands(&mut |operand| {
-            if inference.exprs[operand.0 as usize].any() {
+            let is_absent = match is_exact {
+                true => inference.exprs[operand.0 as usize].any(),
+                false => inference.seen_at(operand, reader).any(),
+            };
+            if is_absent {
                 next.get_or_insert(operand);
             }
         });

@@ -1,6 +1,7 @@
 //! What a command takes over is there in the last cycle of each command that may come before it (M7.3).
 
 use super::Facts;
+use crate::clocks::ClockId;
 use crate::typed::{BlockId, Export, Handed, Optional, TaskStep, Unit};
 use rpi_diag::{Code, Finding};
 
@@ -28,7 +29,7 @@ fn is_wanted(units: &[Unit], step: &TaskStep, handed: &Handed) -> bool {
 
 fn may_lack(units: &[Unit], facts: &[Facts], handed: &Handed) -> bool {
     let (facts, value) = (&facts[handed.by.0 as usize], export(units, handed).value);
-    facts.absence(value).any() || !facts.clocks.lifted(value).is_empty()
+    facts.absence(value).any() || facts.clocks.row(value).iter().any(|c| c != ClockId::BASE)
 }
 
 /// What gives the value.

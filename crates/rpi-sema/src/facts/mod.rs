@@ -13,3 +13,4 @@ mod reads;
 pub use absence::Absence;
 pub(crate) use exclusive::literal;
 pub use presence::{Facts, find};
+pub(crate) use reads::{Definition, Reads};

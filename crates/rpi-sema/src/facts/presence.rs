@@ -5,7 +5,7 @@
 
 use super::Absence;
 use super::reads::{Definition, Reads};
-use crate::clocks::{self, Clocks};
+use crate::clocks::{self, Borders, ClockId, Clocks};
 use crate::ty::Ty;
 use crate::typed::{
     Activation, BlockId, Call, Each, ExprId, FlowId, Kind, Optional, Place, PrimCall, Unit,
@@ -45,42 +45,70 @@ impl Facts {
 /// Finds out which flows of the units that are `sound` can be absent, and what is wrong with that.
 #[must_use]
 pub fn find(units: &[Unit], sound: &[bool]) -> (Vec<Facts>, Vec<Finding>) {
-    let mut findings = Vec::new();
-    let mut facts = Vec::with_capacity(units.len());
-    for (unit, sound) in units.iter().zip(sound) {
-        if !sound {
-            facts.push(Facts::default());
-            continue;
+    let mut all: Vec<Vec<Finding>> = vec![Vec::new(); units.len()];
+    let mut facts = vec![Facts::default(); units.len()];
+    for at in callees_first(units) {
+        if sound.get(at).copied().unwrap_or(false) {
+            let (found, mut findings) = of_unit(units, &facts, &units[at]);
+            findings.sort_by_key(Finding::span);
+            facts[at] = found;
+            all[at] = findings;
         }
-        let before = findings.len();
-        let (clocks, apart) = clocks::find(units, unit);
-        findings.extend(apart.iter().cloned());
-        let mut inference = Inference::new(units, unit, &clocks);
-        if inference.has_source() {
-            let reads = Reads::new(unit);
-            inference.solve(&reads);
-            let mut absent = Vec::new();
-            super::demand::demand(&inference, &reads, &mut absent);
-            keep_causes(&mut absent, &apart);
-            findings.append(&mut absent);
-            let (exprs, flows) = (inference.exprs, inference.flows);
-            facts.push(Facts {
-                exprs,
-                flows,
-                clocks,
-            });
-        } else {
-            facts.push(Facts {
-                clocks,
-                ..Facts::default()
-            });
-        }
-        findings[before..].sort_by_key(Finding::span);
     }
+    let mut findings: Vec<Finding> = all.into_iter().flatten().collect();
     for task in units {
         super::handed::handed(units, &facts, task, &mut findings);
     }
     (facts, findings)
+}
+
+/// What is found out about one unit, when that is known of those that it calls.
+fn of_unit(units: &[Unit], facts: &[Facts], unit: &Unit) -> (Facts, Vec<Finding>) {
+    let (clocks, mut findings) = clocks::find(units, facts, unit);
+    let apart = findings.clone();
+    let mut inference = Inference::new(units, facts, unit, &clocks);
+    if !inference.has_source() {
+        let found = Facts {
+            clocks,
+            ..Facts::default()
+        };
+        return (found, findings);
+    }
+    let reads = Reads::new(unit);
+    inference.solve(&reads);
+    let mut absent = Vec::new();
+    super::demand::demand(&inference, &reads, &mut absent);
+    keep_causes(&mut absent, &apart);
+    findings.append(&mut absent);
+    let (exprs, flows) = (inference.exprs, inference.flows);
+    let found = Facts {
+        exprs,
+        flows,
+        clocks,
+    };
+    (found, findings)
+}
+
+/// The units, each behind those that it calls; of units that call each other one comes first.
+fn callees_first(units: &[Unit]) -> Vec<usize> {
+    let mut order = Vec::with_capacity(units.len());
+    let mut met = vec![false; units.len()];
+    for start in 0..units.len() {
+        let mut open = vec![(start, false)];
+        while let Some((at, is_left)) = open.pop() {
+            if is_left {
+                order.push(at);
+            } else if !std::mem::replace(&mut met[at], true) {
+                open.push((at, true));
+                let calls = units[at].exprs.iter().filter_map(|expr| match &expr.kind {
+                    Kind::Call(call) => Some(call.unit.0 as usize),
+                    _ => None,
+                });
+                open.extend(calls.filter(|callee| !met[*callee]).map(|at| (at, false)));
+            }
+        }
+    }
+    order
 }
 
 /// Takes away what only follows from others, or from clocks that do not meet.
@@ -112,34 +140,24 @@ fn has_in_itself(places: &BTreeSet<Span>, place: Span) -> bool {
 /// The solution on its way.
 pub(super) struct Inference<'u> {
     pub(super) units: &'u [Unit],
+    pub(super) facts: &'u [Facts],
     pub(super) unit: &'u Unit,
     pub(super) clocks: &'u Clocks,
     /// Empty, as long as nothing is known to be absent.
     pub(super) exprs: Vec<Absence>,
     flows: Vec<Absence>,
-    /// For each block whether it may be inactive while its parent is active.
-    gated: Vec<bool>,
+    borders: Borders<'u>,
 }
 
 impl<'u> Inference<'u> {
-    fn new(units: &'u [Unit], unit: &'u Unit, clocks: &'u Clocks) -> Self {
+    fn new(units: &'u [Unit], facts: &'u [Facts], unit: &'u Unit, clocks: &'u Clocks) -> Self {
         let declared = |optional: Optional| match optional {
             Optional::Declared(optional) => Absence::All(optional),
             Optional::Inferred => Absence::NEVER,
         };
-        let mut gated: Vec<bool> = unit
-            .blocks
-            .iter()
-            .map(|block| block.when.is_some())
-            .collect();
-        let automata = unit.blocks.iter().flat_map(|block| &block.automata);
-        for state in automata.flat_map(|automaton| &automaton.states) {
-            gated[state.block.0 as usize] = true;
-        }
-        // A fragment's own activation is its caller's business.
-        gated[0] = false;
         Inference {
             units,
+            facts,
             unit,
             clocks,
             exprs: Vec::new(),
@@ -148,13 +166,13 @@ impl<'u> Inference<'u> {
                 .iter()
                 .map(|flow| declared(flow.optional))
                 .collect(),
-            gated,
+            borders: Borders::new(unit),
         }
     }
 
     /// Whether anything in the unit can make something absent at all.
     fn has_source(&self) -> bool {
-        let of_expr = |kind: &Kind| match kind {
+        let of_expr = |(id, kind): (ExprId, &Kind)| match kind {
             Kind::None | Kind::When { .. } | Kind::Merge { .. } | Kind::Current(_) => true,
             Kind::Sensor { .. } | Kind::Each(Each::Coalesce, _) => true,
             Kind::Prim(call) => {
@@ -162,17 +180,20 @@ impl<'u> Inference<'u> {
                 outputs
                     .iter()
                     .any(|port| !matches!(port.presence, Presence::Strict | Presence::Always))
-                    && !self.prim(call).iter().all(|absent| !absent)
+                    && !self.prim(id, call).iter().all(|absent| !absent)
             }
             Kind::Call(call) => {
-                self.call(call).any() || !matches!(call.activation, Activation::Always)
+                self.call(id, call).any() || !matches!(call.activation, Activation::Always)
             }
             _ => false,
         };
-        self.gated.iter().any(|gated| *gated)
+        self.borders.any()
             || self.clocks.any()
             || self.flows.iter().any(Absence::any)
-            || self.unit.exprs.iter().any(|expr| of_expr(&expr.kind))
+            || (0..)
+                .map(ExprId)
+                .zip(&self.unit.exprs)
+                .any(|(id, expr)| of_expr((id, &expr.kind)))
     }
 
     fn solve(&mut self, reads: &Reads<'_>) {
@@ -207,13 +228,12 @@ impl<'u> Inference<'u> {
     fn define(&mut self, definition: &Definition<'_>, changed: &mut Vec<FlowId>) {
         match definition {
             Definition::Equation(block, equation) => {
-                let value = self.exprs[equation.value.0 as usize].clone();
                 let mut at = 0;
                 for target in &equation.targets {
                     let count = target.ty.leaf_count();
                     if let Place::Flow { flow, at: offset } = target.place {
-                        let part = value.part(at, count);
-                        let part = match self.crossed(*block, self.unit.flow(flow).block) {
+                        let part = self.taken(equation.value, (at, count), &target.place);
+                        let part = match self.borders.crossed(*block, self.unit.flow(flow).block) {
                             true => Absence::MAYBE,
                             false => part,
                         };
@@ -226,7 +246,12 @@ impl<'u> Inference<'u> {
                 let count = self.unit.flow(shared.flow).ty.leaf_count();
                 let mut absence = Absence::All(shared.is_left_open());
                 for inner in shared.contributions() {
+                    let slower = |k: usize| {
+                        let clocks = [inner, shared.flow].map(|id| self.clocks.flow(id).leaf(k));
+                        self.clocks.is_slower(clocks[0], clocks[1])
+                    };
                     let inner = self.flows[inner.0 as usize].clone();
+                    let inner = inner.or(count, slower);
                     absence = absence.with(&inner, count, |a, b| a || b);
                 }
                 self.join(shared.flow, 0, &absence, count, changed);
@@ -255,29 +280,10 @@ impl<'u> Inference<'u> {
         }
     }
 
-    /// Whether between a block and one around it lies a block that may be inactive.
-    fn crossed(&self, from: BlockId, to: BlockId) -> bool {
-        let mut block = from;
-        let mut crossed = false;
-        while block != to {
-            crossed |= self.gated[block.0 as usize];
-            match self.unit.block(block).parent {
-                Some(parent) => block = parent,
-                None => return false,
-            }
-        }
-        crossed
-    }
-
     /// A flow as it is seen from a block: absent, too, while a fragment around it that is not around the reader is
     /// inactive.
     fn flow(&self, flow: FlowId, reader: BlockId) -> Absence {
-        let own = self.unit.flow(flow).block;
-        let around: Vec<BlockId> =
-            std::iter::successors(Some(reader), |block| self.unit.block(*block).parent).collect();
-        let common = std::iter::successors(Some(own), |block| self.unit.block(*block).parent)
-            .find(|block| around.contains(block));
-        match self.crossed(own, common.unwrap_or(BlockId::ROOT)) {
+        match self.borders.is_outside(flow, reader) {
             true => Absence::MAYBE,
             false => self.flows[flow.0 as usize].clone(),
         }
@@ -292,16 +298,56 @@ impl<'u> Inference<'u> {
         self.unit.expr(id).ty.leaf_count()
     }
 
-    fn expr(&self, id: ExprId, reads: &Reads<'_>) -> Absence {
-        let count = self.count(id);
-        let own = self.computed(id, reads);
-        self.clocks.lifted(id).iter().fold(own, |absence, lift| {
-            let leaves = lift.leaves.start..lift.leaves.end.min(count);
-            absence.replaced(count, leaves.start, &Absence::MAYBE, leaves.len())
-        })
+    /// A value for a reader of one clock: absent, too, where its own does not tick.
+    pub(super) fn seen_at(&self, id: ExprId, reader: ClockId) -> Absence {
+        let slower = |k: usize| self.clocks.is_slower(self.clocks.leaf(id, k), reader);
+        match self.clocks.row(id).one() {
+            Some(_) if slower(0) => Absence::MAYBE,
+            Some(_) => self.of(id),
+            None => self.of(id).or(self.count(id), slower),
+        }
     }
 
-    fn computed(&self, id: ExprId, reads: &Reads<'_>) -> Absence {
+    /// An operand for an operator that works leaf by leaf.
+    pub(super) fn seen_by(&self, reader: ExprId, operand: ExprId) -> Absence {
+        match self.clocks.row(reader).one() {
+            Some(clock) => self.seen_at(operand, clock),
+            None => {
+                let leaf = |k: usize| [operand, reader].map(|id| self.clocks.leaf(id, k));
+                let slower = |k: usize| self.clocks.is_slower(leaf(k)[0], leaf(k)[1]);
+                self.of(operand).or(self.count(reader), slower)
+            }
+        }
+    }
+
+    /// Leaves of a value as what an equation defines takes them.
+    pub(super) fn taken(
+        &self,
+        value: ExprId,
+        (first, count): (usize, usize),
+        place: &Place,
+    ) -> Absence {
+        let wanted = |k: usize| match place {
+            Place::Flow { flow, at } => self.clocks.flow(*flow).leaf(*at as usize + k),
+            _ => ClockId::BASE,
+        };
+        let slower = |k: usize| {
+            self.clocks
+                .is_slower(self.clocks.leaf(value, first + k), wanted(k))
+        };
+        let part = self.of(value).part(first, count);
+        match self.clocks.any() {
+            true => part.or(count, slower),
+            false => part,
+        }
+    }
+
+    /// Whether an operand of a strict operator or call may be absent.
+    fn is_absent_in(&self, reader: ExprId, operand: ExprId) -> bool {
+        self.seen_at(operand, self.clocks.place(reader)).any()
+    }
+
+    fn expr(&self, id: ExprId, reads: &Reads<'_>) -> Absence {
         let expr = self.unit.expr(id);
         let count = expr.ty.leaf_count();
         match &expr.kind {
@@ -314,7 +360,9 @@ impl<'u> Inference<'u> {
             Kind::Part { base, at } => self.of(*base).part(*at as usize, count),
             Kind::Slice { base, .. } | Kind::Repeat(base) => Absence::All(self.of(*base).any()),
             Kind::Select { base, index } => {
-                Absence::All(self.of(*base).any() || self.of(*index).any())
+                let slowest = |operand: &ExprId| self.is_absent_in(id, *operand);
+                let one = self.clocks.row(id).one().is_some();
+                Absence::All([base, index].into_iter().any(slowest) || !one)
             }
             Kind::Build(parts) => {
                 let leaves = parts.iter().flat_map(|part| {
@@ -330,11 +378,17 @@ impl<'u> Inference<'u> {
             }
             Kind::Each(each, operands) => self.each(*each, operands, id),
             Kind::Equal { operands, .. } => {
-                Absence::All(operands.iter().any(|id| self.of(*id).any()))
+                Absence::All(operands.iter().any(|one| self.is_absent_in(id, *one)))
             }
-            Kind::Prim(call) => Absence::of(self.prim_leaves(call, &expr.ty)),
-            Kind::Call(call) => self.call(call),
-            Kind::When { value, .. } => self.of(*value),
+            Kind::Prim(call) => Absence::of(self.prim_leaves(id, call, &expr.ty)),
+            Kind::Call(call) => self.call(id, call),
+            Kind::When { value, .. } => {
+                let slower = |k: usize| !self.clocks.beyond_sampled(*value, k, id).1.is_empty();
+                match self.clocks.any() {
+                    true => self.of(*value).or(count, slower),
+                    false => self.of(*value),
+                }
+            }
             Kind::Merge { on, cases } => {
                 let any = cases.iter().any(|(_, id)| self.of(*id).any());
                 Absence::All(any || self.of(*on).any())
@@ -359,26 +413,29 @@ impl<'u> Inference<'u> {
         let count = self.count(id);
         let or = |a: bool, b: bool| a || b;
         match (each, operands) {
-            (Each::If, [condition, yes, no]) => match self.of(*condition).any() {
-                true => Absence::MAYBE,
-                false => self.of(*yes).with(&self.of(*no), count, or),
-            },
+            (Each::If, [condition, yes, no]) => {
+                let [yes, no] = [yes, no].map(|branch| self.seen_by(id, *branch));
+                let undecided = |k: usize| {
+                    let clock = self.clocks.leaf(id, k);
+                    self.seen_at(*condition, clock).any()
+                };
+                match self.clocks.row(id).one() {
+                    Some(_) if undecided(0) => Absence::MAYBE,
+                    Some(_) => yes.with(&no, count, or),
+                    None => yes.with(&no, count, or).or(count, undecided),
+                }
+            }
             (Each::Pre | Each::Last, [x]) => self.of(*x),
-            (Each::Arrow, [a, b]) => self.of(*a).with(&self.of(*b), count, or),
+            (Each::Arrow, [a, b]) => {
+                let [a, b] = [a, b].map(|side| self.seen_by(id, *side));
+                a.with(&b, count, or)
+            }
             (Each::Coalesce, [a, b]) if self.covers(*a, *b) => Absence::NEVER,
             (Each::Coalesce | Each::Hold, [a, b]) => {
-                let [a, b] = [a, b].map(|operand| self.read_by(id, *operand));
+                let [a, b] = [a, b].map(|operand| self.seen_by(id, *operand));
                 a.with(&b, count, |a, b| a && b)
             }
             _ => Absence::MAYBE,
-        }
-    }
-
-    /// An operand for an operator that looks at its presence: one of a slower clock is absent when that does not tick.
-    pub(super) fn read_by(&self, reader: ExprId, operand: ExprId) -> Absence {
-        match self.clocks.beyond(operand, reader).is_empty() {
-            true => self.of(operand),
-            false => Absence::MAYBE,
         }
     }
 
@@ -388,13 +445,13 @@ impl<'u> Inference<'u> {
     }
 
     /// For each out-port whether it can be absent.
-    fn prim(&self, call: &PrimCall) -> Vec<bool> {
+    fn prim(&self, id: ExprId, call: &PrimCall) -> Vec<bool> {
         let desc = call.prim.desc();
         let connected: Vec<bool> = call
             .inputs
             .iter()
             .flatten()
-            .map(|id| self.of(*id).any())
+            .map(|input| self.is_absent_in(id, *input))
             .collect();
         let is_open = |(port, given): (&rpi_image::InPort, &Option<ExprId>)| {
             given.is_none() && matches!(port.need, Need::Absent | Need::Required)
@@ -416,8 +473,13 @@ impl<'u> Inference<'u> {
         outputs.collect()
     }
 
-    fn prim_leaves(&self, call: &PrimCall, ty: &Ty) -> impl Iterator<Item = bool> + use<> {
-        let ports = self.prim(call);
+    fn prim_leaves(
+        &self,
+        id: ExprId,
+        call: &PrimCall,
+        ty: &Ty,
+    ) -> impl Iterator<Item = bool> + use<> {
+        let ports = self.prim(id, call);
         let counts: Vec<usize> = match (&ports[..], ty) {
             ([_], ty) => vec![ty.leaf_count()],
             (_, ty) => ty
@@ -430,11 +492,11 @@ impl<'u> Inference<'u> {
         leaves.flat_map(|(absent, count)| std::iter::repeat_n(absent, count))
     }
 
-    fn call(&self, call: &Call) -> Absence {
+    fn call(&self, id: ExprId, call: &Call) -> Absence {
         let callee = &self.units[call.unit.0 as usize];
         if callee.kind == UnitKind::Function {
-            let lifted = call.args.iter().flatten().any(|id| self.of(*id).any());
-            if lifted {
+            let mut args = call.args.iter().flatten();
+            if args.any(|arg| self.is_absent_in(id, *arg)) {
                 return Absence::MAYBE;
             }
         }
@@ -446,7 +508,9 @@ impl<'u> Inference<'u> {
                 ..
             } => {
                 let count = callee.optional_leaves().count();
-                when_it_runs.with(&self.of(before), count, |run, before| run || before)
+                when_it_runs.with(&self.seen_by(id, before), count, |run, before| {
+                    run || before
+                })
             }
             Activation::Always | Activation::Restart { .. } => when_it_runs,
         }
@@ -504,8 +568,8 @@ impl<'u> Inference<'u> {
         }
     }
 
-    /// Reports a value that may be absent where it must not.
-    pub(super) fn absent_here(&self, id: ExprId, why: &str) -> Finding {
+    /// Reports a value that may be absent where it must not, for a reader of a clock.
+    pub(super) fn absent_here(&self, id: ExprId, reader: ClockId, why: &str) -> Finding {
         let span = self.unit.expr(id).span;
         let message = match self.unit.expr(id).kind {
             Kind::Flow(flow) => format!("`{}` may be absent here", self.unit.flow(flow).name),
@@ -520,7 +584,7 @@ impl<'u> Inference<'u> {
                 finding.help("say what holds then: `x ?? other`, `hold(x, init)`, or `present(x)`")
             }
         };
-        match super::demand::origin(self, id) {
+        match super::demand::origin(self, id, reader) {
             Some((span, text)) => finding.also(span, text),
             None => finding,
         }

@@ -5,7 +5,7 @@ use crate::typed::{BlockId, Equation, ExprId, FlowId, Kind, Shared, Unit};
 
 /// What gives flows their values.
 #[derive(Clone, Copy)]
-pub(super) enum Definition<'u> {
+pub(crate) enum Definition<'u> {
     /// An equation.
     Equation(BlockId, &'u Equation),
     /// States that define a flow together.
@@ -13,10 +13,10 @@ pub(super) enum Definition<'u> {
 }
 
 /// The readers of a unit's expressions and flows.
-pub(super) struct Reads<'u> {
-    pub(super) definitions: Vec<Definition<'u>>,
+pub(crate) struct Reads<'u> {
+    pub(crate) definitions: Vec<Definition<'u>>,
     /// The block in which each expression stands.
-    pub(super) blocks: Vec<BlockId>,
+    pub(crate) blocks: Vec<BlockId>,
     parents: Lists,
     of_flows: Lists,
     /// Definitions that an expression or (beyond all expressions) a flow is the value of.
@@ -25,7 +25,7 @@ pub(super) struct Reads<'u> {
 }
 
 impl<'u> Reads<'u> {
-    pub(super) fn new(unit: &'u Unit) -> Self {
+    pub(crate) fn new(unit: &'u Unit) -> Self {
         let definitions = definitions(unit);
         let exprs = unit.exprs.len();
         let mut parents = Vec::new();
@@ -48,22 +48,22 @@ impl<'u> Reads<'u> {
     }
 
     /// The expressions of which an expression is an operand.
-    pub(super) fn parents(&self, id: ExprId) -> &[u32] {
+    pub(crate) fn parents(&self, id: ExprId) -> &[u32] {
         self.parents.of(id.0 as usize)
     }
 
     /// The expressions that read a flow.
-    pub(super) fn of_flow(&self, flow: FlowId) -> &[u32] {
+    pub(crate) fn of_flow(&self, flow: FlowId) -> &[u32] {
         self.of_flows.of(flow.0 as usize)
     }
 
     /// The definitions whose value an expression is.
-    pub(super) fn defined_by(&self, id: ExprId) -> &[u32] {
+    pub(crate) fn defined_by(&self, id: ExprId) -> &[u32] {
         self.defines.of(id.0 as usize)
     }
 
     /// The definitions of shared flows to which a state's flow contributes.
-    pub(super) fn shared_by(&self, flow: FlowId) -> &[u32] {
+    pub(crate) fn shared_by(&self, flow: FlowId) -> &[u32] {
         self.defines.of(self.exprs + flow.0 as usize)
     }
 }

@@ -1,0 +1,132 @@
+//! One name for what decides about clocks: a flow that only passes on another, or part of one, is that one.
+
+use super::clock::Decider;
+use super::solve::Solver;
+use crate::typed::{Activation, ExprId, FlowId, Kind, Place, Unit};
+
+impl Solver<'_> {
+    /// What a flow that decides is called.
+    pub(super) fn name(&mut self, flow: FlowId) -> Decider {
+        if let Some(known) = self.named.get(&flow) {
+            return *known;
+        }
+        let name = self.source(flow, 0).unwrap_or(Decider::Flow(flow));
+        self.named.insert(flow, name);
+        name
+    }
+
+    /// What decides where a leaf of an expression does.
+    pub(super) fn decider(&mut self, id: ExprId, k: usize) -> Option<Decider> {
+        match self.passed_on(id, k)? {
+            Passed::Leaf(flow, 0) if is_scalar(self.unit, flow) => Some(self.name(flow)),
+            Passed::Leaf(flow, k) => self.source(flow, k),
+            Passed::Result(by) => Some(by),
+        }
+    }
+
+    /// The flow or result that a leaf of a flow passes on.
+    fn source(&self, flow: FlowId, k: usize) -> Option<Decider> {
+        let (mut at, mut best) = ((flow, k), None);
+        for _ in 0..self.unit.flows.len() {
+            let Some((value, k)) = self.definition(at.0, at.1) else {
+                break;
+            };
+            match self.passed_on(value, k) {
+                Some(Passed::Result(by)) => return Some(by),
+                // In Lustre every name is a clock of its own.
+                Some(Passed::Leaf(flow, k)) if !self.unit.is_lustre => {
+                    at = (flow, k);
+                    if is_scalar(self.unit, flow) {
+                        best = Some(Decider::Flow(flow));
+                    }
+                }
+                _ => break,
+            }
+        }
+        best
+    }
+
+    /// The value that a leaf of a flow is a leaf of, if one equation beside the flow defines it.
+    fn definition(&self, flow: FlowId, k: usize) -> Option<(ExprId, usize)> {
+        let [definition] = self.defined[flow.0 as usize][..] else {
+            return None;
+        };
+        let equation = self.equation(definition)?;
+        let mut first = 0;
+        for target in &equation.targets {
+            let count = target.ty.leaf_count();
+            match target.place {
+                Place::Flow { flow: defined, at }
+                    if defined == flow && (at as usize..at as usize + count).contains(&k) =>
+                {
+                    return Some((equation.value, first + k - at as usize));
+                }
+                _ => first += count,
+            }
+        }
+        None
+    }
+
+    /// What a leaf of an expression passes on unchanged.
+    fn passed_on(&self, id: ExprId, k: usize) -> Option<Passed> {
+        let (mut id, mut k) = (id, k);
+        loop {
+            match &self.unit.expr(id).kind {
+                Kind::Flow(flow) => {
+                    return (!self.outside[id.0 as usize]).then_some(Passed::Leaf(*flow, k));
+                }
+                Kind::Part { base, at } => (id, k) = (*base, *at as usize + k),
+                Kind::Build(parts) => {
+                    let mut parts = parts.iter();
+                    id = *parts.find(|part| {
+                        let count = self.unit.expr(**part).ty.leaf_count();
+                        let is_here = k < count;
+                        if !is_here {
+                            k -= count;
+                        }
+                        is_here
+                    })?;
+                }
+                Kind::Call(call) if matches!(call.activation, Activation::Always) => {
+                    let callee = &self.units[call.unit.0 as usize];
+                    let port = port_of(callee, k)?;
+                    let exposed = self.facts[call.unit.0 as usize].clocks.exposed();
+                    let mut exposed = exposed.iter();
+                    let number = exposed.position(|(by, _)| *by == Decider::Flow(port))?;
+                    let by = Decider::Inside(id, u32::try_from(number).ok()?);
+                    return Some(Passed::Result(by));
+                }
+                _ => return None,
+            }
+        }
+    }
+
+    /// Whether what has no clock yet is known to run in all cycles: state that only constants start.
+    pub(super) fn runs_always(&self, callee: &Unit) -> bool {
+        self.is_last_look() && !self.unit.is_lustre && callee.has_state
+    }
+}
+
+/// What a leaf passes on.
+enum Passed {
+    /// A leaf of a flow.
+    Leaf(FlowId, usize),
+    /// What decides inside of a call.
+    Result(Decider),
+}
+
+fn is_scalar(unit: &Unit, flow: FlowId) -> bool {
+    unit.flow(flow).ty.leaf_count() == 1
+}
+
+/// The out-port that a leaf of a callee's results is, if it has no others.
+fn port_of(callee: &Unit, mut k: usize) -> Option<FlowId> {
+    for output in &callee.outputs {
+        let count = callee.flow(*output).ty.leaf_count();
+        if k < count {
+            return (count == 1).then_some(*output);
+        }
+        k -= count;
+    }
+    None
+}

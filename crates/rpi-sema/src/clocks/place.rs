@@ -1,0 +1,180 @@
+//! Constants, and in Lustre what they start, take the clock of who reads them.
+
+use super::clock::{Clock, Tick};
+use super::row::Row;
+use super::solve::Solver;
+use crate::facts::Definition;
+use crate::typed::{Call, Each, ExprId, Kind, Place};
+
+impl<'u> Solver<'u> {
+    /// Gives every expression a clock.
+    pub(super) fn place(&mut self) {
+        let mut open = Open(vec![false; self.unit.exprs.len()]);
+        for (k, row) in self.exprs.iter().enumerate() {
+            open.0[k] = row.iter().any(|clock| clock == Clock::ANY);
+        }
+        let reached = vec![false; self.unit.exprs.len()];
+        let mut placing = Placing {
+            solver: self,
+            open,
+            reached,
+        };
+        placing.equations();
+        // Who reads an expression comes behind it.
+        for id in (0..)
+            .map(ExprId)
+            .take(placing.solver.unit.exprs.len())
+            .collect::<Vec<_>>()
+            .into_iter()
+            .rev()
+        {
+            if placing.open.0[id.0 as usize] && !placing.reached[id.0 as usize] {
+                placing.fill(id, &Row::All(Clock::BASE));
+            }
+            placing.operands(id);
+        }
+    }
+}
+
+/// For each expression whether it had no clock of its own.
+struct Open(Vec<bool>);
+
+struct Placing<'s, 'u> {
+    solver: &'s mut Solver<'u>,
+    open: Open,
+    /// Expressions that somebody reads.
+    reached: Vec<bool>,
+}
+
+impl<'u> Placing<'_, 'u> {
+    /// A reader: what has no clock has that of the reader, or where several readers meet.
+    fn fill(&mut self, id: ExprId, wanted: &Row<Clock>) {
+        let k = id.0 as usize;
+        if !self.open.0[k] {
+            return;
+        }
+        let (solver, is_again) = (&mut *self.solver, self.reached[k]);
+        let row = solver.exprs[k].clone();
+        let count = solver.unit.expr(id).ty.leaf_count();
+        let leaf = |n: usize| match (row.leaf(n), wanted.leaf(n)) {
+            (Clock::ANY, Clock::ANY) => Clock::BASE,
+            (Clock::ANY, clock) => clock,
+            (own, clock) if is_again => solver.meet(own, clock),
+            (own, _) => own,
+        };
+        let filled = match (&row, wanted) {
+            (Row::All(_), Row::All(_)) => Row::All(leaf(0)),
+            _ => Row::of((0..count).map(leaf), Clock::BASE),
+        };
+        if let Some(base) = solver.calls.get(&id)
+            && (*base == Clock::ANY || is_again)
+        {
+            let base = filled.one().unwrap_or(Clock::BASE);
+            solver.calls.insert(id, base);
+        }
+        solver.exprs[k] = filled;
+        self.reached[k] = true;
+    }
+
+    fn equations(&mut self) {
+        let count = self.solver.reads.definitions.len();
+        for k in 0..count {
+            let Definition::Equation(_, equation) = self.solver.reads.definitions[k] else {
+                continue;
+            };
+            if !self.open.0[equation.value.0 as usize] {
+                continue;
+            }
+            let mut wanted = Vec::new();
+            for target in &equation.targets {
+                let leaves = 0..target.ty.leaf_count();
+                let clock = |k: usize| match target.place {
+                    Place::Flow { flow, at } => {
+                        self.solver.flows[flow.0 as usize].leaf(at as usize + k)
+                    }
+                    _ => Clock::BASE,
+                };
+                wanted.extend(leaves.map(clock));
+            }
+            let wanted = Row::of(wanted.into_iter(), Clock::BASE);
+            self.fill(equation.value, &wanted);
+        }
+    }
+
+    fn operands(&mut self, id: ExprId) {
+        let unit = self.solver.unit;
+        let own = self.solver.exprs[id.0 as usize].clone();
+        match &unit.expr(id).kind {
+            Kind::Build(parts) => {
+                let mut at = 0;
+                for part in parts {
+                    let count = unit.expr(*part).ty.leaf_count();
+                    self.fill(*part, &own.part(at, count));
+                    at += count;
+                }
+            }
+            Kind::Replace { base, at, value } => {
+                let count = unit.expr(*value).ty.leaf_count();
+                self.fill(*base, &own);
+                self.fill(*value, &own.part(*at as usize, count));
+            }
+            Kind::Each(each, operands) => {
+                for (n, operand) in operands.iter().enumerate() {
+                    match (each, n) {
+                        (Each::If, 0) => {
+                            let clocks = own.iter().reduce(|a, b| self.solver.meet(a, b));
+                            self.fill(*operand, &Row::All(clocks.unwrap_or(Clock::BASE)));
+                        }
+                        _ => self.fill(*operand, &own),
+                    }
+                }
+            }
+            Kind::When { value, .. } => {
+                let parent = self.solver.parent(own.leaf(0)).unwrap_or(Clock::BASE);
+                self.fill(*value, &Row::All(parent));
+            }
+            Kind::Merge { on, cases } => {
+                self.fill(*on, &own);
+                for (value, case) in cases {
+                    let clock = self.solver.case(*on, *value).unwrap_or(own.leaf(0));
+                    self.fill(*case, &Row::All(clock));
+                }
+            }
+            Kind::Call(call) => self.arguments(id, call),
+            kind => {
+                let wanted = Row::All(own.leaf(0));
+                let mut operands = Vec::new();
+                kind.operands(&mut |operand| operands.push(operand));
+                for operand in operands {
+                    self.fill(operand, &wanted);
+                }
+            }
+        }
+    }
+
+    fn arguments(&mut self, id: ExprId, call: &'u Call) {
+        let units = self.solver.units;
+        let callee = &units[call.unit.0 as usize];
+        let base = self.solver.calls.get(&id).copied().unwrap_or(Clock::BASE);
+        for (formal, arg) in callee.inputs.iter().zip(&call.args) {
+            if let Some(arg) = arg {
+                let path = self.solver.port_path(call, callee, *formal, 0);
+                let wanted = self.solver.through(id, call, &path, base);
+                self.fill(*arg, &Row::All(wanted));
+            }
+        }
+        let mut deciding = Vec::new();
+        call.activation.operands(&mut |id| deciding.push(id));
+        for operand in deciding {
+            self.fill(operand, &Row::All(base));
+        }
+    }
+}
+
+impl Solver<'_> {
+    /// The clock of a case of a `merge`.
+    pub(super) fn case(&mut self, on: ExprId, value: u32) -> Option<Clock> {
+        let by = self.decider(on, 0)?;
+        Some(self.ticks.clock(Tick { by, value }))
+    }
+}
