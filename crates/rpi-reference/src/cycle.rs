@@ -1,20 +1,22 @@
 //! One cycle: everything that is active once (M1.2), then what is kept for the next.
 
 use std::collections::BTreeSet;
+use std::rc::Rc;
 
-use rpi_sema::facts::Facts;
 use rpi_sema::typed::{
-    BlockId, Each, Equation, ExprId, FlowId, FlowRole, Kind, Place, PrimCall, Unit, UnitId,
+    self, BlockId, Each, Equation, ExprId, FlowId, FlowRole, Kind, PrimCall, Unit, UnitId,
 };
 use rpi_syntax::ast::EndKind;
 
-use crate::instance::{Here, Instance, InstanceId, Now, State};
+use crate::clock::{self, Clocks};
+use crate::instance::{Here, Instance, InstanceId, Now, Place, State};
 use crate::value::{Leaf, Stop, Value};
 
 /// A program at work.
 pub struct Reference<'p> {
     pub(crate) units: &'p [Unit],
-    pub(crate) facts: &'p [Facts],
+    /// The clocks of each unit.
+    pub(crate) clocks: Vec<Rc<Clocks>>,
     /// All instances that ever were; those that were forgotten stay here unused.
     pub(crate) instances: Vec<Instance<'p>>,
     /// Number of the cycle.
@@ -37,7 +39,7 @@ pub(crate) enum Keep {
     Last(FlowId, usize),
     /// The same, known.
     LastLeaf(FlowId, usize, Leaf),
-    /// `a -> b` or `first` has had its first cycle.
+    /// A leaf of `a -> b`, or `first`, has had its first cycle.
     Begun(ExprId, usize),
     /// Whether a block was active.
     Active(BlockId, bool),
@@ -59,10 +61,10 @@ pub struct Cycle {
 impl<'p> Reference<'p> {
     /// A program before its first cycle: a unit that runs by itself. `dt` is its period in seconds.
     #[must_use]
-    pub fn new(units: &'p [Unit], facts: &'p [Facts], root: UnitId, dt: f64) -> Reference<'p> {
+    pub fn new(units: &'p [Unit], root: UnitId, dt: f64) -> Reference<'p> {
         Reference {
             units,
-            facts,
+            clocks: clock::clocks(units),
             instances: vec![Instance::new(&units[root.0 as usize], root, None)],
             cycle: 0,
             dt,
@@ -137,7 +139,7 @@ impl<'p> Reference<'p> {
     /// What an equation defines must lie in the subranges of the flows.
     fn targets(&mut self, instance: InstanceId, equation: &Equation) -> Result<(), Stop> {
         for target in &equation.targets {
-            if let Place::Flow { flow, at } = target.place {
+            if let typed::Place::Flow { flow, at } = target.place {
                 for (k, _) in target.ty.subranges(false) {
                     self.flow(instance, flow, at as usize + k)?;
                 }
@@ -177,7 +179,7 @@ impl<'p> Reference<'p> {
             self.leaf(here, id, k)?;
         }
         if let Kind::Call(call) = &expr.kind
-            && self.ticks(here, self.clocks(here).place(id))?
+            && self.runs(here, id)?
             && let Some(instance) = self.called(here, id, call)?
         {
             self.body(instance)?;
@@ -189,7 +191,7 @@ impl<'p> Reference<'p> {
         }
         for (k, operand) in operands.into_iter().enumerate() {
             if self.is_text(here, id, k)? {
-                let there = self.operand(here, id, k)?;
+                let there = self.operand(here, (id, 0), k)?;
                 self.visit(there, operand)?;
             }
         }
@@ -210,9 +212,7 @@ impl<'p> Reference<'p> {
     fn where_absent(&mut self, here: Here, y: ExprId, absent: &[bool]) -> Result<(), Stop> {
         let unit = self.instances[here.instance].unit;
         if let Kind::Build(parts) = &unit.expr(y).kind
-            && !self.facts[self.instances[here.instance].id.0 as usize]
-                .clocks
-                .any()
+            && !self.clocks(here).are_sampled()
         {
             let mut first = 0;
             for part in parts {
@@ -239,8 +239,13 @@ impl<'p> Reference<'p> {
         })
     }
 
-    /// Where the operand of this number is evaluated. An operand is chosen where the operator needs it (M6.7).
-    pub(crate) fn operand(&mut self, here: Here, id: ExprId, number: usize) -> Result<Here, Stop> {
+    /// Where the operand of this number is evaluated for a leaf. An operand is chosen where the operator needs it (M6.7).
+    pub(crate) fn operand(
+        &mut self,
+        here: Here,
+        (id, k): Place,
+        number: usize,
+    ) -> Result<Here, Stop> {
         let unit = self.instances[here.instance].unit;
         Ok(match &unit.expr(id).kind {
             Kind::Each(Each::If, operands) if number > 0 => {
@@ -251,7 +256,7 @@ impl<'p> Reference<'p> {
                 }
             }
             Kind::Each(Each::Arrow, _) => Here {
-                chosen: here.chosen && self.is_first(here, id, 0) == (number == 0),
+                chosen: here.chosen && self.is_first(here, (id, k)) == (number == 0),
                 ..here
             },
             Kind::Each(Each::Pre | Each::Last | Each::Hold, _) | Kind::Current(_) => {

@@ -100,7 +100,7 @@ fn shared(unit: &Unit, flow: FlowId) -> Option<(BlockId, &Shared)> {
 }
 
 /// Where a leaf of a flow is defined: the block, the value of the equation, and which leaf of that it is.
-fn definition(unit: &Unit, flow: FlowId, k: usize) -> Option<(BlockId, ExprId, usize)> {
+pub(crate) fn definition(unit: &Unit, flow: FlowId, k: usize) -> Option<(BlockId, ExprId, usize)> {
     for (id, block) in (0..).map(BlockId).zip(&unit.blocks) {
         for equation in &block.equations {
             let mut first = 0;

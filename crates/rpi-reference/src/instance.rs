@@ -33,7 +33,7 @@ pub(crate) struct Memory {
     pub(crate) kept: BTreeMap<Place, Leaf>,
     /// What the flows that states share were.
     pub(crate) last: BTreeMap<(FlowId, usize), Leaf>,
-    /// The leaves of expressions `a -> b` and `first` that have had their first cycle (M5.1).
+    /// The leaves of `a -> b`, and the `first`, that have had their first cycle (M5.1).
     pub(crate) begun: BTreeSet<Place>,
     /// The instance behind each call.
     pub(crate) calls: BTreeMap<ExprId, InstanceId>,

@@ -1,11 +1,11 @@
 //! Expressions: one leaf of one expression in this cycle.
 
-use rpi_sema::clocks::{ClockId, Clocks, Decider, Tick};
 use rpi_sema::ty::Ty;
-use rpi_sema::typed::{BlockId, Each, Expr, ExprId, Kind, PrimCall, Unit};
+use rpi_sema::typed::{Each, Expr, ExprId, Kind, PrimCall};
 
+use crate::clock::{Clock, Clocks, Decider, Sampling, call_of};
 use crate::cycle::{Keep, Reference};
-use crate::instance::{Here, InstanceId};
+use crate::instance::{Here, InstanceId, Place};
 use crate::operator;
 use crate::value::{Leaf, Stop, Value};
 
@@ -18,8 +18,7 @@ impl<'p> Reference<'p> {
             Some(None) => return Err(Stop::Ring),
             None => drop(now.leaves.insert((id, k), None)),
         }
-        let clock = self.clocks(here).leaf(id, k);
-        let leaf = match self.ticks(here, clock)? {
+        let leaf = match self.ticks(here, id, k)? {
             true => self.fresh(here, id, k)?,
             false => None,
         };
@@ -130,19 +129,16 @@ impl<'p> Reference<'p> {
                 None => Ok(None),
                 Some(chosen) => {
                     let number = if chosen { 1 } else { 2 };
-                    let branch = self.operand(here, id, number)?;
+                    let branch = self.operand(here, (id, k), number)?;
                     self.leaf(branch, operands[number], k)
                 }
             },
             (Each::Pre, [x]) => self.pre(here, id, *x, k),
             (Each::Last, [x]) => self.last(here, *x, k),
             (Each::Arrow, [a, b]) => {
-                let (side, number) = if self.first(here, id, k) {
-                    (a, 0)
-                } else {
-                    (b, 1)
-                };
-                let there = self.operand(here, id, number)?;
+                let is_first = self.first(here, (id, k));
+                let (side, number) = if is_first { (a, 0) } else { (b, 1) };
+                let there = self.operand(here, (id, k), number)?;
                 self.leaf(there, *side, k)
             }
             (Each::Coalesce, [a, b]) => match self.leaf(here, *a, k)? {
@@ -157,17 +153,12 @@ impl<'p> Reference<'p> {
         }
     }
 
-    /// `pre x`: x in the previous cycle of the fragment it stands in (M5.1). Before, it is absent if x can be (M5.2); else
-    /// the checker has proved that nobody reads it (M5.3).
+    /// `pre x`: x at the previous tick of its clock in the fragment it stands in (M5.1). Before there is nothing: if x is
+    /// total the checker has proved that nobody reads it (M5.3).
     fn pre(&mut self, here: Here, id: ExprId, x: ExprId, k: usize) -> Result<Leaf, Stop> {
         self.keep.push((here, Keep::Delayed(id, k, x)));
-        let instance = &mut self.instances[here.instance];
-        if let Some(leaf) = instance.memory(here.block).kept.get(&(id, k)) {
-            return Ok(*leaf);
-        }
-        let facts = &self.facts[instance.id.0 as usize];
-        let unread = neutral(instance.unit.expr(id), k);
-        Ok(unread.filter(|_| !facts.absence(x).leaf(k)))
+        let memory = self.instances[here.instance].memory(here.block);
+        Ok(memory.kept.get(&(id, k)).copied().flatten())
     }
 
     /// `last x`: what a flow that states share was in the previous cycle, whatever the state.
@@ -178,12 +169,7 @@ impl<'p> Reference<'p> {
             Kind::Part { base, at } => self.last(here, *base, *at as usize + k),
             Kind::Flow(flow) => {
                 let memory = instance.memory(Some(unit.flow(*flow).block));
-                if let Some(leaf) = memory.last.get(&(*flow, k)) {
-                    return Ok(*leaf);
-                }
-                let facts = &self.facts[instance.id.0 as usize];
-                let unread = neutral(unit.expr(x), k);
-                Ok(unread.filter(|_| !facts.absence(x).leaf(k)))
+                Ok(memory.last.get(&(*flow, k)).copied().flatten())
             }
             other => Err(Stop::Beyond(format!("last of {other:?}"))),
         }
@@ -209,16 +195,16 @@ impl<'p> Reference<'p> {
         }
     }
 
-    /// Whether this is the first cycle of a leaf of what stands here.
-    pub(crate) fn first(&mut self, here: Here, id: ExprId, k: usize) -> bool {
-        self.keep.push((here, Keep::Begun(id, k)));
-        self.is_first(here, id, k)
+    /// Whether this is the first cycle of what stands here.
+    pub(crate) fn first(&mut self, here: Here, place: Place) -> bool {
+        self.keep.push((here, Keep::Begun(place.0, place.1)));
+        self.is_first(here, place)
     }
 
     /// The same, looked at only: what does not tick in this cycle has not had its first one.
-    pub(crate) fn is_first(&mut self, here: Here, id: ExprId, k: usize) -> bool {
+    pub(crate) fn is_first(&mut self, here: Here, place: Place) -> bool {
         let memory = self.instances[here.instance].memory(here.block);
-        !memory.begun.contains(&(id, k))
+        !memory.begun.contains(&place)
     }
 
     /// `x = y`: all leaves are equal.
@@ -249,11 +235,11 @@ impl<'p> Reference<'p> {
     fn operator(&mut self, here: Here, id: ExprId, call: &PrimCall) -> Result<Leaf, Stop> {
         let mut operands = Vec::with_capacity(call.inputs.len());
         for (number, input) in call.inputs.iter().flatten().enumerate() {
-            let there = self.operand(here, id, number)?;
+            let there = self.operand(here, (id, 0), number)?;
             operands.push(self.leaf(there, *input, 0)?);
         }
         match call.prim.desc().name {
-            "Rpi::First" => Ok(Some(Value::Bool(self.first(here, id, 0)))),
+            "Rpi::First" => Ok(Some(Value::Bool(self.first(here, (id, 0))))),
             "Rpi::Time" => Ok(Some(self.time())),
             "Core::CycleTime" => Ok(Some(Value::Real(self.dt))),
             name => operator::apply(name, &operands, here.chosen),
@@ -277,8 +263,8 @@ impl<'p> Reference<'p> {
 
     /// `current x`: x at the latest tick of its clock (M4.7).
     fn current(&mut self, here: Here, id: ExprId, operand: ExprId, k: usize) -> Result<Leaf, Stop> {
-        let clocks = self.clocks(here);
-        let Some(on) = clocks.path(clocks.leaf(operand, k)).last().copied() else {
+        let clocks = self.clocks(here).exprs[operand.0 as usize][k].clone();
+        let Some(on) = clocks.iter().flat_map(|clock| clock.last()).next() else {
             return self.leaf(here, operand, k);
         };
         let instance = &mut self.instances[here.instance];
@@ -293,68 +279,56 @@ impl<'p> Reference<'p> {
         Ok(leaf)
     }
 
-    /// Whether a clock ticks (M4.7).
-    pub(crate) fn ticks(&mut self, here: Here, clock: ClockId) -> Result<bool, Stop> {
-        for on in self.clocks(here).path(clock) {
-            if self.is_on(here, *on)? != Some(true) {
+    /// Whether the clock of a leaf ticks (M4.7).
+    fn ticks(&mut self, here: Here, id: ExprId, k: usize) -> Result<bool, Stop> {
+        let clock = self.clocks(here).exprs[id.0 as usize][k].clone();
+        self.is_running(here, &clock)
+    }
+
+    /// Whether the clock of a call ticks.
+    pub(crate) fn runs(&mut self, here: Here, id: ExprId) -> Result<bool, Stop> {
+        let clock = self.clocks(here).calls[id.0 as usize].clone();
+        self.is_running(here, &clock)
+    }
+
+    fn is_running(&mut self, here: Here, clock: &Clock) -> Result<bool, Stop> {
+        for on in clock.iter().flat_map(|clock| clock.iter()) {
+            if self.is_on(here, on)? != Some(true) {
                 return Ok(false);
             }
         }
         Ok(true)
     }
 
-    pub(crate) fn clocks(&self, here: Here) -> &'p Clocks {
-        &self.facts[self.instances[here.instance].id.0 as usize].clocks
+    pub(crate) fn clocks(&self, here: Here) -> &Clocks {
+        &self.clocks[self.instances[here.instance].id.0 as usize]
     }
 
     /// Whether what decides about a clock has its value.
-    fn is_on(&mut self, here: Here, on: Tick) -> Result<Option<bool>, Stop> {
-        let leaf = self.deciding(here.instance, on.by)?;
+    fn is_on(&mut self, here: Here, on: &Sampling) -> Result<Option<bool>, Stop> {
+        let leaf = self.decider(here.instance, &on.by)?;
         Ok(leaf.map(|leaf| has(leaf, on.value)))
     }
 
-    /// What decides about a clock: a flow, or what decides inside of a call (M4.11).
-    fn deciding(&mut self, instance: InstanceId, by: Decider) -> Result<Leaf, Stop> {
-        let (id, number) = match by {
-            Decider::Flow(flow) => return self.flow(instance, flow, 0),
-            Decider::Inside(id, number) => (id, number),
+    /// What decides about a clock: a flow, or what decides behind a call, which may stand elsewhere.
+    fn decider(&mut self, instance: InstanceId, by: &Decider) -> Result<Leaf, Stop> {
+        let (id, inner) = match by {
+            Decider::Flow(flow) => return self.flow(instance, *flow, 0),
+            Decider::Behind(id, inner) => (*id, inner),
         };
-        let unit = self.instances[instance].unit;
-        let Kind::Call(call) = &unit.expr(id).kind else {
+        let it = &self.instances[instance];
+        let (unit, block) = (it.unit, self.clocks[it.id.0 as usize].block(id));
+        let Some(call) = call_of(&unit.expr(id).kind) else {
             return Ok(None);
         };
-        let here = self.inside(instance, block_of(unit, id));
-        let clock = self.clocks(here).place(id);
-        if !self.ticks(here, clock)? {
+        if !self.is_active(instance, block)? {
             return Ok(None);
         }
-        let Some(inner) = self.called(here, id, call)? else {
-            return Ok(None);
-        };
-        let exposed = self.facts[call.unit.0 as usize].clocks.exposed();
-        match exposed.get(number as usize) {
-            Some((by, _)) => self.deciding(inner, *by),
+        match self.called(self.inside(instance, block), id, call)? {
+            Some(behind) => self.decider(behind, inner),
             None => Ok(None),
         }
     }
-}
-
-/// The block in which an expression stands that an equation is made of.
-fn block_of(unit: &Unit, id: ExprId) -> BlockId {
-    let blocks = (0..).map(BlockId).zip(&unit.blocks);
-    let mut blocks = blocks.filter(|(_, block)| {
-        let mut values = block.equations.iter().map(|equation| equation.value);
-        values.any(|value| contains(unit, value, id))
-    });
-    blocks.next().map_or(BlockId::ROOT, |(block, _)| block)
-}
-
-fn contains(unit: &Unit, whole: ExprId, part: ExprId) -> bool {
-    let mut found = whole == part;
-    unit.expr(whole)
-        .kind
-        .operands(&mut |operand| found = found || contains(unit, operand, part));
-    found
 }
 
 /// A leaf of a struct that is made here: it lies in the subrange of its field (M2.4).

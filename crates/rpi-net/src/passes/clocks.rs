@@ -137,10 +137,11 @@ impl<'a> Order<'a> {
     }
 
     fn start(&mut self) {
-        for v in self.graph.node_indices() {
-            if self.waiting[v.index()] == 0 {
-                self.make_ready(v);
-            }
+        // What is carried makes others ready on the way, which must not be taken for ready from the start.
+        let free = |v: &NodeIndex| self.waiting[v.index()] == 0;
+        let free: Vec<NodeIndex> = self.graph.node_indices().filter(free).collect();
+        for v in free {
+            self.make_ready(v);
         }
     }
 

@@ -128,16 +128,15 @@ impl Exprs<'_> {
             self.counts.add("lifted");
             let no = self.ticking_leaf(&on(true), total);
             let (chosen, rest) = (Kind::Bool.total(), ty.kind.total());
-            let parts = vec![condition(), yes, no];
-            return Some(match self.random.one_in(2) {
-                true => Tree::expr(ty, &sampled, parts),
-                false => {
-                    let mut parts = parts;
-                    parts.insert(0, self.expr(scope, chosen, depth.min(2)));
-                    parts.push(self.expr(scope, rest, depth.min(2)));
-                    Tree::expr(ty, &format!("(if @ then {sampled} else @)"), parts)
-                }
-            });
+            let chosen = self.expr(scope, chosen, depth.min(2));
+            let rest = self.expr(scope, rest, depth.min(2));
+            // In all cycles: flows on clocks of their own are for the programs of `clocked`.
+            let form = format!("(if ({clock} or @) then {sampled} else @)");
+            return Some(Tree::expr(
+                ty,
+                &form,
+                vec![chosen, condition(), yes, no, rest],
+            ));
         }
         if scope.clock.is_none() && self.random.one_in(3) {
             self.counts.add("off clock");

@@ -8,10 +8,12 @@
 //! | `tree.rs` | a program as a tree, and making it smaller |
 //! | `run.rs` | running it both ways |
 //! | `wrapped.rs` | `main` inside of a reset and of a fragment |
+//! | `clocked/` | programs with clocks, each written in several ways |
 //!
 //! A plain run tries a few programs; `RPI_PROGRAMS=10000` (`cargo xtask soak`) tries so many, `RPI_SEED` others. What
 //! fails is made smaller and printed; its seed is the program's own.
 
+mod clocked;
 mod exprs;
 mod forms;
 mod program;

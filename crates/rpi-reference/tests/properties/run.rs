@@ -21,10 +21,10 @@ pub(crate) type Rows = Vec<Vec<Value>>;
 /// What was seen of a cycle: the out-ports' bits, or nothing where it faulted.
 pub(crate) type Seen = Option<Vec<Option<u64>>>;
 
-pub(crate) fn input(text: &str) -> Input {
+pub(crate) fn input(text: &str, kind: Kind) -> Input {
     Input {
         path: "random.rpi".into(),
-        kind: Kind::Rpi,
+        kind,
         bytes: text.as_bytes().to_vec(),
     }
 }
@@ -41,7 +41,15 @@ impl Ready {
     /// # Errors
     /// What is wrong with it, in words.
     pub(crate) fn new(text: &str, name: &str) -> Result<Ready, String> {
-        let made = compile_node(&input(text), Some(name), Claims::Report, false)
+        Ready::of_kind(text, name, Kind::Rpi)
+    }
+
+    /// Compiles a node of a program or of Lustre.
+    ///
+    /// # Errors
+    /// What is wrong with it, in words.
+    pub(crate) fn of_kind(text: &str, name: &str, kind: Kind) -> Result<Ready, String> {
+        let made = compile_node(&input(text, kind), Some(name), Claims::Report, false)
             .map_err(|e| e.to_string())?;
         let errors = made
             .findings
@@ -148,9 +156,22 @@ fn value(random: &mut Random, ty: Scalar, values: usize) -> Value {
 /// # Errors
 /// If the interpreter can not.
 pub(crate) fn reference(text: &str, name: &str, rows: &Rows) -> Result<Vec<Seen>, String> {
-    let typed = checked(text)?;
+    reference_of_kind(text, name, rows, Kind::Rpi)
+}
+
+/// Runs a node of a program or of Lustre by the reference interpreter, up to a fault.
+///
+/// # Errors
+/// If the interpreter can not.
+pub(crate) fn reference_of_kind(
+    text: &str,
+    name: &str,
+    rows: &Rows,
+    kind: Kind,
+) -> Result<Vec<Seen>, String> {
+    let typed = checked(text, kind)?;
     let unit = typed.unit(name).ok_or("no such node")?;
-    let mut reference = Reference::new(&typed.units, &typed.facts, unit, DT);
+    let mut reference = Reference::new(&typed.units, unit, DT);
     let mut seen = Vec::new();
     for row in rows {
         let row: Vec<Leaf> = row.iter().copied().map(Some).collect();
@@ -166,8 +187,8 @@ pub(crate) fn reference(text: &str, name: &str, rows: &Rows) -> Result<Vec<Seen>
     Ok(seen)
 }
 
-fn checked(text: &str) -> Result<Typed, String> {
-    let typed = typed(&input(text)).map_err(|e| e.to_string())?;
+fn checked(text: &str, kind: Kind) -> Result<Typed, String> {
+    let typed = typed(&input(text, kind)).map_err(|e| e.to_string())?;
     typed.map_err(|findings| format!("{findings:?}"))
 }
 
@@ -187,7 +208,7 @@ pub(crate) type Ended = Option<(Vec<Option<u64>>, Option<usize>)>;
 /// # Errors
 /// If there is none.
 pub(crate) fn run_command(text: &str, cycles: usize) -> Result<Vec<Ended>, String> {
-    let compiled = compile(&input(text)).map_err(|e| e.to_string())?;
+    let compiled = compile(&input(text, Kind::Rpi)).map_err(|e| e.to_string())?;
     let [net] = compiled.nets() else {
         return Err("not one command".to_owned());
     };
@@ -223,9 +244,9 @@ pub(crate) fn run_command(text: &str, cycles: usize) -> Result<Vec<Ended>, Strin
 /// # Errors
 /// If the interpreter can not.
 pub(crate) fn reference_command(text: &str, cycles: usize) -> Result<Vec<Ended>, String> {
-    let typed = checked(text)?;
+    let typed = checked(text, Kind::Rpi)?;
     let unit = typed.unit("Run").ok_or("no command")?;
-    let mut reference = Reference::new(&typed.units, &typed.facts, unit, DT);
+    let mut reference = Reference::new(&typed.units, unit, DT);
     let mut seen = Vec::new();
     for _ in 0..cycles {
         match reference.cycle(&[]) {

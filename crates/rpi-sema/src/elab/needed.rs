@@ -1,6 +1,7 @@
 //! Operators that need their right operand only sometimes: `and`, `or` and `=>` unless the left one decides, `??` where the
 //! left one is absent. What can fault in the right operand is guarded by that.
 
+use super::clocks::LeafPlaces;
 use super::each::reads_flows;
 use super::expr::leaf_scalars;
 use super::families::Family;
@@ -145,7 +146,8 @@ impl<'u> Elab<'u> {
         let (scalars, span) = (leaf_scalars(&unit.expr(id).ty), unit.expr(id).span);
         let first = self.read_each(scope, [id, a], scalars.len(), at);
         let places = self.leaf_places(scope, id, at);
-        let second = match self.mode != Mode::Constant && self.can_fault(scope, b) {
+        let is_of_one_clock = matches!(places, LeafPlaces::All(_)) && self.mode != Mode::Constant;
+        let second = match is_of_one_clock && self.can_fault(scope, b) {
             true => {
                 let absent = first.iter().zip(&scalars).enumerate();
                 let absent: Vec<Signal> = absent

@@ -1,0 +1,261 @@
+//! Clocks (M4.7): in which cycles each part of a value has one, found in the most obvious way.
+//!
+//! The clock of a flow is that of its defining expression. The clock of an expression is what the clocks of its operands
+//! have in common; a literal has no clock of its own and ticks with whatever reads it. This is worked out again and again,
+//! over all equations in any order, until nothing changes. It takes nothing from the checker's inference, which unifies:
+//! what one of the two gets wrong shows as a difference of values.
+
+mod calls;
+mod context;
+
+use std::rc::Rc;
+
+use rpi_sema::typed::{BlockId, ClockOn, Each, ExprId, FlowId, FlowRole, Kind, Unit};
+
+pub(crate) use calls::call_of;
+
+/// What decides about a sampling.
+#[derive(Clone, PartialEq, Eq, Debug)]
+pub(crate) enum Decider {
+    /// A flow of the unit.
+    Flow(FlowId),
+    /// What decides behind a call, where the caller has no name for it.
+    Behind(ExprId, Box<Decider>),
+}
+
+/// A sampling: the cycles in which something has a value.
+#[derive(Clone, PartialEq, Eq, Debug)]
+pub(crate) struct Sampling {
+    pub(crate) by: Decider,
+    pub(crate) value: u32,
+}
+
+/// What is sampled one after the other, from all cycles of the block on; none of a literal, which has every clock.
+pub(crate) type Clock = Option<Rc<[Sampling]>>;
+
+/// The clocks of a unit, leaf by leaf.
+pub(crate) struct Clocks {
+    pub(crate) flows: Vec<Vec<Clock>>,
+    pub(crate) exprs: Vec<Vec<Clock>>,
+    /// Of each call the clock by which it runs.
+    pub(crate) calls: Vec<Clock>,
+    /// Of each expression the block it stands in.
+    blocks: Vec<BlockId>,
+}
+
+/// A unit of which the clocks are being found.
+struct Finder<'p> {
+    unit: &'p Unit,
+    units: &'p [Unit],
+    /// The clocks of the units that it calls.
+    known: &'p [Option<Rc<Clocks>>],
+    found: Clocks,
+}
+
+/// All cycles.
+pub(crate) fn base() -> Clock {
+    Some(Rc::new([]))
+}
+
+/// The clocks of all units.
+pub(crate) fn clocks(units: &[Unit]) -> Vec<Rc<Clocks>> {
+    let mut known = vec![None; units.len()];
+    for k in 0..units.len() {
+        of_unit(units, k, &mut known);
+    }
+    known.into_iter().flatten().collect()
+}
+
+/// The clocks of a unit, after those that it calls; no unit calls itself.
+fn of_unit(units: &[Unit], k: usize, known: &mut Vec<Option<Rc<Clocks>>>) {
+    if known[k].is_some() {
+        return;
+    }
+    let unit = &units[k];
+    for call in unit.exprs.iter().filter_map(|expr| call_of(&expr.kind)) {
+        of_unit(units, call.unit.0 as usize, known);
+    }
+    let found = Finder::new(unit, units, known).find();
+    known[k] = Some(Rc::new(found));
+}
+
+impl Clocks {
+    /// Whether anything is sampled.
+    pub(crate) fn are_sampled(&self) -> bool {
+        let mut leaves = self.exprs.iter().flatten().flatten();
+        leaves.any(|clock| !clock.is_empty())
+    }
+
+    /// The block that an expression stands in.
+    pub(crate) fn block(&self, id: ExprId) -> BlockId {
+        self.blocks[id.0 as usize]
+    }
+}
+
+impl<'p> Finder<'p> {
+    fn new(unit: &'p Unit, units: &'p [Unit], known: &'p [Option<Rc<Clocks>>]) -> Finder<'p> {
+        let of_flow = |flow: &rpi_sema::typed::Flow| vec![None; flow.ty.leaf_count()];
+        let of_expr = |expr: &rpi_sema::typed::Expr| vec![None; expr.ty.leaf_count()];
+        let found = Clocks {
+            flows: unit.flows.iter().map(of_flow).collect(),
+            exprs: unit.exprs.iter().map(of_expr).collect(),
+            calls: vec![None; unit.exprs.len()],
+            blocks: context::blocks(unit),
+        };
+        Finder {
+            unit,
+            units,
+            known,
+            found,
+        }
+    }
+
+    fn find(mut self) -> Clocks {
+        self.until_nothing_changes();
+        // What nothing has given a clock has a value in all cycles.
+        for leaf in self.found.flows.iter_mut().flatten() {
+            leaf.get_or_insert_with(|| Rc::new([]));
+        }
+        self.until_nothing_changes();
+        self.settle();
+        self.found
+    }
+
+    fn until_nothing_changes(&mut self) {
+        loop {
+            let before = self.found.flows.clone();
+            for id in (0..).map(ExprId).take(self.unit.exprs.len()) {
+                let leaves = 0..self.unit.expr(id).ty.leaf_count();
+                self.found.exprs[id.0 as usize] = leaves.map(|k| self.leaf(id, k)).collect();
+            }
+            for flow in (0..).map(FlowId).take(self.unit.flows.len()) {
+                for k in 0..self.unit.flow(flow).ty.leaf_count() {
+                    let now = self.flow(flow, k);
+                    let leaf = &mut self.found.flows[flow.0 as usize][k];
+                    *leaf = common([leaf.clone(), now].into_iter());
+                }
+            }
+            if self.found.flows == before {
+                return;
+            }
+        }
+    }
+
+    /// The clock of a flow, as far as those of others are known.
+    fn flow(&self, id: FlowId, k: usize) -> Clock {
+        let flow = self.unit.flow(id);
+        if let Some(on) = flow.clock {
+            return self.on(on);
+        }
+        if flow.role == FlowRole::Param {
+            return None;
+        }
+        match crate::flow::definition(self.unit, id, k) {
+            Some((_, value, leaf)) => self.found.exprs[value.0 as usize][leaf].clone(),
+            // A port, or what several states define: present or not, it is looked at in all cycles.
+            None => base(),
+        }
+    }
+
+    /// The cycles of a flow in which it has a value.
+    fn on(&self, on: ClockOn) -> Clock {
+        let decides = self.found.flows[on.flow.0 as usize].first()?.clone()?;
+        Some(then(&decides, Decider::Flow(on.flow), on.value))
+    }
+
+    /// The clock of a leaf of an expression, of which the operands are known.
+    fn leaf(&mut self, id: ExprId, k: usize) -> Clock {
+        let expr = self.unit.expr(id);
+        match &expr.kind {
+            Kind::Flow(flow) if !self.is_seen(*flow, id) => base(),
+            Kind::Flow(flow) => self.found.flows[flow.0 as usize][k].clone(),
+            Kind::When { clock, .. } => self.on(*clock),
+            Kind::Current(operand) => {
+                let clock = self.found.exprs[operand.0 as usize][k].clone()?;
+                Some(clock[..clock.len().saturating_sub(1)].into())
+            }
+            Kind::Merge { on, .. } => self.found.exprs[on.0 as usize][0].clone(),
+            Kind::Present(_) | Kind::Each(Each::Coalesce | Each::Hold, _) => None,
+            Kind::Call(call) => self.call(id, call, k),
+            kind => {
+                let mut clocks = Vec::new();
+                self.reads(kind, &expr.ty, k, &mut |operand, leaf| {
+                    clocks.push(self.found.exprs[operand.0 as usize][leaf].clone());
+                });
+                common(clocks.into_iter())
+            }
+        }
+    }
+
+    /// Whether a flow has its own clock where it is read. Outside of a fragment or state its flows are optional ones of
+    /// the surroundings (M4.2).
+    fn is_seen(&self, flow: FlowId, reader: ExprId) -> bool {
+        let mut around = Some(self.found.blocks[reader.0 as usize]);
+        while let Some(block) = around {
+            if block == self.unit.flow(flow).block {
+                return true;
+            }
+            around = self.unit.block(block).parent;
+        }
+        false
+    }
+
+    /// The leaves of the operands that a leaf is made of.
+    fn reads(
+        &self,
+        kind: &Kind,
+        ty: &rpi_sema::ty::Ty,
+        k: usize,
+        read: &mut impl FnMut(ExprId, usize),
+    ) {
+        let size = |id: ExprId| self.unit.expr(id).ty.leaf_count();
+        match kind {
+            Kind::Part { base, at } => read(*base, *at as usize + k),
+            Kind::Repeat(element) => read(*element, k % size(*element).max(1)),
+            Kind::Replace { base, at, value } => {
+                match k.checked_sub(*at as usize).filter(|k| *k < size(*value)) {
+                    Some(k) => read(*value, k),
+                    None => read(*base, k),
+                }
+            }
+            Kind::Build(parts) => {
+                let mut first = 0;
+                for part in parts {
+                    if (first..first + size(*part)).contains(&k) {
+                        read(*part, k - first);
+                    }
+                    first += size(*part);
+                }
+            }
+            Kind::Each(_, operands) => {
+                for operand in operands {
+                    // The condition of an `if` has one leaf, whatever it chooses.
+                    let leaf = if size(*operand) == ty.leaf_count() {
+                        k
+                    } else {
+                        0
+                    };
+                    read(*operand, leaf);
+                }
+            }
+            other => other.operands(&mut |operand| {
+                (0..size(operand)).for_each(|leaf| read(operand, leaf));
+            }),
+        }
+    }
+}
+
+/// A clock that is sampled once more.
+fn then(clock: &[Sampling], by: Decider, value: u32) -> Rc<[Sampling]> {
+    let last = Sampling { by, value };
+    clock.iter().cloned().chain([last]).collect()
+}
+
+/// What clocks have in common: the slowest from which all of them are sampled.
+fn common(clocks: impl Iterator<Item = Clock>) -> Clock {
+    clocks.flatten().map(Some).reduce(|a, b| {
+        let (a, b) = (a?, b?);
+        let both = a.iter().zip(b.iter()).take_while(|(a, b)| a == b);
+        Some(both.map(|(sampling, _)| sampling.clone()).collect())
+    })?
+}

@@ -1,0 +1,146 @@
+//! What has no clock of its own ticks with what reads it.
+
+use std::rc::Rc;
+
+use rpi_sema::typed::{Block, BlockId, ExprId, Kind, Place, Unit};
+
+use super::{Clock, Decider, Finder, base, common, then};
+
+/// For each expression the block it stands in. Conditions of a block stand around it.
+pub(super) fn blocks(unit: &Unit) -> Vec<BlockId> {
+    let mut blocks = vec![BlockId::ROOT; unit.exprs.len()];
+    for (id, block) in (0..).map(BlockId).zip(&unit.blocks) {
+        let roots = roots(unit, block);
+        roots
+            .into_iter()
+            .for_each(|root| blocks[root.0 as usize] = id);
+        for automaton in &block.automata {
+            for state in &automaton.states {
+                let inside = state.until.iter().filter_map(|one| one.condition);
+                inside.for_each(|root| blocks[root.0 as usize] = state.block);
+            }
+        }
+    }
+    // Operands come before what reads them.
+    for id in (0..unit.exprs.len()).rev() {
+        let own = blocks[id];
+        unit.exprs[id]
+            .kind
+            .operands(&mut |operand| blocks[operand.0 as usize] = own);
+    }
+    blocks
+}
+
+/// What stands directly in a block.
+fn roots(unit: &Unit, block: &Block) -> Vec<ExprId> {
+    let mut roots: Vec<ExprId> = block.equations.iter().map(|one| one.value).collect();
+    roots.extend(block.claims.iter().map(|claim| claim.condition));
+    roots.extend(block.ends.iter().map(|end| end.condition));
+    roots.extend(block.exports.iter().map(|export| export.value));
+    for automaton in &block.automata {
+        let strong = automaton.states.iter().flat_map(|state| &state.unless);
+        roots.extend(strong.filter_map(|one| one.condition));
+    }
+    let own = |inner: &&Block| {
+        inner
+            .parent
+            .is_some_and(|id| std::ptr::eq(unit.block(id), block))
+    };
+    roots.extend(
+        unit.blocks
+            .iter()
+            .filter(own)
+            .filter_map(|inner| inner.when),
+    );
+    roots
+}
+
+impl Finder<'_> {
+    /// Gives each expression without a clock that of its reader.
+    pub(super) fn settle(&mut self) {
+        for equation in self.unit.blocks.iter().flat_map(|block| &block.equations) {
+            let mut first = 0;
+            for target in &equation.targets {
+                for k in 0..target.ty.leaf_count() {
+                    let clock = match target.place {
+                        Place::Flow { flow, at } => {
+                            self.found.flows[flow.0 as usize][at as usize + k].clone()
+                        }
+                        _ => base(),
+                    };
+                    self.give(equation.value, first + k, clock);
+                }
+                first += target.ty.leaf_count();
+            }
+        }
+        for id in (0..)
+            .map(ExprId)
+            .take(self.unit.exprs.len())
+            .collect::<Vec<_>>()
+            .into_iter()
+            .rev()
+        {
+            for leaf in &mut self.found.exprs[id.0 as usize] {
+                leaf.get_or_insert_with(|| Rc::new([]));
+            }
+            self.hand_down(id);
+        }
+    }
+
+    /// Gives the operands of an expression the clock by which it reads them.
+    fn hand_down(&mut self, id: ExprId) {
+        let expr = self.unit.expr(id);
+        let whole = common(self.found.exprs[id.0 as usize].iter().cloned());
+        match &expr.kind {
+            Kind::Call(call) => {
+                self.found.calls[id.0 as usize] =
+                    self.found.calls[id.0 as usize].clone().or(whole.clone());
+                for (number, arg) in call.args.iter().enumerate() {
+                    let clock = self.of_argument(id, call, number);
+                    arg.iter().for_each(|arg| self.give_all(*arg, &clock));
+                }
+                let runs = self.found.calls[id.0 as usize].clone();
+                call.activation
+                    .operands(&mut |operand| self.give_all(operand, &runs));
+            }
+            Kind::Merge { on, cases } => {
+                self.give_all(*on, &whole);
+                if let (Kind::Flow(flow), Some(clock)) = (&self.unit.expr(*on).kind, &whole) {
+                    for (value, case) in cases {
+                        let case_clock = Some(then(clock, Decider::Flow(*flow), *value));
+                        self.give_all(*case, &case_clock);
+                    }
+                }
+            }
+            Kind::When { value, clock } => {
+                let clock = self.found.flows[clock.flow.0 as usize]
+                    .first()
+                    .cloned()
+                    .flatten();
+                self.give_all(*value, &clock);
+            }
+            kind => {
+                for k in 0..expr.ty.leaf_count() {
+                    let clock = self.found.exprs[id.0 as usize][k].clone();
+                    let mut read = Vec::new();
+                    self.reads(kind, &expr.ty, k, &mut |operand, leaf| {
+                        read.push((operand, leaf))
+                    });
+                    read.into_iter()
+                        .for_each(|(operand, leaf)| self.give(operand, leaf, clock.clone()));
+                }
+            }
+        }
+    }
+
+    fn give_all(&mut self, id: ExprId, clock: &Clock) {
+        for k in 0..self.unit.expr(id).ty.leaf_count() {
+            self.give(id, k, clock.clone());
+        }
+    }
+
+    fn give(&mut self, id: ExprId, k: usize, clock: Clock) {
+        let leaf = &mut self.found.exprs[id.0 as usize][k];
+        *leaf = leaf.take().or(clock);
+    }
+}

@@ -1,0 +1,511 @@
+//! Random expressions of a type and a clock.
+
+use std::rc::Rc;
+
+use super::model::{Clock, Expr, Flow, FlowId, Kind, Node};
+use crate::random::Random;
+
+/// What is wanted: a type, a clock, and whether it may be absent at ticks of that clock.
+#[derive(Clone, Debug)]
+pub(crate) struct Want {
+    pub(crate) kind: Kind,
+    pub(crate) clock: Clock,
+    pub(crate) optional: bool,
+}
+
+/// A flow that others are sampled by.
+#[derive(Clone, Debug)]
+pub(crate) struct Decider {
+    pub(crate) name: String,
+    pub(crate) kind: Kind,
+    pub(crate) clock: Clock,
+}
+
+/// What can be read at a place.
+#[derive(Clone, Default, Debug)]
+pub(crate) struct Scope {
+    /// Flows that are defined before it.
+    pub(crate) known: Vec<FlowId>,
+    /// Flows that may be read through a delay.
+    pub(crate) delayed: Vec<FlowId>,
+    /// Flows of fragments and states that have a clock there: here they are optional.
+    pub(crate) outside: Vec<FlowId>,
+    pub(crate) deciders: Vec<Decider>,
+    /// Flows of which the value in the last cycle of the automaton can be read.
+    pub(crate) last: Vec<FlowId>,
+}
+
+/// Makes expressions.
+pub(crate) struct Exprs<'m> {
+    pub(crate) random: &'m mut Random,
+    pub(crate) flows: &'m mut Vec<Flow>,
+    pub(crate) lustre: bool,
+}
+
+/// A form in which the parts have the type, clock and presence that is wanted, with what else stands in it.
+type Row = (Option<Kind>, &'static str, &'static [Part]);
+
+#[derive(Clone, Copy)]
+enum Part {
+    /// As the whole.
+    Own,
+    /// As the whole, and never absent.
+    Total,
+    /// Of another type, and never absent.
+    Of(Kind),
+    /// A flow that is delayed.
+    Delayed,
+    /// Of the same type and another clock, read by nobody.
+    Beside(Kind),
+}
+
+use Kind::{Bool, Int, Mode, Pair, Row as Ints};
+use Part::{Beside, Delayed, Of, Own, Total};
+
+/// Forms of all clocks.
+#[rustfmt::skip]
+const FORMS: &[Row] = &[
+    (None, "(@ -> @)", &[Own, Own]),
+    (None, "(@ -> pre @)", &[Total, Delayed]),
+    (None, "(@ -> pre @)", &[Total, Delayed]),
+    (None, "(@ fby @)", &[Total, Delayed]),
+    (None, "(if @ then @ else @)", &[Of(Bool), Own, Own]),
+    (Some(Int), "((@ + @) mod 1000)", &[Own, Own]),
+    (Some(Int), "((@ - @) mod 1000)", &[Own, Own]),
+    (Some(Int), "((@ + 1) mod 1000)", &[Own]),
+    (Some(Int), "((@ * 3) mod 50)", &[Own]),
+    (Some(Int), "Count(@)", &[Total]),
+    (Some(Int), "(restart Count every @)(@)", &[Of(Bool), Total]),
+    (Some(Int), "condact(@, Count(@), @)", &[Of(Bool), Total, Total]),
+    (Some(Int), "(Pair{u = @; v = @}).u", &[Own, Beside(Int)]),
+    (Some(Int), "(Pair{u = @; v = @}).v", &[Beside(Int), Own]),
+    (Some(Int), "([@, @])[1]", &[Beside(Int), Own]),
+    (Some(Int), "(@).v", &[Of(Pair)]),
+    (Some(Int), "(@)[0]", &[Of(Ints)]),
+    (Some(Bool), "(@ and @)", &[Own, Own]),
+    (Some(Bool), "(@ or @)", &[Own, Own]),
+    (Some(Bool), "(not @)", &[Own]),
+    (Some(Bool), "(@ < @)", &[Of(Int), Of(Int)]),
+    (Some(Bool), "(@ > 1)", &[Of(Int)]),
+    (Some(Bool), "(@ <> @)", &[Of(Pair), Of(Pair)]),
+    (Some(Bool), "(@ = Slow)", &[Of(Mode)]),
+    (Some(Bool), "(false -> @)", &[Own]),
+    (Some(Pair), "Pair{u = @; v = @}", &[Of(Int), Of(Int)]),
+    (Some(Pair), "(@ with .u = @)", &[Total, Of(Int)]),
+    (Some(Ints), "[@, @]", &[Of(Int), Of(Int)]),
+    (Some(Ints), "(@ ^ 2)", &[Of(Int)]),
+    (Some(Mode), "(if @ then Slow else @)", &[Of(Bool), Own]),
+];
+
+impl Exprs<'_> {
+    /// An expression, not much deeper than `depth`. What has no clock of its own here ticks in all cycles.
+    pub(crate) fn expr(&mut self, scope: &Scope, want: &Want, depth: usize) -> Expr {
+        if depth == 0 || self.random.one_in(6) {
+            return self.leaf(scope, want);
+        }
+        let special = match self.random.below(8) {
+            0 => self.merge(scope, want, depth - 1),
+            1 => self.split(scope, want, depth - 1),
+            2 | 3 if want.clock.is_empty() && !want.optional => {
+                self.present(scope, want, depth - 1)
+            }
+            2 | 3 if want.optional => self.absent(scope, want, depth - 1),
+            4 if want.clock.is_empty() => self.last(scope, want, depth - 1),
+            _ => None,
+        };
+        let made = match special {
+            Some(made) => made,
+            None => self.of_form(scope, want, depth - 1),
+        };
+        match made.clock.is_none() && want.clock.is_empty() || made.is_anchored(&want.clock) {
+            true => made,
+            false => self.leaf(scope, want),
+        }
+    }
+
+    fn of_form(&mut self, scope: &Scope, want: &Want, depth: usize) -> Expr {
+        let lustre = self.lustre;
+        let fits = |(kind, text, _): &&Row| {
+            // Lustre V6 has other words for these.
+            let known = !lustre || !text.starts_with("condact") && !text.contains(" with ");
+            known && kind.is_none_or(|kind| kind == want.kind)
+        };
+        let rows: Vec<&Row> = FORMS.iter().filter(fits).collect();
+        let (_, text, parts) = **self.random.pick(&rows);
+        let parts = parts
+            .iter()
+            .map(|part| self.part(*part, scope, want, depth));
+        let parts: Vec<Expr> = parts.collect();
+        // What is beside it has a clock of its own.
+        let clock = match text.starts_with("(Pair") || text.starts_with("([") {
+            true => parts
+                .iter()
+                .find_map(|part| part.clock.clone().filter(|c| *c == want.clock)),
+            false => common(parts.iter().map(|part| part.clock.clone())),
+        };
+        form(text, parts, want, clock)
+    }
+
+    fn part(&mut self, part: Part, scope: &Scope, want: &Want, depth: usize) -> Expr {
+        let total = |kind| Want {
+            kind,
+            optional: false,
+            ..want.clone()
+        };
+        match part {
+            Own => self.expr(scope, want, depth),
+            Total => self.expr(scope, &total(want.kind), depth),
+            Of(kind) => self.expr(scope, &total(kind), depth),
+            Beside(kind) => {
+                let clocks = self.clocks(scope);
+                let clock = match self.lustre {
+                    true => want.clock.clone(),
+                    false => self.random.pick(&clocks).clone(),
+                };
+                self.expr(
+                    scope,
+                    &Want {
+                        clock,
+                        ..total(kind)
+                    },
+                    depth.min(1),
+                )
+            }
+            Delayed => {
+                let fits = |id: &&FlowId| self.is_wanted(**id, want);
+                let fit: Vec<&FlowId> = scope.delayed.iter().filter(fits).collect();
+                match fit.is_empty() || self.random.one_in(4) {
+                    true => self.expr(scope, want, depth),
+                    false => {
+                        let flow = **self.random.pick(&fit);
+                        self.read(flow)
+                    }
+                }
+            }
+        }
+    }
+
+    fn is_wanted(&self, id: FlowId, want: &Want) -> bool {
+        let flow = &self.flows[id];
+        flow.kind == want.kind && flow.clock == want.clock && (want.optional || !flow.optional)
+    }
+
+    pub(crate) fn read(&self, id: FlowId) -> Expr {
+        let flow = &self.flows[id];
+        Expr {
+            node: Node::Flow(id),
+            kind: flow.kind,
+            optional: flow.optional,
+            clock: Some(flow.clock.clone()),
+        }
+    }
+
+    /// All clocks that have a name at a place.
+    pub(crate) fn clocks(&self, scope: &Scope) -> Vec<Clock> {
+        let mut clocks: Vec<Clock> = vec![Rc::new([])];
+        for decider in &scope.deciders {
+            clocks.extend(samplings(decider).iter().map(|on| then(&decider.clock, on)));
+        }
+        clocks
+    }
+
+    /// A flow, as it is or sampled, or a literal.
+    pub(crate) fn leaf(&mut self, scope: &Scope, want: &Want) -> Expr {
+        let exact = scope.known.iter().filter(|id| self.is_wanted(**id, want));
+        let exact: Vec<FlowId> = exact.copied().collect();
+        let last = want.clock.last().cloned();
+        let sampled: Vec<FlowId> = match &last {
+            Some(on) if !on.starts_with('?') => {
+                let faster = |id: &&FlowId| {
+                    let flow = &self.flows[**id];
+                    let is_faster =
+                        flow.clock.len() < want.clock.len() && want.clock.starts_with(&flow.clock);
+                    flow.kind == want.kind && is_faster && !flow.optional
+                };
+                scope.known.iter().filter(faster).copied().collect()
+            }
+            _ => Vec::new(),
+        };
+        if !exact.is_empty()
+            && (sampled.is_empty() || self.random.one_in(2))
+            && !self.random.one_in(5)
+        {
+            let flow = *self.random.pick(&exact);
+            return self.read(flow);
+        }
+        match (sampled.is_empty() || self.random.one_in(5), last) {
+            (false, Some(on)) => {
+                let flow = *self.random.pick(&sampled);
+                let mut value = self.read(flow);
+                let mut way =
+                    want.clock[self.flows[flow].clock.len()..want.clock.len() - 1].to_vec();
+                if self.random.one_in(2) {
+                    way.clear();
+                }
+                let mut at = self.flows[flow].clock.clone();
+                for step in way {
+                    at = then(&at, &step);
+                    value = when(value, &step, at.clone());
+                }
+                when(value, &on, want.clock.clone())
+            }
+            (_, Some(on)) if !on.starts_with('?') => {
+                let literal = self.literal(want);
+                when(literal, &on, want.clock.clone())
+            }
+            (_, Some(_)) if !exact.is_empty() => self.read(exact[0]),
+            _ => self.literal(want),
+        }
+    }
+
+    pub(crate) fn literal(&mut self, want: &Want) -> Expr {
+        let n = self.random.below(5);
+        let text = match want.kind {
+            Kind::Bool => (if n.is_multiple_of(2) { "true" } else { "false" }).to_owned(),
+            Kind::Int => n.to_string(),
+            Kind::Pair => format!("Pair{{u = {n}; v = {}}}", n + 1),
+            Kind::Row => format!("[{n}, 7]"),
+            Kind::Mode => (*self.random.pick(&["Off", "Slow", "Fast"])).to_owned(),
+        };
+        let total = Want {
+            optional: false,
+            ..want.clone()
+        };
+        form(&text, Vec::new(), &total, None)
+    }
+
+    /// `merge c (...)`
+    fn merge(&mut self, scope: &Scope, want: &Want, depth: usize) -> Option<Expr> {
+        let decider = self.decider(scope, &want.clock)?;
+        let (mut text, mut parts) = (format!("(merge {}", decider.name), Vec::new());
+        for on in samplings(&decider) {
+            let clock = then(&want.clock, &on);
+            parts.push(self.expr(
+                scope,
+                &Want {
+                    clock,
+                    ..want.clone()
+                },
+                depth,
+            ));
+            let value = match on.split_once('(') {
+                Some((value, _)) => value,
+                None if on.starts_with("not ") => "false",
+                None => "true",
+            };
+            text.push_str(&format!(" ({value} -> @)"));
+        }
+        text.push(')');
+        Some(form(&text, parts, want, Some(want.clock.clone())))
+    }
+
+    fn decider(&mut self, scope: &Scope, clock: &Clock) -> Option<Decider> {
+        let fit = scope
+            .deciders
+            .iter()
+            .filter(|decider| decider.clock == *clock);
+        let fit: Vec<&Decider> = fit.collect();
+        (!fit.is_empty()).then(|| (**self.random.pick(&fit)).clone())
+    }
+
+    /// A result of a call whose results have different clocks.
+    fn split(&mut self, scope: &Scope, want: &Want, depth: usize) -> Option<Expr> {
+        if self.lustre || want.kind != Kind::Int {
+            return None;
+        }
+        let total = Want {
+            optional: false,
+            ..want.clone()
+        };
+        if self.random.one_in(2) {
+            let decider = self
+                .decider(scope, &want.clock)
+                .filter(|one| one.kind == Kind::Bool)?;
+            let x = self.expr(scope, &total, depth);
+            let text = format!("Split({}, @).b", decider.name);
+            return Some(form(&text, vec![x], want, Some(want.clock.clone())));
+        }
+        let (on, around) = want.clock.split_last()?;
+        let is_on = |one: &&Decider| one.name == *on && *one.clock == *around;
+        let decider = scope.deciders.iter().find(is_on)?.clone();
+        let x = self.expr(
+            scope,
+            &Want {
+                clock: decider.clock.clone(),
+                ..total
+            },
+            depth,
+        );
+        let text = format!("Split({}, @).a", decider.name);
+        Some(form(&text, vec![x], want, Some(want.clock.clone())))
+    }
+
+    /// `last x`
+    fn last(&mut self, scope: &Scope, want: &Want, depth: usize) -> Option<Expr> {
+        let fits = |id: &&FlowId| self.flows[**id].kind == want.kind;
+        let flow = *scope.last.iter().find(fits)?;
+        let total = Want {
+            optional: false,
+            ..want.clone()
+        };
+        let first = self.expr(scope, &total, depth);
+        let text = format!("(@ -> last {})", self.flows[flow].name);
+        Some(form(&text, vec![first], want, Some(want.clock.clone())))
+    }
+
+    /// `current x`, which is nothing before the first tick of x: in Lustre that is an error.
+    fn current(&mut self, scope: &Scope, want: &Want, depth: usize) -> Option<Expr> {
+        let clock = self.slower(scope, &want.clock)?;
+        let x = self.expr(
+            scope,
+            &Want {
+                clock,
+                ..want.clone()
+            },
+            depth,
+        );
+        let x = vec![x];
+        Some(form("(current @)", x, want, Some(want.clock.clone())))
+    }
+
+    /// A clock that is sampled from another by one flow.
+    fn slower(&mut self, scope: &Scope, clock: &Clock) -> Option<Clock> {
+        let decider = self.decider(scope, clock)?;
+        let samplings = samplings(&decider);
+        Some(then(clock, self.random.pick(&samplings[..]).as_str()))
+    }
+
+    /// What is always present, from what may be absent.
+    fn present(&mut self, scope: &Scope, want: &Want, depth: usize) -> Option<Expr> {
+        if self.lustre {
+            return None;
+        }
+        let kind = if want.kind == Kind::Bool {
+            Kind::Int
+        } else {
+            want.kind
+        };
+        let outside = scope
+            .outside
+            .iter()
+            .filter(|id| self.flows[**id].kind == kind);
+        let outside: Vec<FlowId> = outside.copied().collect();
+        let x = match outside.is_empty() || self.random.one_in(2) {
+            true => self.maybe(scope, kind, depth),
+            false => {
+                let flow = *self.random.pick(&outside);
+                self.read(flow)
+            }
+        };
+        if want.kind == Kind::Bool {
+            return Some(form("present(@)", vec![x], want, None));
+        }
+        let rest = self.expr(scope, want, depth);
+        let text = *self.random.pick(&["(@ ?? @)", "hold(@, @)"]);
+        Some(form(text, vec![x, rest], want, None))
+    }
+
+    /// What may be absent, in all cycles or on any clock.
+    fn maybe(&mut self, scope: &Scope, kind: Kind, depth: usize) -> Expr {
+        let sampled = scope.known.iter().filter(|id| {
+            let flow = &self.flows[**id];
+            flow.kind == kind && (flow.optional || !flow.clock.is_empty())
+        });
+        let sampled: Vec<FlowId> = sampled.copied().collect();
+        if !sampled.is_empty() && self.random.one_in(2) {
+            let flow = *self.random.pick(&sampled);
+            return self.read(flow);
+        }
+        let clocks = self.clocks(scope);
+        let clock = self.random.pick(&clocks).clone();
+        let want = Want {
+            kind,
+            clock,
+            optional: true,
+        };
+        self.expr(scope, &want, depth)
+    }
+
+    /// What may be absent at ticks of its clock.
+    fn absent(&mut self, scope: &Scope, want: &Want, depth: usize) -> Option<Expr> {
+        let total = |kind| Want {
+            kind,
+            optional: false,
+            ..want.clone()
+        };
+        if self.lustre {
+            return None;
+        }
+        match self.random.below(3) {
+            0 => {
+                let condition = self.expr(scope, &total(Kind::Bool), depth);
+                let value = self.expr(scope, want, depth);
+                let clock = common(
+                    [&condition, &value]
+                        .map(|part| part.clock.clone())
+                        .into_iter(),
+                );
+                Some(form(
+                    "(if @ then @ else none)",
+                    vec![condition, value],
+                    want,
+                    clock,
+                ))
+            }
+            1 if matches!(want.kind, Kind::Int | Kind::Bool) => {
+                let text = if want.kind == Kind::Int {
+                    "((@ + @) mod 1000)"
+                } else {
+                    "(@ xor @)"
+                };
+                let [a, b] = [0, 1].map(|_| self.maybe(scope, want.kind, depth));
+                let clock = common([&a, &b].map(|part| part.clock.clone()).into_iter());
+                Some(form(text, vec![a, b], want, clock))
+            }
+            _ => self.current(scope, want, depth),
+        }
+    }
+}
+
+/// `x when c`
+fn when(value: Expr, on: &str, clock: Clock) -> Expr {
+    Expr {
+        kind: value.kind,
+        optional: value.optional,
+        node: Node::Form(format!("(@ when {on})").into(), vec![value]),
+        clock: Some(clock),
+    }
+}
+
+pub(crate) fn form(text: &str, parts: Vec<Expr>, want: &Want, clock: Option<Clock>) -> Expr {
+    Expr {
+        node: Node::Form(text.into(), parts),
+        kind: want.kind,
+        optional: want.optional,
+        clock,
+    }
+}
+
+/// A clock that is sampled once more.
+pub(crate) fn then(clock: &Clock, on: &str) -> Clock {
+    clock.iter().cloned().chain([on.to_owned()]).collect()
+}
+
+/// What can be sampled by a flow.
+pub(crate) fn samplings(decider: &Decider) -> Vec<String> {
+    let name = &decider.name;
+    match decider.kind {
+        Kind::Mode => ["Off", "Slow", "Fast"]
+            .map(|value| format!("{value}({name})"))
+            .into(),
+        _ => vec![name.clone(), format!("not {name}")],
+    }
+}
+
+/// What clocks have in common; literals have none.
+pub(crate) fn common(clocks: impl Iterator<Item = Option<Clock>>) -> Option<Clock> {
+    clocks.flatten().reduce(|a, b| {
+        let both = a.iter().zip(b.iter()).take_while(|(a, b)| a == b);
+        both.map(|(on, _)| on.clone()).collect()
+    })
+}

@@ -1,0 +1,154 @@
+//! Clocks: what is sampled by flows that are sampled by others, in nodes, fragments and states, in `.rpi` and in Lustre.
+//!
+//! Every random program here is right by construction: its maker knows the clock of every flow. It is run as an image and
+//! by the reference, and written in other ways that mean the same (M4): each of them must be accepted, too, and have the
+//! same value in every cycle.
+//!
+//! | file | idea |
+//! |---|---|
+//! | `model.rs` | programs as data |
+//! | `make.rs`, `exprs.rs` | random programs, random expressions of a type and a clock |
+//! | `write.rs` | a model as text |
+//! | `vary.rs` | other ways to write it |
+//! | `shrink.rs` | making it smaller |
+
+mod exprs;
+mod make;
+mod model;
+mod shrink;
+mod vary;
+mod write;
+
+use std::collections::BTreeMap;
+use std::panic::{AssertUnwindSafe, catch_unwind};
+
+use rpi_driver::Kind;
+use rpi_reference::Value;
+
+use crate::random::Random;
+use crate::run::{self, Ready, Rows};
+use crate::{CYCLES, PROGRAMS, SEED, alike, number};
+use model::Model;
+
+/// Ways in which each program is written.
+const VARIANTS: u64 = 4;
+
+/// Ready to run, or why not.
+fn ready(model: &Model) -> Result<Ready, String> {
+    Ready::of_kind(&model.text(), "main", kind(model))
+}
+
+fn kind(model: &Model) -> Kind {
+    if model.lustre {
+        Kind::Lustre
+    } else {
+        Kind::Rpi
+    }
+}
+
+/// Runs a program both ways.
+fn runs(model: &Model, seed: u64) -> Result<(Rows, Vec<run::Seen>), String> {
+    let ready = ready(model)?;
+    let mut rows = ready.rows(&mut Random::new(seed), CYCLES);
+    rows.iter_mut().flatten().for_each(small);
+    let expected = run::reference_of_kind(&model.text(), "main", &rows, kind(model))?;
+    alike(
+        &format!("image and reference, inputs {rows:?}"),
+        &expected,
+        &ready.run(&rows),
+    )?;
+    Ok((rows, expected))
+}
+
+/// No integer of an input makes a program overflow: then an equation that nobody reads would matter.
+fn small(value: &mut Value) {
+    if let Value::Int(number) = value {
+        *number %= 100;
+    }
+}
+
+/// Runs a program in another way to write it.
+fn varies(model: &Model, seed: u64, rows: &Rows, expected: &Vec<run::Seen>) -> Result<(), String> {
+    let mut random = Random::new(seed);
+    let mut other = model.clone();
+    let (name, way) = *random.pick(vary::WAYS);
+    if !way(&mut other, &mut random) {
+        return Ok(());
+    }
+    let text = other.text();
+    let run = || ready(&other).map(|ready| ready.run(rows));
+    let found = catch_unwind(AssertUnwindSafe(run)).unwrap_or_else(|_| Err("panics".to_owned()));
+    let found = found.map_err(|why| format!("{name}, {why}\n{text}"))?;
+    alike(
+        &format!("written otherwise, {name}, inputs {rows:?}\n{text}"),
+        expected,
+        &found,
+    )
+}
+
+fn holds(model: &Model, seed: u64) -> Result<(), String> {
+    let (rows, expected) = runs(model, seed)?;
+    for k in 0..VARIANTS {
+        varies(
+            model,
+            seed.wrapping_mul(VARIANTS).wrapping_add(k),
+            &rows,
+            &expected,
+        )?;
+    }
+    Ok(())
+}
+
+/// What is different: all up to the first colon or line.
+fn sort(why: &str) -> String {
+    why.split([':', '\n']).next().unwrap_or_default().to_owned()
+}
+
+fn tried(model: &Model, seed: u64) -> Result<(), String> {
+    let tried = catch_unwind(AssertUnwindSafe(|| holds(model, seed)));
+    tried.unwrap_or_else(|_| Err("panics: see above".to_owned()))
+}
+
+/// A smaller program of which the same does not hold, and what that is.
+fn smallest(model: Model, seed: u64, why: String) -> (Model, String) {
+    let same = |model: &Model| tried(model, seed).is_err_and(|other| sort(&other) == sort(&why));
+    let small = shrink::shrink(model, same);
+    let why = tried(&small, seed).err().unwrap_or(why);
+    (small, why)
+}
+
+/// Tries it on so many programs.
+fn holds_of_all(lustre: bool) {
+    let (programs, first) = (number("RPI_PROGRAMS", PROGRAMS), number("RPI_SEED", SEED));
+    let mut sorts: BTreeMap<String, u64> = BTreeMap::new();
+    for seed in first..first + programs {
+        let model = make::model(seed, lustre);
+        let Err(why) = tried(&model, seed) else {
+            continue;
+        };
+        // With `RPI_SURVEY` one program of each sort is shown.
+        let count = sorts.entry(sort(&why)).or_default();
+        *count += 1;
+        if *count > 1 {
+            continue;
+        }
+        if number("RPI_SURVEY", 0) == 2 {
+            println!("RPI_SEED={seed} as it was\n{why}\n{}", model.text());
+        }
+        let (small, why) = smallest(model, seed, why);
+        let shown = format!("RPI_SEED={seed} RPI_PROGRAMS=1\n{why}\n{}", small.text());
+        assert!(number("RPI_SURVEY", 0) > 0, "{shown}");
+        println!("{shown}");
+    }
+    assert!(sorts.is_empty(), "{sorts:#?}");
+}
+
+#[test]
+fn clocks_mean_the_same_however_a_program_is_written() {
+    holds_of_all(false);
+}
+
+#[test]
+fn clocks_mean_the_same_however_lustre_is_written() {
+    holds_of_all(true);
+}
