@@ -130,6 +130,7 @@ impl Build {
                 absent: Absent::Inactive,
             },
             restart,
+            is_clock: false,
             inputs: Vec::new(),
             outputs: Vec::new(),
             budget_ns: None,

@@ -112,13 +112,55 @@ impl<'p> Finder<'p> {
 
     fn find(mut self) -> Clocks {
         self.until_nothing_changes();
-        // What nothing has given a clock has a value in all cycles.
-        for leaf in self.found.flows.iter_mut().flatten() {
-            leaf.get_or_insert_with(|| Rc::new([]));
+        while self.always_ticks() {
+            self.until_nothing_changes();
         }
-        self.until_nothing_changes();
         self.settle();
         self.found
+    }
+
+    /// What nothing has given a clock has a value in all cycles: first flows that wait for no others that decide. Whether
+    /// there was any.
+    fn always_ticks(&mut self) -> bool {
+        let flows = (0..).map(FlowId).take(self.unit.flows.len());
+        let open: Vec<FlowId> = flows.filter(|id| self.is_open(*id)).collect();
+        let settled = open.iter().filter(|id| !self.waits(**id));
+        let settled: Vec<FlowId> = settled.copied().collect();
+        let chosen = if settled.is_empty() { &open } else { &settled };
+        for flow in chosen {
+            for leaf in &mut self.found.flows[flow.0 as usize] {
+                leaf.get_or_insert_with(|| Rc::new([]));
+            }
+        }
+        !open.is_empty()
+    }
+
+    fn is_open(&self, id: FlowId) -> bool {
+        self.found.flows[id.0 as usize].contains(&None)
+    }
+
+    /// Whether the value of a flow is sampled somewhere by one that has no clock yet.
+    fn waits(&self, id: FlowId) -> bool {
+        let (mut met, mut flows) = (vec![false; self.unit.flows.len()], vec![id]);
+        while let Some(id) = flows.pop() {
+            if std::mem::replace(&mut met[id.0 as usize], true) || !self.is_open(id) {
+                continue;
+            }
+            if self.unit.flow(id).clock.is_some() {
+                return true;
+            }
+            let leaves = 0..self.unit.flow(id).ty.leaf_count();
+            let values = leaves.filter_map(|k| crate::flow::definition(self.unit, id, k));
+            let mut open: Vec<ExprId> = values.map(|(_, value, _)| value).collect();
+            while let Some(at) = open.pop() {
+                match &self.unit.expr(at).kind {
+                    Kind::Flow(flow) => flows.push(*flow),
+                    Kind::When { clock, .. } if self.is_open(clock.flow) => return true,
+                    other => other.operands(&mut |operand| open.push(operand)),
+                }
+            }
+        }
+        false
     }
 
     fn until_nothing_changes(&mut self) {

@@ -31,6 +31,7 @@ pub fn with_ports(net: &Net) -> (Net, Vec<Finding>) {
     let mut findings = ending.findings;
     findings.extend(budgets(net));
     findings.extend(alternatives(net));
+    findings.extend(clocks_in_a_ring(net));
     (ending.net, findings)
 }
 
@@ -178,6 +179,22 @@ fn budgets(net: &Net) -> impl Iterator<Item = Finding> + '_ {
         let message = format!("the budget of {what} is not kept in the text of the net");
         Finding::new(Code::RPI9102, message).at(fragment.origin.span, "has a budget")
     })
+}
+
+/// In a net what one condition activates is one step: flows of two clocks that feed one another are a ring there.
+fn clocks_in_a_ring(net: &Net) -> Option<Finding> {
+    if !net.fragments.iter().any(|fragment| fragment.is_clock) {
+        return None;
+    }
+    let mut grouped = net.clone();
+    for fragment in &mut grouped.fragments {
+        fragment.is_clock = false;
+    }
+    let mut found = analyse(grouped, |_| false).ok()?.findings.into_iter();
+    let ring = found.find(|finding| finding.code == Code::RPI4001)?;
+    let message = "flows of several clocks feed one another: as a net this is a ring, which the reference system refuses";
+    let finding = Finding::new(Code::RPI9102, message).at(ring.span(), "part of the ring");
+    Some(finding.help("take what another clock needs out of the clock: sample it where it is read"))
 }
 
 /// A net does not tell which ports of a device set one actuator; those of arms are known to.

@@ -91,7 +91,7 @@ fn meets(program: &Typed, seed: u64) -> bool {
     let unit = program.unit("main").expect("it has a node");
     (0..RUNS).any(|run| {
         let mut random = Random::new(seed ^ (run << 40));
-        let mut reference = Reference::new(&program.units, &program.facts, unit, DT);
+        let mut reference = Reference::new(&program.units, unit, DT);
         let mut before = None;
         (0..CYCLES).any(|_| {
             let now = row(&mut random, before.as_ref());

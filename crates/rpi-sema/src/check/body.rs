@@ -12,6 +12,7 @@ use crate::program::{DeclId, ModuleId};
 use crate::ty::Ty;
 use crate::typed::{Block, BlockId, Expr, ExprId, FlowId, Kind, Unit, UnitKind};
 use rpi_diag::{Finding, Span};
+use rpi_syntax::ast::Locals;
 use rpi_syntax::{Mode, Name};
 use std::rc::Rc;
 
@@ -29,6 +30,8 @@ pub(super) struct Body<'c, 'a> {
     /// The equations, and of each flow without declared type the one that defines it.
     pub(super) pending: Vec<Pending<'a>>,
     pub(super) defined_by: Vec<Option<usize>>,
+    /// Declarations of each block, of which the clocks are looked at later.
+    pub(super) clocks_stated: Vec<(BlockId, &'a [Locals])>,
     /// For the flow of a state the one outside that it is a version of.
     pub(super) shares: Map<FlowId, FlowId>,
     /// Of each flow that states share their versions of it.
@@ -105,6 +108,7 @@ impl<'c, 'a> Body<'c, 'a> {
             block: BlockId::ROOT,
             pending: Vec::new(),
             defined_by: Vec::new(),
+            clocks_stated: Vec::new(),
             shares: Map::default(),
             versions: Map::default(),
             defaults: Map::default(),

@@ -230,7 +230,7 @@ impl<'a> Body<'_, 'a> {
         }
         let id = self.expr(operand);
         if let Kind::Flow(flow) = self.unit.expr(id).kind
-            && let Some(outer) = self.shared_around(flow).last()
+            && let Some(outer) = self.defined_around(flow)
         {
             return self.flow_expr(outer, operand.span);
         }
@@ -238,6 +238,25 @@ impl<'a> Body<'_, 'a> {
             self.expect(id, &Ty::Unknown, &Wanted::Here);
         }
         id
+    }
+
+    /// The flow that a state's flow is a version of around as many automata as define it whatever their state, at least
+    /// around its own: that another state around lacks the flow takes nothing from those who have it.
+    fn defined_around(&self, flow: FlowId) -> Option<FlowId> {
+        let mut around = self.shared_around(flow);
+        let first = around.next()?;
+        let whole = around.take_while(|outer| !self.is_left_open(*outer));
+        Some(whole.last().unwrap_or(first))
+    }
+
+    /// Whether an automaton has a state without this flow.
+    fn is_left_open(&self, flow: FlowId) -> bool {
+        let block = self.unit.block(self.unit.flow(flow).block);
+        let mut shared = block
+            .automata
+            .iter()
+            .flat_map(|automaton| &automaton.shared);
+        shared.any(|shared| shared.flow == flow && shared.is_left_open())
     }
 }
 

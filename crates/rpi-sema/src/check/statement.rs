@@ -47,6 +47,7 @@ impl<'a> Body<'_, 'a> {
     /// Checks all equations that have been declared.
     pub(super) fn check_equations(&mut self) {
         self.infer();
+        self.state_clocks();
         self.report_unknown_types();
         for index in 0..self.pending.len() {
             let block = self.pending[index].block;
@@ -67,7 +68,7 @@ impl<'a> Body<'_, 'a> {
                 Locals::Const(defs) => defs.iter().for_each(|def| self.declare_const(def)),
             }
         }
-        self.state_clocks(body.locals.iter());
+        self.clocks_stated.push((self.block, &body.locals[..]));
         self.count_parts(&body.statements);
         self.declare_defaults(&body.statements);
         for statement in &body.statements {
@@ -111,11 +112,13 @@ impl<'a> Body<'_, 'a> {
         }
     }
 
-    /// The clocks of declared flows, when the flows that decide are declared.
-    fn state_clocks(&mut self, sections: impl Iterator<Item = &'a Locals>) {
-        for section in sections {
-            if let Locals::Var(vars) = section {
-                self.state_clocks_of(vars);
+    /// The clocks of declared flows, when all flows have a type: equations may introduce those that decide.
+    fn state_clocks(&mut self) {
+        for (block, sections) in std::mem::take(&mut self.clocks_stated) {
+            for section in sections {
+                if let Locals::Var(vars) = section {
+                    self.within(block, |body| body.state_clocks_of(vars));
+                }
             }
         }
     }

@@ -303,7 +303,7 @@ impl<'u> Solver<'u> {
                 (Each::If, 0) => self.whole(*id),
                 _ => self.leaf(*id, k),
             });
-            match (each, clocks.clone().last()) {
+            match (each, clocks.clone().next_back()) {
                 // What replaces an absent value has the clock of the whole: with a constant it fits every clock.
                 (Each::Coalesce | Each::Hold, Some(Clock::ANY)) => Clock::ANY,
                 _ => self.first_or_meet(clocks),
@@ -479,15 +479,12 @@ impl<'u> Solver<'u> {
         }
         let number = |clock: Clock| numbers[&clock];
         let exposed = self.exposed();
+        let calls = self.calls.into_iter();
         Clocks {
             paths,
             exprs: self.exprs.iter().map(|row| row.map(number)).collect(),
             flows: self.flows.iter().map(|row| row.map(number)).collect(),
-            calls: self
-                .calls
-                .iter()
-                .map(|(id, at)| (*id, number(*at)))
-                .collect(),
+            calls: calls.map(|(id, at)| (id, number(at))).collect(),
             exposed: exposed
                 .into_iter()
                 .map(|(by, clock)| (by, number(clock)))

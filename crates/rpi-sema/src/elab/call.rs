@@ -37,6 +37,52 @@ impl<'u> Elab<'u> {
         at: At,
     ) -> Wire {
         let span = scope.unit.expr(id).span;
+        let args = self.arguments(scope, call, id, at);
+        let path = self.path(id);
+        match &call.activation {
+            Activation::Always => self.results_of(scope, call, (id, &args), at, path),
+            Activation::Restart { every } => {
+                let every = self.operand(scope, [id, *every], at.unguarded());
+                let Some(every) = self.port_of(&every, Scalar::Bool, at, span) else {
+                    return super::signal::nothing();
+                };
+                let activation = net::Activation::Always;
+                let inner =
+                    self.fragment(&path, at.fragment, activation, Restart::Every(every), span);
+                self.results_of(scope, call, (id, &args), At::fragment(inner), path)
+            }
+            Activation::Condact {
+                every,
+                default,
+                restart,
+            } => {
+                let every = self.operand(scope, [id, *every], at.unguarded());
+                let restart = restart.map(|restart| [id, restart]);
+                let inner = self.activated(scope, &every, restart, &path, at, span);
+                self.keeps_results = !scope.unit.is_lustre;
+                let result = self.results_of(scope, call, (id, &args), At::fragment(inner), path);
+                let result = self.leaving(&result, inner, at.fragment);
+                let default =
+                    default.map(|one| self.operand_wire(scope, [id, one], at.unguarded()));
+                let callee = &self.units[call.unit.0 as usize];
+                let run = Run {
+                    every,
+                    result,
+                    default,
+                    optional: callee.optional_leaves().collect(),
+                };
+                self.held(&run, id, scope, at)
+            }
+        }
+    }
+
+    fn arguments(
+        &mut self,
+        scope: &mut Scope<'u>,
+        call: &'u Call,
+        id: ExprId,
+        at: At,
+    ) -> Vec<Option<Arg>> {
         let callee = &self.units[call.unit.0 as usize];
         let given = match self.is_guarded(call) {
             true => at,
@@ -55,51 +101,23 @@ impl<'u> Elab<'u> {
                 span: scope.unit.expr(arg).span,
             }));
         }
-        let path = self.path(id);
-        match &call.activation {
-            Activation::Always => {
-                let wire = self.inlined(call.unit, &args, at, path, span);
-                let exposed = std::mem::take(&mut self.exposed);
-                self.bind_inside(scope, id, exposed);
-                wire
-            }
-            Activation::Restart { every } => {
-                let every = self.operand(scope, [id, *every], at.unguarded());
-                let Some(every) = self.port_of(&every, Scalar::Bool, at, span) else {
-                    return super::signal::nothing();
-                };
-                let activation = net::Activation::Always;
-                let inner =
-                    self.fragment(&path, at.fragment, activation, Restart::Every(every), span);
-                let wire = self.inlined(call.unit, &args, At::fragment(inner), path, span);
-                let exposed = std::mem::take(&mut self.exposed);
-                self.bind_inside(scope, id, exposed);
-                wire
-            }
-            Activation::Condact {
-                every,
-                default,
-                restart,
-            } => {
-                let every = self.operand(scope, [id, *every], at.unguarded());
-                let restart = restart.map(|restart| [id, restart]);
-                let inner = self.activated(scope, &every, restart, &path, at, span);
-                self.keeps_results = !scope.unit.is_lustre;
-                let result = self.inlined(call.unit, &args, At::fragment(inner), path, span);
-                let exposed = std::mem::take(&mut self.exposed);
-                self.bind_inside(scope, id, exposed);
-                let result = self.leaving(&result, inner, at.fragment);
-                let default =
-                    default.map(|one| self.operand_wire(scope, [id, one], at.unguarded()));
-                let run = Run {
-                    every,
-                    result,
-                    default,
-                    optional: callee.optional_leaves().collect(),
-                };
-                self.held(&run, id, scope, at)
-            }
-        }
+        args
+    }
+
+    /// What a call gives at a place, with what decides about its clocks.
+    fn results_of(
+        &mut self,
+        scope: &mut Scope<'u>,
+        call: &'u Call,
+        (id, args): (ExprId, &[Option<Arg>]),
+        at: At,
+        path: String,
+    ) -> Wire {
+        let span = scope.unit.expr(id).span;
+        let wire = self.inlined(call.unit, args, at, path, span);
+        let exposed = std::mem::take(&mut self.exposed);
+        self.bind_inside(scope, id, exposed);
+        wire
     }
 
     /// An argument: absent where its clock does not tick and the call's does.
@@ -300,20 +318,26 @@ impl<'u> Elab<'u> {
         }
         let is_lifted = keeps_results || crate::clocks::may_be_inactive(unit);
         let around = std::mem::replace(&mut scope.base, inner.fragment);
-        let mut leaves = Vec::new();
-        for output in &unit.outputs {
-            let mut wire = self.flow(&mut scope, *output, span);
-            if is_lifted {
-                wire = self.off_clock_absent(&mut scope, *output, &wire, span);
-            }
-            leaves.extend(wire.iter().cloned());
-        }
+        let leaves = self.outputs_of(&mut scope, is_lifted, span);
         scope.base = around;
         self.exposed = match self.mode {
             Mode::Constant => Vec::new(),
             _ => self.expose(&mut scope, id, span),
         };
-        self.leaving(&leaves.into(), inner.fragment, at.fragment)
+        self.leaving(&leaves, inner.fragment, at.fragment)
+    }
+
+    /// The leaves of a unit's out-ports, for a reader in all its cycles if they are lifted.
+    fn outputs_of(&mut self, scope: &mut Scope<'u>, is_lifted: bool, span: Span) -> Wire {
+        let mut leaves = Vec::new();
+        for output in &scope.unit.outputs {
+            let mut wire = self.flow(scope, *output, span);
+            if is_lifted {
+                wire = self.off_clock_absent(scope, *output, &wire, span);
+            }
+            leaves.extend(wire.iter().cloned());
+        }
+        leaves.into()
     }
 
     fn fragment_of_unit(

@@ -95,16 +95,7 @@ impl<'u> Elab<'u> {
             }
             Kind::Slice { base, from, step } => self.slice(scope, *base, *from, *step, id, at),
             Kind::Select { base, index } => self.select(scope, *base, *index, id, at),
-            Kind::Build(parts) => {
-                let mut signals = Vec::with_capacity(parts.len());
-                for (k, part) in parts.iter().enumerate() {
-                    let wire = self.expr(scope, *part, at);
-                    let place = unit.expr(*part).span;
-                    let wire = self.field_in_subrange(wire, (&expr.ty, k), at, place);
-                    signals.extend_from_slice(&wire);
-                }
-                signals.into()
-            }
+            Kind::Build(parts) => self.built(scope, parts, &expr.ty, at),
             Kind::Repeat(element) => {
                 let wire = self.expr(scope, *element, at);
                 let count = expr.ty.leaf_count();
@@ -131,6 +122,24 @@ impl<'u> Elab<'u> {
             Kind::Merge { on, cases } => self.merge(scope, *on, cases, id, at),
             Kind::Current(operand) => self.current(scope, [id, *operand], at),
         }
+    }
+
+    /// A structure, array or tuple of its parts.
+    fn built(
+        &mut self,
+        scope: &mut Scope<'u>,
+        parts: &[ExprId],
+        ty: &crate::ty::Ty,
+        at: At,
+    ) -> Wire {
+        let mut signals = Vec::with_capacity(parts.len());
+        for (k, part) in parts.iter().enumerate() {
+            let wire = self.expr(scope, *part, at);
+            let place = scope.unit.expr(*part).span;
+            let wire = self.field_in_subrange(wire, (ty, k), at, place);
+            signals.extend_from_slice(&wire);
+        }
+        signals.into()
     }
 
     /// A condition of a block as one signal, in all cycles of the block.

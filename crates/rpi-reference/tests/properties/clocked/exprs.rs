@@ -365,7 +365,7 @@ impl Exprs<'_> {
             depth,
         );
         let x = vec![x];
-        Some(form("(current @)", x, want, Some(want.clock.clone())))
+        Some(form("(current (@))", x, want, Some(want.clock.clone())))
     }
 
     /// A clock that is sampled from another by one flow.

@@ -97,7 +97,9 @@ fn named(model: &mut Model, random: &mut Random) -> bool {
                     .clock
                     .as_ref()
                     .is_some_and(|clock| !lustre || has_name(clock));
-                if fits && matches!(expr.node, Node::Form(..)) {
+                // A call of several results is no value by itself.
+                let is_value = matches!(&expr.node, Node::Form(text, _) if !text.starts_with("Sub") || text.contains(")."));
+                if fits && is_value {
                     places.push((k, part));
                 }
                 part += 1;
@@ -318,7 +320,7 @@ fn bundled(model: &mut Model, random: &mut Random) -> bool {
             return false;
         };
         let targets = vec![a.targets[0], b.targets[0]];
-        let whole = format!("b{}", targets[0]);
+        let whole = format!("q{}", targets[0]);
         let want = Want {
             kind: Kind::Pair,
             clock: [].into(),
