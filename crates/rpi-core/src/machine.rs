@@ -80,7 +80,9 @@ impl Machine {
             ports,
             cycle: 0,
             clock: Clock {
-                dt: image.period_ns as f64 * 1e-9,
+                dt: image.period_ns as f64 / 1e9,
+                tick_ns: image.tick_ns,
+                ticks: image.period_ns / image.tick_ns.max(1),
                 cycle: 0,
                 net_ns: 0,
                 wall_ns: 0,
@@ -407,11 +409,18 @@ fn init_of(image: &Image, fragment: &Fragment) -> Cells {
     }
 }
 
+/// Ticks since the first cycle.
+fn elapsed(clock: Clock) -> i64 {
+    clock.cycle.saturating_mul(clock.ticks).cast_signed()
+}
+
 fn bits(flow: CommandFlow, clock: Clock, moment: &Moment) -> Option<u64> {
     Some(match flow {
         CommandFlow::Cancel => u64::from(moment.cancel),
         CommandFlow::Takeover => u64::from(moment.takeover),
-        CommandFlow::Time => (clock.cycle as f64 * clock.dt).to_bits(),
+        CommandFlow::Time => clock.seconds(elapsed(clock)).to_bits(),
+        CommandFlow::Elapsed => elapsed(clock).cast_unsigned(),
+        CommandFlow::PeriodTicks => clock.ticks,
         CommandFlow::Period => clock.dt.to_bits(),
         CommandFlow::NetTime => clock.net_ns.cast_unsigned(),
         CommandFlow::WallTime => clock.wall_ns.cast_unsigned(),

@@ -121,6 +121,7 @@ codes! {
     RPI2013 Error "array defined by its elements the wrong way";
     RPI2014 Error "variable that stands for many values";
     RPI2015 Warning "division read as in Lustre V6";
+    RPI2016 Warning "sum of times that is rounded";
     RPI2017 Error "value outside of its subrange";
     RPI2018 Error "subrange without values";
     RPI2019 Error "type that does not satisfy its constraint";

@@ -254,7 +254,15 @@ pub fn lower_to_run(net: &Net, period_ns: u64) -> Result<Image, String> {
 /// # Errors
 /// As there.
 pub fn lower_with_work(net: &Net, period_ns: u64) -> Result<(Image, u64), String> {
-    lowered(net, &LowerOptions::running(period_ns))
+    lower_for_tick(net, period_ns, period_ns)
+}
+
+/// As [`lower_with_work`] for a core whose tick, in nanoseconds, is shorter than the period.
+///
+/// # Errors
+/// As there.
+pub fn lower_for_tick(net: &Net, period_ns: u64, tick_ns: u64) -> Result<(Image, u64), String> {
+    lowered(net, &LowerOptions::running(period_ns).with_tick(tick_ns))
 }
 
 /// Lowers a checked net to be looked at: every port can be seen.

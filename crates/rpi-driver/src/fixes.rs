@@ -89,6 +89,10 @@ fn bare_name(before: &mut Edit, after: &mut Edit, places: &Places<'_>) {
     else {
         return;
     };
+    // The brackets of a call stay, `time(x)`.
+    if head.ends_with(char::is_alphanumeric) {
+        return;
+    }
     let whole = before.span.merge(after.span);
     let mut here = places.starting(whole).filter(|expr| expr.span == whole);
     if here.any(|expr| matches!(expr.kind, Kind::Flow(_))) {
@@ -126,6 +130,7 @@ fn neutral(ty: &Ty) -> Option<String> {
         Ty::Subrange(range) => Some(range.nearest(0).to_string()),
         Ty::Real(dim) if *ty == Ty::REAL || dim.is_plain() => Some("0.0".to_owned()),
         Ty::Real(dim) => Some(format!("0[{dim}]")),
+        Ty::Duration => Some("0[s]".to_owned()),
         Ty::Enum(values) => values.values.first().map(ToString::to_string),
         Ty::Array(element, n) => Some(format!("{}^{n}", neutral(element)?)),
         // What an instance was made for is not part of its name.

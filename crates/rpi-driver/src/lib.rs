@@ -29,8 +29,8 @@ mod unwanted;
 mod violation;
 
 pub use compile::{
-    Asked, Compiled, Program, compile, compile_example, compile_with, lower_to_look, lower_to_run,
-    lower_with_work,
+    Asked, Compiled, Program, compile, compile_example, compile_with, lower_for_tick,
+    lower_to_look, lower_to_run, lower_with_work,
 };
 pub use doctext::{doc_blocks, doc_links, examples};
 pub use faults::FaultPlace;

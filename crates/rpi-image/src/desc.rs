@@ -314,6 +314,10 @@ pub enum CommandFlow {
     WallTime,
     /// Identity of the predecessor's result (int), absent without one.
     Predecessor,
+    /// Ticks since the command's first cycle (int).
+    Elapsed,
+    /// Ticks in a period (int).
+    PeriodTicks,
 }
 
 impl PrimDesc {

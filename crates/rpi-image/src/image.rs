@@ -24,6 +24,8 @@ pub struct Image {
     pub name: String,
     /// Period in nanoseconds; windows and clocks were laid out for it.
     pub period_ns: u64,
+    /// Length of a tick, nanoseconds, which values of the type `time` count; the period is a whole multiple of it.
+    pub tick_ns: u64,
     /// Where the regions of the memory end.
     pub layout: Layout,
     /// Cells that do not start as 0, ascending.

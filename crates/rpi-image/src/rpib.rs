@@ -16,7 +16,7 @@ use alloc::vec::Vec;
 
 const MAGIC: [u8; 4] = *b"RPIB";
 /// Version of the format; any change of a table below is a new one.
-pub const VERSION: u16 = 1;
+pub const VERSION: u16 = 2;
 /// Magic, version and checksum.
 const HEADER: usize = MAGIC.len() + size_of::<u16>() + size_of::<u64>();
 
@@ -68,6 +68,7 @@ impl Image {
 wire_struct!(Image {
     name: String,
     period_ns: u64,
+    tick_ns: u64,
     layout: Layout,
     init: Vec<(u32, u64)>,
     prims: Vec<PrimUse>,
@@ -164,6 +165,8 @@ wire_enum!(CommandFlow {
     4 = NetTime,
     5 = WallTime,
     6 = Predecessor,
+    7 = Elapsed,
+    8 = PeriodTicks,
 });
 wire_enum!(Type { 0 = One(scalar), 1 = Array(scalar, len), 2 = Matrix(rows, cols) });
 wire_enum!(Scalar {

@@ -24,6 +24,7 @@ pub(crate) fn emit(net: &Net, flat: &Flat, options: &LowerOptions<'_>) -> Result
     let mut image = Image {
         name: net.name.clone(),
         period_ns: options.period_ns,
+        tick_ns: options.tick_ns,
         layout: layouts.layout,
         init: layouts.init(flat),
         ..Image::default()

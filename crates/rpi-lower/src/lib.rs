@@ -33,7 +33,7 @@ use rpi_prims::PrimId;
 pub fn lower(net: &Net, plan: &Plan<'_>, options: &LowerOptions<'_>) -> Result<Image, String> {
     let mut flat = build::build(net, plan, options);
     if options.observe == Observe::Exports {
-        passes::run(&mut flat, options.dt(), |flat, pass| {
+        passes::run(&mut flat, options.clock(), |flat, pass| {
             if cfg!(debug_assertions) {
                 check(net, flat, options, pass.name);
             }

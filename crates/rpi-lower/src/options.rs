@@ -1,12 +1,15 @@
 //! What a lowering is asked for.
 
 use rpi_net::PortRef;
+use rpi_prims::Clock;
 
 /// How a net is lowered.
 #[derive(Clone, Copy)]
 pub struct LowerOptions<'a> {
     /// Period in nanoseconds.
     pub period_ns: u64,
+    /// Length of a tick, nanoseconds: a whole fraction of the period, which values of the type `time` count.
+    pub tick_ns: u64,
     /// What must be visible while it runs.
     pub observe: Observe,
     /// Ports that may turn out absent whatever their primitive says: a replay may force that on them.
@@ -28,6 +31,7 @@ impl LowerOptions<'_> {
     pub fn running(period_ns: u64) -> Self {
         LowerOptions {
             period_ns,
+            tick_ns: period_ns,
             observe: Observe::Exports,
             may_be_absent: &|_| false,
         }
@@ -45,6 +49,24 @@ impl LowerOptions<'_> {
     /// Period in seconds.
     #[must_use]
     pub fn dt(&self) -> f64 {
-        self.period_ns as f64 * 1e-9
+        self.period_ns as f64 / 1e9
+    }
+
+    /// The same with another tick.
+    #[must_use]
+    pub fn with_tick(self, tick_ns: u64) -> Self {
+        LowerOptions { tick_ns, ..self }
+    }
+
+    /// The clocks as constants see them, in cycle 0.
+    pub(crate) fn clock(&self) -> Clock {
+        Clock {
+            dt: self.dt(),
+            tick_ns: self.tick_ns,
+            ticks: self.period_ns / self.tick_ns.max(1),
+            cycle: 0,
+            net_ns: 0,
+            wall_ns: 0,
+        }
     }
 }

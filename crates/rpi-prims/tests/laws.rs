@@ -307,5 +307,5 @@ fn guarded_operations_fault_only_where_they_count() {
         }
         seen += 1;
     }
-    assert_eq!(seen, 9);
+    assert_eq!(seen, 10);
 }

@@ -10,7 +10,7 @@ use rpi_syntax::ast::EndKind;
 
 use crate::clock::{self, Clocks};
 use crate::instance::{Here, Instance, InstanceId, Now, Place, State};
-use crate::value::{Leaf, Stop, Value};
+use crate::value::{Leaf, Stop};
 
 /// A program at work.
 pub struct Reference<'p> {
@@ -85,8 +85,10 @@ impl<'p> Reference<'p> {
         let unit = self.instances[0].unit;
         let mut outputs = Vec::new();
         for flow in &unit.outputs {
-            for k in 0..unit.flow(*flow).ty.leaf_count() {
-                outputs.push(self.flow(0, *flow, k)?);
+            let ty = &unit.flow(*flow).ty;
+            for k in 0..ty.leaf_count() {
+                let leaf = self.flow(0, *flow, k)?;
+                outputs.push(self.as_seen(leaf, ty, k));
             }
         }
         let seen = Cycle {
@@ -294,14 +296,15 @@ impl<'p> Reference<'p> {
         for (id, block) in (0..).map(BlockId).zip(&unit.blocks) {
             for export in &block.exports {
                 let here = self.inside(0, id);
-                for k in 0..unit.expr(export.value).ty.leaf_count() {
+                let ty = &unit.expr(export.value).ty;
+                for k in 0..ty.leaf_count() {
                     let active = self.is_active(0, id)?;
                     let leaf = if active {
                         self.leaf(here, export.value, k)?
                     } else {
                         None
                     };
-                    leaves.push(leaf);
+                    leaves.push(self.as_seen(leaf, ty, k));
                 }
             }
         }
@@ -364,12 +367,8 @@ impl<'p> Reference<'p> {
         let from_outside = |id: &&FlowId| unit.flow(**id).role != FlowRole::Param;
         let before = unit.inputs[..port].iter().filter(from_outside);
         let first: usize = before.map(|id| unit.flow(*id).ty.leaf_count()).sum();
-        self.inputs.get(first + k).copied().flatten()
-    }
-
-    /// The time since the first cycle in seconds.
-    pub(crate) fn time(&self) -> Value {
-        Value::Real((self.cycle - 1) as f64 * self.dt)
+        let leaf = self.inputs.get(first + k).copied().flatten();
+        self.as_counted(leaf, &unit.flow(unit.inputs[port]).ty, k)
     }
 }
 

@@ -43,8 +43,8 @@ impl<'p> Reference<'p> {
             Kind::Outside | Kind::Sensor { .. } => {
                 Err(Stop::Beyond("what lies outside".to_owned()))
             }
-            Kind::Const(leaves) => Ok(Value::of(&leaves[k])),
-            Kind::Literal(leaf) => Ok(Value::of(leaf)),
+            Kind::Const(leaves) => Ok(self.as_counted(Value::of(&leaves[k]), &expr.ty, k)),
+            Kind::Literal(leaf) => Ok(self.as_counted(Value::of(leaf), &expr.ty, k)),
             Kind::None => Ok(None),
             Kind::Flow(flow) => self.flow(here.instance, *flow, k),
             Kind::Part { base, at } => self.leaf(here, *base, *at as usize + k),
@@ -238,11 +238,13 @@ impl<'p> Reference<'p> {
             let there = self.operand(here, (id, 0), number)?;
             operands.push(self.leaf(there, *input, 0)?);
         }
-        match call.prim.desc().name {
-            "Rpi::First" => Ok(Some(Value::Bool(self.first(here, (id, 0))))),
-            "Rpi::Time" => Ok(Some(self.time())),
-            "Core::CycleTime" => Ok(Some(Value::Real(self.dt))),
-            name => operator::apply(name, &operands, here.chosen),
+        let name = call.prim.desc().name;
+        if name == "Rpi::First" {
+            return Ok(Some(Value::Bool(self.first(here, (id, 0)))));
+        }
+        match self.of_time(name, &operands, here.chosen) {
+            Some(leaf) => leaf,
+            None => operator::apply(name, &operands, here.chosen),
         }
     }
 

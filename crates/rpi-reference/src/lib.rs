@@ -13,6 +13,7 @@
 //! |---|---|
 //! | `value.rs` | values |
 //! | `operator.rs` | operators on numbers and truth values |
+//! | `time.rs` | exact time |
 //! | `instance.rs` | an instance of a unit: what it remembers, and what is known of it in this cycle |
 //! | `cycle.rs` | one cycle: everything that is active once, then what is kept for the next |
 //! | `leaf.rs` | expressions |
@@ -31,6 +32,7 @@ mod flow;
 mod instance;
 mod leaf;
 mod operator;
+mod time;
 mod value;
 
 pub use cycle::{Cycle, Reference};

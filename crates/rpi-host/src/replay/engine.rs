@@ -53,6 +53,7 @@ fn machine(net: &Net, options: &Options, bank: &mut ReplayBank) -> Result<Machin
     let plan = rpi_lower::Plan::of(&analysis).ok_or(ReplayError::Cyclic)?;
     let lowering = LowerOptions {
         period_ns: options.period_ns,
+        tick_ns: options.period_ns,
         observe: Observe::All,
         may_be_absent: &may_be_absent,
     };

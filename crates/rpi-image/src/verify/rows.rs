@@ -106,7 +106,7 @@ impl Check<'_> {
     }
 
     fn state(&mut self, desc: &PrimDesc, words: &[u32], group: &Group) {
-        let dt = self.image.period_ns as f64 * 1e-9;
+        let dt = self.image.period_ns as f64 / 1e9;
         let len = match desc.state {
             State::None => 0,
             State::Cells(n) => n,

@@ -21,6 +21,10 @@ impl Check<'_> {
         self.demand((1..=MAX_PERIOD_NS).contains(&period), || {
             format!("a period of {period} ns")
         });
+        let tick = self.image.tick_ns;
+        self.demand(tick > 0 && period.is_multiple_of(tick), || {
+            format!("a period of {period} ns and a tick of {tick} ns")
+        });
         if self.errors.is_empty() {
             self.writer = vec![UNWRITTEN; l.cells as usize];
             self.writer[..l.state as usize].fill(0);

@@ -1,7 +1,7 @@
 //! How primitives are written in C: one row each.
 //!
 //! In a row, `a`, `b`, `c`, ... in braces stand for the inputs and then the parameters, `{a?}` for the presence of an
-//! input, `{s}` for the state, `{dt}` for the period. A form for values of several cells is written once and holds cell
+//! input, `{s}` for the state, `{dt}` for the period, `{tick}` for the tick in nanoseconds. A form for values of several cells is written once and holds cell
 //! by cell; single cells are named by a number, `{a2}`.
 
 use rpi_image::image::Form;
@@ -98,6 +98,7 @@ static FORMS: &[CForm] = &[
     total("Core::DoublePower", &["pow({a}, {b})"]),
     total("Core::DoubleLog", &["log({a})"]),
     total("Core::DoubleFromInt", &["(double){a}"]),
+    total("Rpi::SecondsFromTicks", &["(double){a} * {tick} / 1e9"]),
     total("Core::IntGreater", &["{a} > {b}"]),
     total("Core::IntAdd", &["add_int({a}, {b}, &fault)"]),
     total("Core::IntMultiply", &["multiply_int({a}, {b}, &fault)"]),

@@ -31,7 +31,7 @@ pub fn emit_c(
         ..*options
     };
     let mut flat = build::build(net, plan, &named);
-    passes::tidy(&mut flat, options.dt());
+    passes::tidy(&mut flat, options.clock());
     let missing = writer::unsupported(net, &flat);
     if missing.is_empty() {
         return Ok(writer::write(net, &flat, options));

@@ -47,6 +47,7 @@ pub(super) fn write(net: &Net, flat: &Flat, options: &LowerOptions<'_>) -> Strin
         names: Names::new(net, flat),
         types: types(flat),
         dt: options.dt(),
+        tick_ns: options.tick_ns,
         state: Vec::new(),
         body: String::new(),
     };
@@ -62,6 +63,7 @@ struct Writer<'a> {
     names: Names,
     types: Vec<Scalar>,
     dt: f64,
+    tick_ns: u64,
     /// State of primitives: C type and name.
     state: Vec<(&'static str, String)>,
     body: String,
@@ -422,6 +424,7 @@ impl Writer<'_> {
         match name {
             "s" => return operands.state.clone(),
             "dt" => return literal(self.dt.to_bits(), Scalar::Real),
+            "tick" => return real(self.tick_ns as f64),
             _ => {}
         }
         let (letter, rest) = name.split_at(1);

@@ -9,8 +9,9 @@ use super::rename::Renames;
 use crate::access::Access;
 use crate::flat::{Flat, Op, ScopeId, Work};
 use crate::slots::{Region, Slot};
+use rpi_prims::Clock;
 
-pub(super) fn coalesce(flat: &mut Flat, _: f64) {
+pub(super) fn coalesce(flat: &mut Flat, _: Clock) {
     let facts = Facts::new(flat);
     let mut renames = Renames::new(flat);
     let mut moved = vec![false; flat.slots.len()];

@@ -9,9 +9,10 @@ use crate::access::Access;
 use crate::flat::{Flat, Item, Op, ScopeId, Work};
 use crate::slots::{Region, Slot};
 use rpi_image::image::{End, Signal};
+use rpi_prims::Clock;
 use rustc_hash::FxHashMap;
 
-pub(super) fn remove(flat: &mut Flat, _: f64) {
+pub(super) fn remove(flat: &mut Flat, _: Clock) {
     let writers = Writers::new(flat);
     let mut life = Life::new(flat, &writers);
     for &(number, scope) in &writers.order {

@@ -7,14 +7,14 @@ use crate::flat::{Flat, Op, Work};
 use crate::slots::{Region, Slot};
 use rpi_image::State;
 use rpi_image::image::{End, Form};
-use rpi_prims::PrimId;
+use rpi_prims::{Clock, PrimId};
 use rustc_hash::FxHashMap;
 
 /// A delay whose start is chosen by a constant starts with it.
 ///
 /// `first ? k : pre x` and the reference's `null(pre x) ? k : pre x` are `pre x` that starts as `k`: the choice takes
 /// the constant exactly in those cycles in which the delay's cells still have their initial content.
-pub(super) fn start(flat: &mut Flat, _: f64) {
+pub(super) fn start(flat: &mut Flat, _: Clock) {
     let known = Known::new(flat);
     let mut renames = Renames::new(flat);
     let mut dropped = vec![false; flat.ops.len()];
@@ -46,7 +46,7 @@ pub(super) fn start(flat: &mut Flat, _: f64) {
 
 /// What a delay gives is read where it is kept, as long as it is read by operations only: they run before the commit
 /// phase overwrites it.
-pub(super) fn direct(flat: &mut Flat, _: f64) {
+pub(super) fn direct(flat: &mut Flat, _: Clock) {
     let read_late = read_late(flat);
     let mut renames = Renames::new(flat);
     let mut dropped = vec![false; flat.ops.len()];

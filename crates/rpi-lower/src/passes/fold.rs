@@ -14,12 +14,12 @@ use rpi_image::State;
 use rpi_image::image::Form;
 use rpi_prims::{Clock, Cx, NoDevices, PrimId};
 
-pub(super) fn fold(flat: &mut Flat, dt: f64) {
+pub(super) fn fold(flat: &mut Flat, clock: Clock) {
     let mut fold = Fold {
         renames: Renames::new(flat),
         dropped: vec![false; flat.ops.len()],
         never: Vec::new(),
-        dt,
+        clock,
     };
     for stop in walk(flat) {
         match stop {
@@ -40,7 +40,7 @@ struct Fold {
     dropped: Vec<bool>,
     /// The outermost scope around here that is never active, if there is one.
     never: Vec<ScopeId>,
-    dt: f64,
+    clock: Clock,
 }
 
 impl Fold {
@@ -124,7 +124,7 @@ impl Fold {
         if !constant || !matches!(prim.desc().state, State::None) {
             return false;
         }
-        let Some(results) = compute(flat, op, prim, form, self.dt) else {
+        let Some(results) = compute(flat, op, prim, form, self.clock) else {
             return false;
         };
         for (slot, content) in results {
@@ -170,7 +170,7 @@ fn compute(
     op: Op,
     prim: PrimId,
     form: Form,
-    dt: f64,
+    clock: Clock,
 ) -> Option<Vec<(Slot, Vec<u64>)>> {
     let code = match form {
         Form::Total => prim.prim().total,
@@ -191,12 +191,6 @@ fn compute(
             flat.slots.content(slot, &mut cells);
         }
     }
-    let clock = Clock {
-        dt,
-        cycle: 0,
-        net_ns: 0,
-        wall_ns: 0,
-    };
     let mut cx = Cx {
         cells: &mut cells,
         clock,

@@ -6,7 +6,7 @@ use crate::access::Access;
 use crate::flat::{Flat, Op, ScopeId, Work, index};
 use crate::slots::{Region, Slot};
 use rpi_image::image::{End, Form, Signal};
-use rpi_prims::PrimId;
+use rpi_prims::{Clock, PrimId};
 use rustc_hash::FxHashMap;
 use std::sync::LazyLock;
 
@@ -66,7 +66,7 @@ static BY_PARTS: LazyLock<FxHashMap<(PrimId, usize, PrimId), PrimId>> = LazyLock
     FUSED.iter().filter_map(row).collect()
 });
 
-pub(super) fn fuse(flat: &mut Flat, _: f64) {
+pub(super) fn fuse(flat: &mut Flat, _: Clock) {
     let writers = Writers::new(flat);
     let uses = uses(flat, &writers.order);
     let mut dropped = vec![false; flat.ops.len()];

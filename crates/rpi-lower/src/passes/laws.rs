@@ -76,6 +76,8 @@ mod tests {
         cells.resize(out + cells_out, 7);
         let clock = Clock {
             dt: 0.001,
+            tick_ns: 1_000_000,
+            ticks: 1,
             cycle: 0,
             net_ns: 0,
             wall_ns: 0,

@@ -17,6 +17,7 @@ mod sensors;
 mod share;
 
 use crate::flat::Flat;
+use rpi_prims::Clock;
 
 /// A pass over a net that was taken apart.
 pub(crate) struct Pass {
@@ -24,7 +25,7 @@ pub(crate) struct Pass {
     pub(crate) name: &'static str,
     /// What it is for, in one line.
     pub(crate) what: &'static str,
-    pub(crate) run: fn(&mut Flat, f64),
+    pub(crate) run: fn(&mut Flat, Clock),
 }
 
 const FOLD: Pass = Pass {
@@ -80,15 +81,15 @@ pub(crate) const PASSES: &[Pass] = &[
 ];
 
 /// Runs all passes; `check` looks at the net after each.
-pub(crate) fn run(flat: &mut Flat, dt: f64, mut check: impl FnMut(&Flat, &Pass)) {
+pub(crate) fn run(flat: &mut Flat, clock: Clock, mut check: impl FnMut(&Flat, &Pass)) {
     for pass in PASSES {
-        (pass.run)(flat, dt);
+        (pass.run)(flat, clock);
         check(flat, pass);
     }
 }
 
 /// The passes after which a net reads well: for what is written for people and other compilers.
-pub(crate) fn tidy(flat: &mut Flat, dt: f64) {
+pub(crate) fn tidy(flat: &mut Flat, clock: Clock) {
     let all = PASSES.iter().take_while(|p| p.name != "fuse");
-    all.for_each(|p| (p.run)(flat, dt));
+    all.for_each(|p| (p.run)(flat, clock));
 }

@@ -10,12 +10,12 @@
 use crate::flat::{Flat, Item, ScopeId, Work};
 use crate::slots::Slot;
 use rpi_image::image::Form;
-use rpi_prims::PrimId;
+use rpi_prims::{Clock, PrimId};
 use rustc_hash::FxHashMap;
 use std::cmp::Reverse;
 use std::collections::VecDeque;
 
-pub(super) fn arrange(flat: &mut Flat, _: f64) {
+pub(super) fn arrange(flat: &mut Flat, _: Clock) {
     let mut writer = vec![NONE; flat.slots.len()];
     // Scopes that are merged into an earlier one are empty when their turn comes.
     let mut waiting = vec![ScopeId::ROOT];

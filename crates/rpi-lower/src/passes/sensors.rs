@@ -4,9 +4,10 @@ use super::rename::Renames;
 use crate::flat::Flat;
 use crate::slots::Slot;
 use rpi_image::image::{DevicePort, Sensor};
+use rpi_prims::Clock;
 use rustc_hash::FxHashMap;
 
-pub(super) fn share(flat: &mut Flat, _: f64) {
+pub(super) fn share(flat: &mut Flat, _: Clock) {
     let mut renames = Renames::new(flat);
     let mut known: FxHashMap<(String, String, u32), Vec<Sensor>> = FxHashMap::default();
     let sensors = std::mem::take(&mut flat.tables.sensors);

@@ -9,10 +9,11 @@ use crate::access::Access;
 use crate::flat::{Flat, Op, ScopeId, Work};
 use hashbrown::hash_table::{Entry, HashTable};
 use rpi_image::State;
+use rpi_prims::Clock;
 use rustc_hash::FxHasher;
 use std::hash::{Hash, Hasher};
 
-pub(super) fn share(flat: &mut Flat, _: f64) {
+pub(super) fn share(flat: &mut Flat, _: Clock) {
     let mut renames = Renames::new(flat);
     let mut dropped = vec![false; flat.ops.len()];
     let mut known = Known::new(flat);

@@ -134,7 +134,7 @@ impl Writer<'_> {
             let (Role::Flow(flow), desc) = (node.desc().role, node.desc()) else {
                 continue;
             };
-            if flow == CommandFlow::Period {
+            if matches!(flow, CommandFlow::Period | CommandFlow::PeriodTicks) {
                 continue;
             }
             if let Some(name) = self.core_input(desc, node.origin.span) {
@@ -147,7 +147,11 @@ impl Writer<'_> {
         let node = self.net().node(id);
         match node.desc().role {
             Role::Flow(CommandFlow::Period) => Some(Result {
-                value: literal(&Value::real(self.dt))?,
+                value: literal(&Value::real(self.period_ns as f64 / 1e9))?,
+                is: Is::Always,
+            }),
+            Role::Flow(CommandFlow::PeriodTicks) => Some(Result {
+                value: literal(&Value::int(1))?,
                 is: Is::Always,
             }),
             Role::Constant => Some(Result {
@@ -204,6 +208,11 @@ impl Writer<'_> {
             return self.strict(id, scalar, &template);
         }
         match plain {
+            "WholeTicks" => self.fixed_ticks(id),
+            "SecondsFromTicks" => {
+                let tick = literal(&Value::real(self.period_ns as f64))?;
+                self.strict(id, scalar, &format!("real {{0}} * {tick} / 1000000000.0"))
+            }
             "BooleanAnd" => self.kleene(id, "and"),
             "BooleanOr" => self.kleene(id, "or"),
             "BooleanImplies" => self.kleene(id, "=>"),
@@ -214,6 +223,18 @@ impl Writer<'_> {
             _ if plain.ends_with("SetNull") => self.set_null(id),
             _ => None,
         }
+    }
+
+    /// A duration that is fixed, in whole ticks; a tick is a period.
+    fn fixed_ticks(&mut self, id: NodeId) -> Option<Result> {
+        let Input::Const(value) = self.net().node(id).inputs.first()? else {
+            return None;
+        };
+        let ticks = rpi_prims::whole_ticks(value.as_real()?, self.period_ns);
+        Some(Result {
+            value: literal(&Value::int(ticks))?,
+            is: Is::Always,
+        })
     }
 
     /// There where all operands are. What can fault is computed only there; what has no value for some operands, like a

@@ -12,7 +12,8 @@ use std::collections::{BTreeMap, BTreeSet};
 pub(super) struct Writer<'n> {
     pub(super) analysis: &'n Analysis,
     /// The period in seconds.
-    pub(super) dt: f64,
+    /// Period and tick in nanoseconds.
+    pub(super) period_ns: u64,
     pub(super) names: Names,
     pub(super) title: String,
     pub(super) inputs: Vec<String>,
@@ -100,12 +101,12 @@ impl Is {
 }
 
 impl<'n> Writer<'n> {
-    pub(super) fn new(analysis: &'n Analysis, dt: f64) -> Self {
+    pub(super) fn new(analysis: &'n Analysis, period_ns: u64) -> Self {
         let mut names = Names::default();
         let title = names.fresh(&analysis.net.name);
         Writer {
             analysis,
-            dt,
+            period_ns,
             names,
             title,
             inputs: Vec::new(),

@@ -50,10 +50,10 @@ pub struct Lustre {
     pub findings: Vec<Finding>,
 }
 
-/// Writes an analysed net for a period in nanoseconds, on which only `dt` depends.
+/// Writes an analysed net for a period in nanoseconds, on which `dt` and the ticks of times depend.
 #[must_use]
 pub fn write(analysis: &Analysis, boundary: &Boundary<'_>, period_ns: u64) -> Lustre {
-    let mut writer = Writer::new(analysis, period_ns as f64 * 1e-9);
+    let mut writer = Writer::new(analysis, period_ns);
     for column in boundary.inputs {
         writer.input(&column.key, column.ty);
     }

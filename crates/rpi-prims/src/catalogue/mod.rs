@@ -75,6 +75,7 @@ const FAMILIES: &[&[Prim]] = &[
     own::reach::ALL,
     own::real::ALL,
     own::spatial::ALL,
+    own::ticks::ALL,
     own::typed::boolean::ALL,
     own::typed::double::ALL,
     own::typed::frame::ALL,

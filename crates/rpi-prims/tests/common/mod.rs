@@ -183,6 +183,8 @@ impl Rig {
         let time = (self.cycle as i64) * 10_000_000;
         let clock = Clock {
             dt: DT,
+            tick_ns: 10_000_000,
+            ticks: 1,
             cycle: self.cycle,
             net_ns: time,
             wall_ns: time,

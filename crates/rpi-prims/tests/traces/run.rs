@@ -59,6 +59,8 @@ fn clock(trace: &Trace, cycle: usize) -> Clock {
     let ms = trace.start_ms + 25 * (cycle as i64 - 1);
     Clock {
         dt: PERIOD,
+        tick_ns: 25_000_000,
+        ticks: 1,
         cycle: cycle as u64 - 1,
         net_ns: ms * 1_000_000,
         wall_ns: ms * 1_000_000,

@@ -70,8 +70,8 @@ impl<'a> Body<'_, 'a> {
         given: Vec<Given<'a>>,
         span: Span,
     ) -> ExprId {
-        if let Some(args) = self.match_ports(header, &given, span) {
-            self.fit_args(header, &args, &mut Subst::default());
+        if let Some(mut args) = self.match_ports(header, &given, span) {
+            self.fit_args(header, &mut args, &mut Subst::default());
         }
         self.add(Kind::Fault, header.result_type(), span)
     }

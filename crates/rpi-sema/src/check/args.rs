@@ -191,9 +191,17 @@ impl<'a> Body<'_, 'a> {
                 self.span_of(arg.value),
                 "this changes while the command runs",
             )
-            .help(
-                "what stands in `<<...>>` is fixed when the command is loaded; give it in `(...)`",
-            );
+            .help(match port.role {
+                FlowRole::Param => format!(
+                    "what stands in `<<...>>` is fixed when the command is loaded; declared as an in-port of `{}`, `{}` may change",
+                    short(&header.name),
+                    port.name
+                ),
+                _ => format!(
+                    "what stands in `<<...>>` is fixed when the command is loaded; give it in `(...)`: `{}: x`",
+                    port.name
+                ),
+            });
             self.report(finding);
             return false;
         }
@@ -281,11 +289,12 @@ impl<'a> Body<'_, 'a> {
     pub(super) fn fit_args(
         &mut self,
         header: &Header,
-        args: &[Option<ExprId>],
+        args: &mut [Option<ExprId>],
         subst: &mut Subst,
     ) -> bool {
         let mut sound = true;
-        for (port, arg) in header.inputs.iter().zip(args) {
+        self.args_suit(header, args);
+        for (port, arg) in header.inputs.iter().zip(&*args) {
             let Some(arg) = *arg else {
                 continue;
             };
@@ -344,6 +353,11 @@ impl<'a> Body<'_, 'a> {
         }
         true
     }
+}
+
+/// A name without the types and values that an instance was made for.
+fn short(name: &Name) -> &str {
+    name.split("<<").next().unwrap_or(name)
 }
 
 /// An argument by a name that nothing in a declaration has.

@@ -85,6 +85,10 @@ pub(super) struct Body<'c, 'a> {
     pub(super) ringed_modes: bool,
     /// Whether a claim is being checked, and whether it needs more than a run can show.
     pub(super) claim: Option<Unwatched>,
+    /// Whether a time has been met.
+    pub(super) has_times: bool,
+    /// Flows that are declared in seconds, with the places of their types.
+    pub(super) seconds: Vec<(FlowId, Span)>,
     pub(super) findings: Vec<Finding>,
     /// Which of them has a fix that writes a number as a real; others beside it may join.
     pub(super) made_real: Option<usize>,
@@ -136,6 +140,8 @@ impl<'c, 'a> Body<'c, 'a> {
             open_modes: Vec::new(),
             ringed_modes: false,
             claim: None,
+            has_times: false,
+            seconds: Vec::new(),
             findings: Vec::new(),
             made_real: None,
         }
@@ -155,6 +161,17 @@ impl<'c, 'a> Body<'c, 'a> {
 
     /// Adds an expression to the table.
     pub(super) fn add(&mut self, kind: Kind, ty: Ty, span: Span) -> ExprId {
+        match self.is_rpi() && super::time::may_be_converted(&self.unit, &kind, &ty) {
+            true => {
+                self.has_times |= ty == Ty::Duration;
+                let base = self.push(kind, ty.clone(), span);
+                self.push(Kind::Part { base, at: 0 }, ty, span)
+            }
+            false => self.push(kind, ty, span),
+        }
+    }
+
+    fn push(&mut self, kind: Kind, ty: Ty, span: Span) -> ExprId {
         let id = ExprId(u32::try_from(self.unit.exprs.len()).unwrap_or(u32::MAX));
         let ty = ty.widened();
         self.unit.exprs.push(Expr { kind, ty, span });

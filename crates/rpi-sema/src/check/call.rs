@@ -8,7 +8,7 @@ use super::header::Header;
 use super::locals::Local;
 use super::report::not_a;
 use super::special::{SPECIALS, Special};
-use super::statics::{Static, Statics};
+use super::statics::{Param, Static, Statics};
 use super::unit::is_callable;
 use crate::elab::NotConstant;
 use crate::program::{DeclId, DeclKind, Lookup, Space};
@@ -248,7 +248,7 @@ impl<'a> Body<'_, 'a> {
         let specials = SPECIALS.iter();
         let is_kind2 =
             |s: &&Special| matches!(s, Special::Any | Special::Choose | Special::Machine(_));
-        let is_ours = |s: &&Special| matches!(s, Special::Spatial(_));
+        let is_ours = |s: &&Special| matches!(s, Special::Spatial(_) | Special::Time);
         let is_rpi = self.is_rpi();
         let mut specials = specials.filter(|s| match is_rpi {
             true => !is_kind2(s),
@@ -400,9 +400,10 @@ impl<'a> Body<'_, 'a> {
                 Fixed::Constant(constant) => self.constant_expr(constant, span),
                 Fixed::Loaded(value) => *value,
             };
-            let param = params.iter().find(|p| p.name().name == *name);
+            let param = params.iter().map(Param::name).find(|p| p.name == *name);
+            let port = || self.c.port_names(id).find(|port| port.name == *name);
             given.push(Given {
-                name: param.map(|p| p.name()),
+                name: param.or_else(port),
                 value,
                 is_static: true,
             });
@@ -458,13 +459,13 @@ impl<'a> Body<'_, 'a> {
             frames: free.map(|frame| (frame.clone(), None)).collect(),
             ..Subst::default()
         };
-        let Some(args) = self.match_ports(&header, &given, span) else {
+        let Some(mut args) = self.match_ports(&header, &given, span) else {
             return Err(match open.is_empty() {
                 true => header.result_type().substituted(&subst),
                 false => Ty::Unknown,
             });
         };
-        let mut sound = self.fit_args(&header, &args, &mut subst);
+        let mut sound = self.fit_args(&header, &mut args, &mut subst);
         let of_units = header.inputs.iter().any(|port| port.ty.has_unknown());
         let told = args.iter().flatten();
         let all_told = told.copied().all(|arg| !self.ty_of(arg).has_unknown());
@@ -472,7 +473,7 @@ impl<'a> Body<'_, 'a> {
         let header = self.instance(&header, statics, &open, &subst, (span, told_at));
         let header = header.ok_or(Ty::Unknown)?;
         // Types in whose units parameters stand are known only now.
-        sound = sound && (!of_units || self.fit_args(&header, &args, &mut subst));
+        sound = sound && (!of_units || self.fit_args(&header, &mut args, &mut subst));
         match sound {
             true => Ok(Fitted {
                 header,

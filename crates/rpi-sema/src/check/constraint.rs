@@ -18,7 +18,7 @@ use std::rc::Rc;
 pub(super) enum Constraint {
     /// All.
     Any,
-    /// `int` and `real` of any unit.
+    /// `int`, `time` and `real` of any unit.
     Number,
     /// `int` and `real` without unit: products of such values are such values.
     Plain,
@@ -55,16 +55,17 @@ impl Constraint {
     pub(super) fn described(self) -> &'static str {
         match self {
             Constraint::Any => "any type",
-            Constraint::Number => "`int`, or `real` of any unit",
+            Constraint::Number => "`int`, `time`, or `real` of any unit",
             Constraint::Plain => "`int`, or `real` without unit",
             Constraint::Real => "`real` of any unit",
         }
     }
 
-    fn admits(self, ty: &Ty) -> bool {
+    pub(super) fn admits(self, ty: &Ty) -> bool {
         match (self, ty) {
             (Constraint::Any, _) | (_, Ty::Unknown | Ty::Generic(_)) => true,
             (Constraint::Number | Constraint::Plain, Ty::Int) => true,
+            (Constraint::Number, Ty::Duration) => true,
             (Constraint::Number | Constraint::Real, Ty::Real(_)) => true,
             (Constraint::Plain, Ty::Real(dim)) => dim.is_plain(),
             _ => false,

@@ -118,6 +118,9 @@ impl<'a> Body<'_, 'a> {
                 .fields
                 .iter()
                 .find(|f| f.name.as_ref() == Some(&field.field.name));
+            if let Some(wanted) = wanted {
+                self.suits(*given, &wanted.ty);
+            }
             let found = self.ty_of(*given).clone();
             if let Some(wanted) = wanted
                 && let Err(misfit) = fit(&wanted.ty, &found, &mut subst)
@@ -240,6 +243,7 @@ impl<'a> Body<'_, 'a> {
         };
         let mut subst = Subst::default();
         for (field, value) in open.fields[from..].iter().zip(values) {
+            self.suits(*value, &field.ty);
             let found = self.ty_of(*value).clone();
             if let Err(misfit) = fit(&field.ty, &found, &mut subst) {
                 let expected = field.ty.substituted(&subst);
@@ -356,7 +360,7 @@ fn zeros(ty: &Ty) -> Rc<[Leaf]> {
     ty.leaves(&mut |_, ty| {
         leaves.push(match ty {
             Ty::Bool => Leaf::bool(false),
-            Ty::Real(_) => Leaf::real(0.0),
+            Ty::Real(_) | Ty::Duration => Leaf::real(0.0),
             _ => Leaf::int(0),
         });
     });

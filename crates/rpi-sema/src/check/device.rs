@@ -99,6 +99,8 @@ impl<'a> Body<'_, 'a> {
             _ => (&decl.ty, false),
         };
         let ty = self.has_known_size(inner).then(|| self.value_ty(inner));
+        // A device knows no ticks.
+        let ty = ty.map(|ty| crate::check::outside_type(&ty).0);
         for name in &decl.names {
             ports.push(DevicePortTy {
                 name: name.name.clone(),

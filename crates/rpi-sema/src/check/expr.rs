@@ -171,6 +171,7 @@ impl<'a> Body<'_, 'a> {
 
     /// The type that two expressions have in common; a misfit is reported at the second, or at a number.
     pub(super) fn common_type(&mut self, a: ExprId, b: ExprId, why: &str) -> Ty {
+        self.times_meet(a, b);
         match join(self.ty_of(a), self.ty_of(b)) {
             Ok(ty) => ty,
             Err(misfit) => {

@@ -365,6 +365,7 @@ impl<'a> Body<'_, 'a> {
             let port = self.port_ty(&decl.ty);
             for name in &decl.names {
                 let flow = self.declare_flow(name, &port, FlowRole::Output);
+                self.notes_seconds(flow, &decl.ty);
                 self.unit.outputs.push(flow);
             }
         }

@@ -10,12 +10,13 @@
 //! | `unit.rs`, `header.rs`, `alias.rs`, `statics.rs`, `instance.rs`, `sizes.rs` | callables, their ports and static arguments |
 //! | `assumptions.rs` | what contracts assume, and which they take up |
 //! | `types.rs`, `device.rs`, `consts.rs` | types and constants |
-//! | `body.rs`, `locals.rs`, `order.rs`, `untold.rs`, `nothing.rs`, `statement.rs`, `contract.rs`, `targets.rs`, `spread.rs`, `definitions.rs`, `automaton.rs` | bodies, their flows and equations |
+//! | `body.rs`, `locals.rs`, `order.rs`, `untold.rs`, `nothing.rs`, `sums.rs`, `statement.rs`, `contract.rs`, `targets.rs`, `spread.rs`, `definitions.rs`, `automaton.rs` | bodies, their flows and equations |
 //! | `blocks.rs`, `elements.rs` | blocks of equations, and arrays that are defined element by element |
 //! | `constraint.rs`, `generic.rs` | constraints of type parameters, and generic bodies, checked for all types that these admit |
 //! | `sample.rs` | what needs arguments that nobody gives, checked all the same |
 //! | `bound.rs`, `quantifier.rs`, `data.rs` | names that expressions bring in: quantifiers, conditions of types, alternatives |
-//! | `expr.rs`, `names.rs`, `ops.rs`, `apart.rs`, `bracketed.rs`, `access.rs`, `compose.rs`, `update.rs`, `clocked.rs`, `case.rs` | expressions |
+//! | `expr.rs`, `names.rs`, `ops.rs`, `guess.rs`, `apart.rs`, `bracketed.rs`, `access.rs`, `compose.rs`, `update.rs`, `clocked.rs`, `case.rs` | expressions |
+//! | `time.rs`, `infer_times.rs` | exact time |
 //! | `machine.rs` | machine integers of Kind 2 |
 //! | `call.rs`, `callable.rs`, `args.rs`, `applied.rs`, `prim.rs`, `predef.rs`, `special.rs`, `spatial.rs`, `parts.rs`, `iterate.rs`, `condact.rs`, `meant.rs`, `misread.rs` | calls |
 //! | `task.rs` | tasks: steps, branches, results |
@@ -55,8 +56,10 @@ mod expr;
 mod foreign;
 mod frames;
 mod generic;
+mod guess;
 mod header;
 mod imported;
+mod infer_times;
 mod instance;
 mod iterate;
 mod locals;
@@ -85,8 +88,10 @@ mod spread;
 mod statement;
 mod statics;
 mod subrange;
+mod sums;
 mod targets;
 mod task;
+mod time;
 mod told;
 mod types;
 mod unit;
@@ -113,6 +118,7 @@ pub use names::result_identity;
 pub(crate) use prim::{machine_type, packed, param_default};
 pub(crate) use statics::{params, params_of};
 pub(crate) use subrange::outside;
+pub(crate) use time::outside_type;
 pub use unknown::no_file;
 pub(crate) use unknown::no_module;
 #[cfg(test)]
@@ -139,8 +145,14 @@ impl Checked {
         if let Ty::Device(_) = param.ty {
             return Argument::Value(vec![Leaf::Str(param.name.to_string())]);
         }
-        let fits =
-            |constant: &&Constant| fit(&param.ty, &constant.ty, &mut Subst::default()).is_ok();
+        let fits = |constant: &&Constant| {
+            fit(
+                &outside_type(&param.ty).0,
+                &outside_type(&constant.ty).0,
+                &mut Subst::default(),
+            )
+            .is_ok()
+        };
         let mut named = program.root().decls.iter();
         let found = named.find(|id| program.decl(**id).name == param.name);
         let constant = found.and_then(|id| self.constants.get(id)).filter(fits);
@@ -308,7 +320,7 @@ impl<'a> Checker<'a> {
         }
     }
 
-    fn is_lustre(&self, id: DeclId) -> bool {
+    pub(super) fn is_lustre(&self, id: DeclId) -> bool {
         self.program.decl(id).mode == rpi_syntax::Mode::Lustre
     }
 

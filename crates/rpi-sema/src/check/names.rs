@@ -28,18 +28,8 @@ pub(super) const PREDECLARED: &[Predeclared] = &[
     flow("takeover", prim!("Takeover"), Ty::Bool, true),
     flow("predecessor", prim!("Rpi::Predecessor"), Ty::Result, true),
     flow("first", prim!("Rpi::First"), Ty::Bool, false),
-    flow(
-        "time",
-        prim!("Rpi::Time"),
-        Ty::Real(crate::units::Dim::TIME),
-        false,
-    ),
-    flow(
-        "dt",
-        prim!("Core::CycleTime"),
-        Ty::Real(crate::units::Dim::TIME),
-        false,
-    ),
+    flow("time", prim!("Rpi::Elapsed"), Ty::Duration, false),
+    flow("dt", prim!("Rpi::PeriodTicks"), Ty::Duration, false),
 ];
 
 const fn flow(name: &'static str, prim: PrimId, ty: Ty, of_command: bool) -> Predeclared {
@@ -145,7 +135,12 @@ impl<'a> Body<'_, 'a> {
             [one] => Kind::Literal(one.clone()),
             _ => Kind::Const(constant.leaves.clone()),
         };
-        self.add(kind, constant.ty.clone(), span)
+        // How long a tick is is not known where constants are worked out: there times are seconds.
+        let ty = match &constant.ty {
+            Ty::Duration if self.unit.kind == UnitKind::Constant => super::time::SECONDS,
+            ty => ty.clone(),
+        };
+        self.add(kind, ty, span)
     }
 
     fn declared(&mut self, id: DeclId, span: Span) -> ExprId {

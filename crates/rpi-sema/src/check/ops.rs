@@ -1,7 +1,7 @@
 //! Operators: which primitive they are for which operands, and what their result is.
 
 use super::body::Body;
-use super::order::Guess;
+use super::guess::{binary_guess, guess_by_number, unary_guess};
 use super::quantity;
 use super::report::Wanted;
 use super::types::{FOREIGN, is_foreign};
@@ -148,6 +148,9 @@ impl<'a> Body<'_, 'a> {
 
     /// A unary operator on a checked operand.
     pub(super) fn unary_prim(&mut self, op: UnaryOp, operand: ExprId, span: Span) -> ExprId {
+        if matches!(op, UnaryOp::ToReal | UnaryOp::ToInt) {
+            self.in_seconds(operand);
+        }
         let ty = self.ty_of(operand).clone();
         if ty.is_unknown() {
             return self.add(Kind::Fault, unary_guess(op), span);
@@ -175,9 +178,11 @@ impl<'a> Body<'_, 'a> {
             let ty = if op == UnaryOp::ToInt { Ty::Int } else { ty };
             return self.add(Kind::Outside, ty, span);
         }
-        let row = UNARY
-            .iter()
-            .find(|row| row.0 == op && Some(row.1) == operand_kind(&ty));
+        let kind = match &ty {
+            Ty::Duration => Some(Int),
+            ty => operand_kind(ty),
+        };
+        let row = UNARY.iter().find(|row| row.0 == op && Some(row.1) == kind);
         match row {
             Some((_, _, prim)) => {
                 let ty = match op {
@@ -311,6 +316,10 @@ impl<'a> Body<'_, 'a> {
             let ty = if TESTS.contains(&op) { Ty::Bool } else { a };
             return self.add(Kind::Outside, ty, span);
         }
+        if let Some(of_times) = self.on_times(op, left, right, span) {
+            return of_times;
+        }
+        let (a, b) = (self.ty_of(left).clone(), self.ty_of(right).clone());
         let kinds = (operand_kind(&a), operand_kind(&b));
         let fits = |row: &&Row| row.op == op && (Some(row.left), Some(row.right)) == kinds;
         let Some(row) = BINARY.iter().find(fits) else {
@@ -359,6 +368,7 @@ impl<'a> Body<'_, 'a> {
     }
 
     fn joined(&mut self, op: BinaryOp, left: ExprId, right: ExprId) -> Ty {
+        self.times_meet(left, right);
         let (a, b) = (self.ty_of(left).clone(), self.ty_of(right).clone());
         match (join(&a, &b), &a, &b) {
             (Ok(ty), ..) => {
@@ -500,7 +510,7 @@ fn is_chained(binary: &Binary) -> bool {
 /// The machine type for which operators are looked up: enums and results have none.
 fn operand_kind(ty: &Ty) -> Option<Scalar> {
     match ty {
-        Ty::Enum(_) | Ty::Result | Ty::Machine(_) => None,
+        Ty::Enum(_) | Ty::Result | Ty::Machine(_) | Ty::Duration => None,
         other => other.scalar(),
     }
 }
@@ -513,42 +523,4 @@ fn dim_of(ty: &Ty) -> Option<Dim> {
         Ty::Int => Some(Dim::ONE),
         _ => None,
     }
-}
-
-/// What the result is whatever the operand.
-fn unary_guess(op: UnaryOp) -> Ty {
-    match op {
-        UnaryOp::Not => Ty::Bool,
-        UnaryOp::ToInt => Ty::Int,
-        UnaryOp::ToReal => Ty::REAL,
-        _ => Ty::Unknown,
-    }
-}
-
-/// Whether an operand of this type says little of the result.
-fn is_vague(ty: &Ty) -> bool {
-    matches!(ty, Ty::Time | Ty::Int)
-}
-
-/// What the result is as far as one known operand tells.
-fn binary_guess(op: BinaryOp, a: &Ty, b: &Ty) -> Ty {
-    match op {
-        _ if [a, b].iter().any(|ty| matches!(ty, Ty::Array(..))) => Ty::Unknown,
-        And | Or | Xor | Implies | Lt | Le | Gt | Ge => Ty::Bool,
-        // An integer may be meant as a real, which may be what is wrong with the other one.
-        Add | Sub | Mod if !is_vague(a) && !is_vague(b) => join(a, b).unwrap_or(Ty::Unknown),
-        IntDiv => Ty::Int,
-        _ => Ty::Unknown,
-    }
-}
-
-/// What the result is if the one known operand is a number that says so.
-fn guess_by_number(by: Guess, op: BinaryOp, a: &Ty, b: &Ty) -> Option<Ty> {
-    let known = if a.is_unknown() { b } else { a };
-    let says = match known {
-        Ty::Int => by != Guess::Nothing && matches!(op, Add | Sub | Mul | Div | Mod),
-        Ty::Real(dim) => by == Guess::Factors && matches!(op, Mul | Div) && *dim == Dim::ONE,
-        _ => false,
-    };
-    says.then(|| known.clone())
 }

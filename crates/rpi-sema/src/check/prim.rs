@@ -161,6 +161,8 @@ impl<'a> Body<'_, 'a> {
 
     /// A port takes a value of its machine type; units and frames are not its business.
     fn fits_port(&mut self, value: ExprId, port: PortType, name: &str) -> bool {
+        // A port takes seconds.
+        self.in_seconds(value);
         let ty = self.ty_of(value).clone();
         let fits = ty.is_unknown() || port_accepts(port, &ty);
         if !fits {

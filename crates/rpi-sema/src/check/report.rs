@@ -82,6 +82,19 @@ impl Body<'_, '_> {
             (Ty::Real(dim), Ty::Int) if self.is_number(id) && *dim != Dim::ONE => {
                 quantity::with_units(finding, *dim, span)
             }
+            (Ty::Duration, Ty::Int | Ty::Real(Dim::ONE)) if self.is_number(id) => {
+                quantity::with_units(finding, Dim::TIME, span)
+            }
+            (Ty::Duration, Ty::Real(Dim::TIME)) => finding
+                .help("`time(x)` is `x` in whole ticks, rounded up")
+                .fix(
+                    Fix::maybe("convert it by `time`")
+                        .insert_before(span, "time(")
+                        .insert_after(span, ")"),
+                ),
+            (Ty::Int, Ty::Duration) => {
+                finding.help("a number of times is a quotient: `x div 1[ms]`")
+            }
             (Ty::Real(_) | Ty::Int, _) if self.is_element_of_all(id) => finding,
             (Ty::Real(_), Ty::Int) => finding.fix(self.as_real(id)),
             (Ty::Int, Ty::Real(Dim::ONE)) if self.is_number(id) => {

@@ -74,7 +74,7 @@ pub(super) fn value(ty: &Ty) -> Option<Rc<[Leaf]>> {
         Ty::Machine(_) => [Leaf::int(0)].into(),
         Ty::Subrange(range) => [Leaf::int(range.nearest(SIZE))].into(),
         Ty::Int | Ty::Enum(_) => [Leaf::int(if *ty == Ty::Int { SIZE } else { 0 })].into(),
-        Ty::Real(_) => [Leaf::real(1.0)].into(),
+        Ty::Real(_) | Ty::Duration => [Leaf::real(1.0)].into(),
         Ty::Array(element, n) => {
             let one = value(element)?;
             let all = std::iter::repeat_n(one.iter().cloned(), *n as usize);

@@ -29,6 +29,8 @@ pub(super) enum Special {
     Choose,
     /// `(int8 x)` of Kind 2: as a machine integer.
     Machine(&'static str),
+    /// `time(x)`: seconds as a time, in whole ticks, rounded up.
+    Time,
     /// `norm(v)` and what else there is for vectors, rotations and poses.
     Spatial(SpatialOp),
 }
@@ -41,6 +43,7 @@ pub(super) const SPECIALS: &[Special] = &[
     Special::Sqrt,
     Special::Any,
     Special::Choose,
+    Special::Time,
     Special::Machine("int8"),
     Special::Machine("int16"),
     Special::Machine("int32"),
@@ -68,6 +71,7 @@ impl Special {
             Special::Any => "any",
             Special::Choose => "choose",
             Special::Machine(name) => name,
+            Special::Time => "time",
             Special::Spatial(op) => op.name(),
         }
     }
@@ -86,6 +90,7 @@ impl Special {
             Special::Any => "`any<<t>>()`",
             Special::Choose => "`choose { x: t | c }`",
             Special::Machine(_) => "`(int8 x)`",
+            Special::Time => "`time(x)`: seconds in whole ticks, rounded up",
             Special::Spatial(op) => op.form(),
         }
     }
@@ -144,6 +149,7 @@ impl<'a> Body<'_, 'a> {
             (Special::Spatial(op), values) if values.len() == op.operands() => {
                 self.spatial_op(op, values, span)
             }
+            (Special::Time, [x]) => self.whole_ticks(*x, span),
             (Special::Machine(to), [x]) => match MachineInt::named(to) {
                 Some(to) => self.converted_to(*x, to, span),
                 None => self.fault(span),
@@ -162,7 +168,19 @@ impl<'a> Body<'_, 'a> {
         }
     }
 
+    /// `time(x)`
+    fn whole_ticks(&mut self, x: ExprId, span: Span) -> ExprId {
+        if *self.ty_of(x) == Ty::Duration || self.in_ticks(x) {
+            return x;
+        }
+        match self.expect(x, &super::time::SECONDS, &Wanted::Here) {
+            true => self.ticks_from(x, span),
+            false => self.add(Kind::Fault, Ty::Duration, span),
+        }
+    }
+
     fn sqrt(&mut self, x: ExprId, span: Span) -> ExprId {
+        self.in_seconds(x);
         let dim = match self.ty_of(x) {
             Ty::Real(dim) => *dim,
             Ty::Unknown => return self.fault(span),

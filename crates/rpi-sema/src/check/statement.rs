@@ -42,11 +42,12 @@ impl<'a> Body<'_, 'a> {
             self.within(block, |body| body.check_later(item));
         }
         self.check_definitions();
+        self.check_sums();
     }
 
     /// Checks all equations that have been declared.
     pub(super) fn check_equations(&mut self) {
-        self.infer();
+        self.infer_with_times();
         self.state_clocks();
         self.report_unknown_types();
         for index in 0..self.pending.len() {
@@ -82,6 +83,7 @@ impl<'a> Body<'_, 'a> {
         for name in &var.names {
             self.hides_nothing(name);
             let flow = self.declare_flow(name, &port, FlowRole::Local);
+            self.notes_seconds(flow, &var.ty);
             if let Some(value) = &var.default {
                 self.pending.push(Pending {
                     block: self.block,
@@ -351,6 +353,7 @@ impl<'a> Body<'_, 'a> {
 
     /// Checks that an expression fits a type.
     pub(super) fn expect(&mut self, id: ExprId, expected: &Ty, wanted: &Wanted) -> bool {
+        self.suits(id, expected);
         let result = fit(expected, self.ty_of(id), &mut Subst::default());
         match result {
             Ok(()) => self.angle_has_unit(id, expected),

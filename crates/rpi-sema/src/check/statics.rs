@@ -90,14 +90,18 @@ impl<'a> Checker<'a> {
 
     /// The names of the in-ports of a callable declaration.
     pub(super) fn ports_of(&self, id: DeclId) -> impl Iterator<Item = &'a Name> + use<'a> {
+        self.port_names(id).map(|name| &name.name)
+    }
+
+    /// The in-ports of a callable declaration, by the places of their names.
+    pub(super) fn port_names(&self, id: DeclId) -> impl Iterator<Item = &'a Ident> + use<'a> {
         let inputs: &'a [VarDecl] = match self.program.decl(id).kind {
             DeclKind::Node(d) => d.signature.inputs.as_deref().unwrap_or(&[]),
             DeclKind::Fragment(d) => d.signature.inputs.as_deref().unwrap_or(&[]),
             DeclKind::Primitive(d) => d.signature.inputs.as_deref().unwrap_or(&[]),
             _ => &[],
         };
-        let names = inputs.iter().flat_map(|port| &port.names);
-        names.map(|name| &name.name)
+        inputs.iter().flat_map(|port| &port.names)
     }
 
     /// The static parameters of a callable declaration.
@@ -151,7 +155,10 @@ impl<'a> Body<'_, 'a> {
             }
             match (param, &arg.name) {
                 (Some(param), _) => self.bind_one(id, param, arg, &mut bound),
-                (None, Some(name)) => self.bind_port(name, arg, &mut bound),
+                (None, Some(name)) => self.bind_port(Some(name), arg, &mut bound),
+                (None, None) if self.may_be_for_port(id, &params, arg) => {
+                    self.bind_port(None, arg, &mut bound);
+                }
                 (None, None) => {
                     self.too_many(id, params.len(), arg.span);
                     bound.faulty = true;
@@ -215,13 +222,21 @@ impl<'a> Body<'_, 'a> {
         }
     }
 
-    fn bind_port(&mut self, name: &'a Ident, arg: &'a StaticArg, bound: &mut Bound<'a>) {
+    /// Whether an argument by place behind those for the static parameters may be for an in-port: `on_delay<<500[ms]>>(x)`.
+    fn may_be_for_port(&self, id: DeclId, params: &[Param<'_>], arg: &StaticArg) -> bool {
+        let has_values = params.iter().any(|param| !matches!(param, Param::Type(..)));
+        let has_ports = self.c.ports_of(id).next().is_some();
+        self.is_rpi() && !has_values && has_ports && matches!(arg.value, StaticValue::Expr(_))
+    }
+
+    /// Without a name it is for the first in-port that `(...)` leaves open.
+    fn bind_port(&mut self, name: Option<&'a Ident>, arg: &'a StaticArg, bound: &mut Bound<'a>) {
         let Some(value) = self.static_expr(arg) else {
             bound.faulty = true;
             return;
         };
         bound.ports.push(Given {
-            name: Some(name),
+            name,
             value,
             is_static: true,
         });

@@ -104,6 +104,12 @@ impl<'a> Body<'_, 'a> {
         value: ExprId,
     ) -> Target {
         let mut ty = expected.clone();
+        let is_all = self.ty_of(value) == found;
+        if is_all {
+            self.suits(value, &expected);
+        }
+        let now = self.ty_of(value).clone();
+        let found = if is_all { &now } else { found };
         match fit(&expected, found, &mut Subst::default()) {
             Ok(()) => {
                 self.angle_has_unit(value, &expected);

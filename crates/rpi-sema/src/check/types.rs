@@ -11,7 +11,7 @@ use super::{Checker, Lazy};
 use crate::program::{DeclId, DeclKind, Lookup, Space};
 use crate::ty::{EnumTy, Geometry, Member, StructTy, Ty};
 use crate::typed::Leaf;
-use crate::units::{Measure, resolve};
+use crate::units::{Dim, Measure, resolve};
 use rpi_diag::{Code, Finding, Span};
 use rpi_image::Scalar;
 use rpi_syntax::Name;
@@ -91,7 +91,7 @@ impl<'a> Body<'_, 'a> {
         for factor in &unit.factors {
             match self.statics.get(&factor.unit.name) {
                 Some(Static::Ty(Ty::Generic(_) | Ty::Unknown)) => return Ok(None),
-                Some(Static::Ty(ty)) if !matches!(ty, Ty::Real(_)) => {
+                Some(Static::Ty(ty)) if !matches!(ty, Ty::Real(_) | Ty::Duration) => {
                     return Err(Box::new(no_quantity(&factor.unit, ty)));
                 }
                 _ => {}
@@ -99,6 +99,7 @@ impl<'a> Body<'_, 'a> {
         }
         let parameter = |name: &str| match self.statics.get(name) {
             Some(Static::Ty(Ty::Real(dim))) => Some(*dim),
+            Some(Static::Ty(Ty::Duration)) => Some(Dim::TIME),
             _ => None,
         };
         let found = resolve(unit, &parameter).map_err(|fault| Box::new(unit_fault(&fault)));
@@ -164,7 +165,10 @@ impl<'a> Body<'_, 'a> {
             .iter()
             .copied()
             .find(|s| s.name() == name.as_str());
-        let found = spatial.map(super::prim::scalar_ty);
+        let found = match name.as_str() {
+            "time" if self.is_rpi() => Some(Ty::Duration),
+            _ => spatial.map(super::prim::scalar_ty),
+        };
         if found.is_none() {
             self.unknown_type(name, span);
         }
@@ -209,6 +213,7 @@ impl<'a> Body<'_, 'a> {
             }
             None if name == "result" => Ty::Result,
             None if name == "text" => Ty::Text,
+            None if name == "time" && self.is_rpi() => Ty::Duration,
             None if !self.is_rpi() && is_foreign_name(name) => self.foreign_type(named),
             None => {
                 self.unknown_type(&named.name.name, named.name.span);
@@ -279,7 +284,9 @@ impl<'a> Body<'_, 'a> {
     }
 
     pub(super) fn near_type(&self, name: &str) -> Option<String> {
-        let builtin = ["Vector", "Rotation", "Pose", "Twist", "Wrench", "Time"];
+        let builtin = [
+            "Vector", "Rotation", "Pose", "Twist", "Wrench", "Time", "time",
+        ];
         let is_type = |id: DeclId| {
             let kind = self.c.program.decl(id).kind;
             matches!(kind, DeclKind::Type(_) | DeclKind::Device(_))

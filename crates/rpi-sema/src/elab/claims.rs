@@ -140,6 +140,7 @@ impl<'u> Elab<'u> {
         for ((name, ty), signal) in leaves.take(part.count) {
             let key = read_key(claim, &name);
             let port = self.export_port(&key, signal, &ty, At::ROOT, expr.span);
+            let ty = crate::check::outside_type(&ty).0;
             self.watched.extend(port);
             reads.push(ClaimRead {
                 values: match &ty {

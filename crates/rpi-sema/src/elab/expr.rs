@@ -77,8 +77,8 @@ impl<'u> Elab<'u> {
         let span = expr.span;
         match &expr.kind {
             Kind::Fault => self.untold(span),
-            Kind::Const(leaves) => leaves.iter().cloned().map(Signal::Const).collect(),
-            Kind::Literal(leaf) => single(Signal::Const(leaf.clone())),
+            Kind::Const(leaves) => self.constants(leaves, &expr.ty, at, span),
+            Kind::Literal(leaf) => self.constants(std::slice::from_ref(leaf), &expr.ty, at, span),
             Kind::None => (0..expr.ty.leaf_count().max(1))
                 .map(|_| Signal::Absent)
                 .collect(),
@@ -382,6 +382,11 @@ impl<'u> Elab<'u> {
 
     fn prim_call(&mut self, scope: &mut Scope<'u>, call: &'u PrimCall, id: ExprId, at: At) -> Wire {
         let span = scope.unit.expr(id).span;
+        if self.mode == Mode::Constant
+            && let Some(wire) = self.constant_time(scope, call, at, span)
+        {
+            return wire;
+        }
         if let Some(test) = self.absent_test(scope, call, id, at) {
             return test;
         }

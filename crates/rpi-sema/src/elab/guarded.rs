@@ -25,6 +25,7 @@ const TWINS: &[(&str, &str)] = &[
     ("Rpi::IntNegate", "Rpi::GuardedIntNegate"),
     ("Rpi::IntAbsolute", "Rpi::GuardedIntAbsolute"),
     ("Core::IntFromDouble", "Rpi::GuardedIntFromDouble"),
+    ("Rpi::TicksFromSeconds", "Rpi::GuardedTicksFromSeconds"),
 ];
 
 /// The twin of a primitive that asks whether it counts.

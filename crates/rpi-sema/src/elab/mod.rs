@@ -12,7 +12,7 @@
 //! | `families.rs` | primitives that exist once per value type |
 //! | `nodes.rs`, `pack.rs`, `promise.rs` | adding nodes, folding them; arrays at ports |
 //! | `scope.rs`, `slots.rs`, `flows.rs` | one inlined unit and its flows |
-//! | `expr.rs`, `each.rs`, `guarded.rs`, `needed.rs`, `call.rs` | expressions |
+//! | `expr.rs`, `each.rs`, `guarded.rs`, `needed.rs`, `call.rs`, `time.rs` | expressions |
 //! | `block.rs`, `claims.rs`, `automaton.rs`, `clocks.rs`, `leaving.rs`, `entering.rs` | bodies, fragments, states, sampled flows |
 //! | `subrange.rs` | checks of what is declared as a subrange |
 //! | `device.rs`, `root.rs`, `settle.rs` | devices, commands and nodes that are run, the end |
@@ -43,6 +43,7 @@ mod settle;
 mod signal;
 mod slots;
 mod subrange;
+mod time;
 
 pub use claims::Claims;
 pub use room::{MAX_STEPS, MAX_TASKS_IN_A_ROW, Room, task_too_large};

@@ -215,7 +215,7 @@ impl<'u> Elab<'u> {
             let declared = unit.flow(*flow);
             let wire = match (args.get(k), declared.default, &declared.ty) {
                 (Some(Argument::Value(leaves)), ..) => {
-                    leaves.iter().cloned().map(Signal::Const).collect()
+                    self.constants(leaves, &declared.ty, At::ROOT, declared.span)
                 }
                 (_, _, Ty::Device(_)) => {
                     single(Signal::Const(Value::Str(declared.name.to_string())))
@@ -261,14 +261,25 @@ impl<'u> Elab<'u> {
             });
             let mut wire = Vec::with_capacity(leaves.len());
             for (k, (key, ty)) in leaves.into_iter().enumerate() {
-                let default = default.as_ref().and_then(|wire| wire.get(k));
-                let value = default.and_then(|signal| self.settled_constant(signal));
-                let scalar = ty.scalar().unwrap_or(Scalar::Bool);
+                let (seen, scalar) = crate::check::outside_type(&ty);
+                let default = default.as_ref().and_then(|wire| wire.get(k)).cloned();
+                let default =
+                    default.map(|signal| self.to_outside(&signal, &ty, At::ROOT, declared.span));
+                let value = match (ty == Ty::Duration, declared.default) {
+                    (true, Some(id)) => super::constant(self.units, unit, id)
+                        .ok()
+                        .and_then(|leaves| leaves.get(k).cloned()),
+                    _ => default
+                        .as_ref()
+                        .and_then(|signal| self.settled_constant(signal)),
+                };
                 let given = self.outside_at((&key, value), scalar, At::ROOT, declared.span);
-                wire.push(match optional {
-                    true => self.unless_given(&given, scalar, default, declared.span),
+                let given = match optional {
+                    true => self.unless_given(&given, scalar, default.as_ref(), declared.span),
                     false => given,
-                });
+                };
+                wire.push(self.from_outside(given, &ty, At::ROOT, declared.span));
+                let ty = seen;
                 if declared.role == FlowRole::Given {
                     self.net.given.push(Given {
                         key: key.clone(),
@@ -317,8 +328,8 @@ impl<'u> Elab<'u> {
         expr.ty.leaves(&mut |path, ty| leaf(path.to_owned(), ty));
         let leaves = leaves.into_iter();
         let signals = leaves.map(|(key, ty)| {
-            let scalar = ty.scalar().unwrap_or(Scalar::Bool);
-            self.outside_at((&key, None), scalar, at, expr.span)
+            let given = self.outside_at((&key, None), Self::scalar_outside(&ty), at, expr.span);
+            self.from_outside(given, &ty, at, expr.span)
         });
         signals.collect()
     }
@@ -369,6 +380,7 @@ impl<'u> Elab<'u> {
             for ((key, ty), signal) in leaves.into_iter().zip(wire.iter()) {
                 self.export(&key, signal, &ty, declared.span);
                 let optional = declared.optional != Optional::Declared(false);
+                let ty = crate::check::outside_type(&ty).0;
                 shapes.push(PortShape { key, ty, optional });
             }
         }
@@ -389,8 +401,8 @@ impl<'u> Elab<'u> {
         at: At,
         span: rpi_diag::Span,
     ) -> Option<ExportPort> {
-        let scalar = ty.scalar().unwrap_or(Scalar::Bool);
-        let source = self.port_of(signal, scalar, at, span)?;
+        let signal = self.to_outside(signal, ty, at, span);
+        let source = self.port_of(&signal, Self::scalar_outside(ty), at, span)?;
         Some(ExportPort {
             key: key.to_owned(),
             source,
@@ -427,6 +439,7 @@ impl<'u> Elab<'u> {
                 if let Some(port) = self.export_port(&key, signal, &ty, At::ROOT, declared.span) {
                     self.watched.push(port);
                     let optional = declared.optional != Optional::Declared(false);
+                    let ty = crate::check::outside_type(&ty).0;
                     shapes.push(PortShape { key, ty, optional });
                 }
             }

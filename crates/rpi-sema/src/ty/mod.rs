@@ -34,6 +34,8 @@ pub enum Ty {
     Real(Dim),
     /// Point in time.
     Time,
+    /// Exact time, `time`: a count of ticks.
+    Duration,
     /// Text: parameters only.
     Text,
     /// `Vector`, `Rotation`, `Pose`, `Twist`, `Wrench` with what is known of its geometry.
@@ -211,7 +213,8 @@ impl Ty {
     pub fn scalar(&self) -> Option<Scalar> {
         Some(match self {
             Ty::Bool => Scalar::Bool,
-            Ty::Int | Ty::Machine(_) | Ty::Subrange(_) | Ty::Enum(_) | Ty::Result => Scalar::Int,
+            Ty::Int | Ty::Machine(_) | Ty::Subrange(_) => Scalar::Int,
+            Ty::Duration | Ty::Enum(_) | Ty::Result => Scalar::Int,
             Ty::Real(_) => Scalar::Real,
             Ty::Time => Scalar::Time,
             Ty::Spatial(scalar, _) => *scalar,

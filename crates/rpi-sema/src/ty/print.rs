@@ -16,6 +16,7 @@ impl fmt::Display for Ty {
             Ty::Real(Dim::ONE) => f.write_str("real"),
             Ty::Real(dim) => write!(f, "real[{dim}]"),
             Ty::Time => f.write_str("Time"),
+            Ty::Duration => f.write_str("time"),
             Ty::Text => f.write_str("text"),
             Ty::Spatial(scalar, geometry) => spatial(*scalar, geometry, f),
             Ty::Enum(e) => f.write_str(&e.name),

@@ -100,6 +100,7 @@ impl Desk {
                 command: load.command.map(str::to_owned),
             },
             period_ns: self.period(load.period_ns),
+            tick_ns: self.tick_ns,
             on_overrun: load.on_overrun.unwrap_or(self.on_overrun),
         };
         let record = Record {

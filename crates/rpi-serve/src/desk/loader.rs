@@ -43,6 +43,7 @@ pub(crate) struct Job {
     pub(crate) client: Option<Client>,
     pub(crate) origin: Origin,
     pub(crate) period_ns: u64,
+    pub(crate) tick_ns: u64,
     /// What becomes of it if its cycles take too long.
     pub(crate) on_overrun: OnOverrun,
 }
@@ -145,7 +146,7 @@ type Lowered = (Image, u64, Reasons, Vec<Given>);
 fn image(job: &Job) -> Result<Lowered, Vec<String>> {
     let compiled = job.origin.compiled()?;
     let net = choose(&compiled, job.origin.command.as_deref())?;
-    let lowered = rpi_driver::lower_with_work(net, job.period_ns);
+    let lowered = rpi_driver::lower_for_tick(net, job.period_ns, job.tick_ns);
     let (image, work) = lowered.map_err(|e| vec![e])?;
     Ok((image, work, Reasons::of(net), net.given.clone()))
 }
@@ -167,7 +168,7 @@ fn script(job: &Job) -> Result<Script, Vec<String>> {
         _ => which("task", job.origin.command.as_deref(), known().collect()),
     })?;
     let lower = |net: &Net| {
-        let (image, work) = rpi_driver::lower_with_work(net, job.period_ns)?;
+        let (image, work) = rpi_driver::lower_for_tick(net, job.period_ns, job.tick_ns)?;
         Ok((image, Some(work)))
     };
     Script::of_task(task, compiled.nets(), lower).map_err(|why| vec![why])

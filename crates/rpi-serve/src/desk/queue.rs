@@ -119,6 +119,7 @@ mod tests {
                 command: None,
             },
             period_ns: 1,
+            tick_ns: 1,
             on_overrun: rpi_core::OnOverrun::Count,
         }
     }

@@ -161,6 +161,7 @@ impl Desk {
                 command: load.command.map(str::to_owned),
             },
             period_ns: self.period(load.period_ns),
+            tick_ns: self.tick_ns,
             on_overrun,
         };
         self.send(job);

@@ -17,6 +17,8 @@ struct Range {
     open: (bool, bool),
     /// Whether one of the comparisons holds, so that it is a number at all.
     is_number: bool,
+    /// Whether the ends are seconds rounded up to ticks: two that differ may be the same tick.
+    in_ticks: bool,
 }
 
 impl Range {
@@ -25,6 +27,7 @@ impl Range {
         below: f64::INFINITY,
         open: (false, false),
         is_number: false,
+        in_ticks: false,
     };
 
     fn from(above: f64, open: bool) -> Range {
@@ -56,6 +59,7 @@ impl Range {
             below: upper.below,
             open: (lower.open.0, upper.open.1),
             is_number: self.is_number || other.is_number,
+            in_ticks: self.in_ticks || other.in_ticks,
         }
     }
 
@@ -66,7 +70,12 @@ impl Range {
     }
 
     fn is_empty(self) -> bool {
-        self.above > self.below || (self.above == self.below && (self.open.0 || self.open.1))
+        let is_open = self.open.0 || self.open.1;
+        let is_crossed = self.above > self.below;
+        match self.in_ticks {
+            true => is_open && self.above >= self.below,
+            false => is_crossed || (is_open && self.above == self.below),
+        }
     }
 }
 
@@ -79,7 +88,9 @@ pub(super) fn check(net: &Net, known: &BTreeMap<PortRef, Set>) -> Result<(), Con
             Set::FALSE => false,
             _ => continue,
         };
-        let Some((number, range)) = range(net.node(port.node), holds) else {
+        let node = net.node(port.node);
+        let said = range(node, holds).or_else(|| range_in_ticks(net, node, holds));
+        let Some((number, range)) = said else {
             continue;
         };
         let range = Range {
@@ -166,15 +177,50 @@ fn range(node: &Node, holds: bool) -> Option<(PortRef, Range)> {
         return holds.then_some((number, equal));
     }
     let or_equal = OR_EQUAL.contains(&name);
-    (or_equal || compared("Greater")).then(|| {
-        let range = match (is_first, holds) {
-            (true, true) => Range::from(constant, !or_equal),
-            (true, false) => Range::up_to(constant, or_equal),
-            (false, true) => Range::up_to(constant, !or_equal),
-            (false, false) => Range::from(constant, or_equal),
-        };
-        (number, range)
-    })
+    (or_equal || compared("Greater"))
+        .then(|| (number, compared_with(constant, or_equal, is_first, holds)))
+}
+
+/// What a comparison with a duration that is fixed says of a number of ticks, in seconds. How long a tick is is not known, and a
+/// duration is rounded up to ticks: the longer of two durations has at least as many.
+fn range_in_ticks(net: &Net, node: &Node, holds: bool) -> Option<(PortRef, Range)> {
+    let or_equal = match node.desc().name {
+        "Core::IntGreater" => false,
+        "Rpi::IntGreaterOrEqual" => true,
+        _ => return None,
+    };
+    let [Input::Port(first), Input::Port(second)] = node.inputs[..] else {
+        return None;
+    };
+    let (number, seconds, is_first) = match (duration(net, first), duration(net, second)) {
+        (None, Some(seconds)) => (first, seconds, true),
+        (Some(seconds), None) => (second, seconds, false),
+        _ => return None,
+    };
+    let range = Range {
+        in_ticks: true,
+        ..compared_with(seconds, or_equal, is_first, holds)
+    };
+    Some((number, range))
+}
+
+/// Where a number lies that is, or is not, above a constant, or below it if it stands second.
+fn compared_with(constant: f64, or_equal: bool, is_first: bool, holds: bool) -> Range {
+    match (is_first, holds) {
+        (true, true) => Range::from(constant, !or_equal),
+        (true, false) => Range::up_to(constant, or_equal),
+        (false, true) => Range::up_to(constant, !or_equal),
+        (false, false) => Range::from(constant, or_equal),
+    }
+}
+
+/// The duration that a port gives in ticks, if it is fixed.
+fn duration(net: &Net, port: PortRef) -> Option<f64> {
+    let node = net.node(port.node);
+    match (node.desc().name, node.inputs.first()?) {
+        ("Rpi::WholeTicks", Input::Const(value)) => as_number(value),
+        _ => None,
+    }
 }
 
 /// `a >= b`

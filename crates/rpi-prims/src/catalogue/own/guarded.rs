@@ -3,6 +3,7 @@
 
 use crate::catalogue::int::{divided, fits, whole};
 use crate::catalogue::own::int::{power, remainder};
+use crate::catalogue::own::ticks::ticks;
 use crate::cx::FaultCode;
 use crate::macros::primitive;
 use crate::registry::Prim;
@@ -17,6 +18,7 @@ pub(in crate::catalogue) const ALL: &[Prim] = &[
     NEGATE,
     ABSOLUTE,
     INT_FROM_DOUBLE,
+    TICKS_FROM_SECONDS,
     INT_WITHIN,
 ];
 
@@ -132,4 +134,13 @@ primitive! {
         }
         (value,)
     }
+}
+
+primitive! {
+    /// The fewest whole ticks that take at least so many seconds where `inActive` is true; else 0, without a fault.
+    TICKS_FROM_SECONDS = "Rpi::GuardedTicksFromSeconds";
+    in { inActive: bool; inValue: f64 }
+    out { outValue: i64 }
+    presence strict work 10 faults;
+    full |cx, place, _, _, (active, seconds): (bool, f64)| (if active { ticks(cx, place, seconds) } else { 0 },)
 }

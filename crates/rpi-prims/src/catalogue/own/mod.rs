@@ -10,4 +10,5 @@ pub(super) mod profile;
 pub(super) mod reach;
 pub(super) mod real;
 pub(super) mod spatial;
+pub(super) mod ticks;
 pub(super) mod typed;

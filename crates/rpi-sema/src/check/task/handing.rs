@@ -166,7 +166,8 @@ impl<'a> Body<'_, 'a> {
             return Err(Box::new(finding.help(help)));
         };
         let found = &unit.expr(export.value).ty;
-        match fit(ty, found, &mut Subst::default()) {
+        let [wanted, handed] = [ty, found].map(|ty| crate::check::outside_type(ty).0);
+        match fit(&wanted, &handed, &mut Subst::default()) {
             // Frames are named after the parameters of each command.
             Ok(()) | Err(Misfit::Frame { .. }) => Ok(Handed {
                 flow: *flow,

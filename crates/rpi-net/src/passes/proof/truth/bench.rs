@@ -62,6 +62,8 @@ impl Bench {
         }
         let clock = Clock {
             dt: 0.001,
+            tick_ns: 1_000_000,
+            ticks: 1,
             cycle: 0,
             net_ns: 0,
             wall_ns: 0,

@@ -1,0 +1,85 @@
+//! Exact time: a leaf of the type `time` counts ticks (M2.4); what is outside sees seconds. A tick is a period here.
+
+use rpi_sema::ty::Ty;
+
+use crate::cycle::Reference;
+use crate::value::{Leaf, Stop, Value};
+
+impl Reference<'_> {
+    /// The seconds that so many ticks take.
+    fn seconds(&self, ticks: i64) -> f64 {
+        let tick_ns = (self.dt * 1e9).round();
+        ticks as f64 * tick_ns / 1e9
+    }
+
+    /// The fewest ticks that take at least so many seconds.
+    fn whole_ticks(&self, seconds: f64) -> Option<i64> {
+        let about = (seconds / self.dt).floor();
+        if about.is_nan() || about.abs() > 9.2e18 {
+            return None;
+        }
+        let about = about as i64;
+        (about - 2..=about + 2).find(|ticks| self.seconds(*ticks) >= seconds)
+    }
+
+    /// A value from outside, or a constant, as the program has it.
+    pub(crate) fn as_counted(&self, leaf: Leaf, ty: &Ty, k: usize) -> Leaf {
+        match (leaf, is_time(ty, k)) {
+            (Some(Value::Real(seconds)), true) => self.whole_ticks(seconds).map(Value::Int),
+            (leaf, _) => leaf,
+        }
+    }
+
+    /// A value of the program as it is seen from outside.
+    pub(crate) fn as_seen(&self, leaf: Leaf, ty: &Ty, k: usize) -> Leaf {
+        match (leaf, is_time(ty, k)) {
+            (Some(Value::Int(ticks)), true) => Some(Value::Real(self.seconds(ticks))),
+            (leaf, _) => leaf,
+        }
+    }
+
+    /// Conversions between ticks and seconds, and the times that the core gives.
+    pub(crate) fn of_time(
+        &self,
+        name: &str,
+        operands: &[Leaf],
+        chosen: bool,
+    ) -> Option<Result<Leaf, Stop>> {
+        let elapsed = (self.cycle - 1).cast_signed();
+        Some(Ok(match (name, operands) {
+            ("Rpi::Time", _) => Some(Value::Real(self.seconds(elapsed))),
+            ("Rpi::Elapsed", _) => Some(Value::Int(elapsed)),
+            ("Rpi::PeriodTicks", _) => Some(Value::Int(1)),
+            ("Core::CycleTime", _) => Some(Value::Real(self.dt)),
+            ("Rpi::SecondsFromTicks", [Some(Value::Int(ticks))]) => {
+                Some(Value::Real(self.seconds(*ticks)))
+            }
+            ("Rpi::WholeTicks", [Some(Value::Real(seconds))]) => {
+                let never = if *seconds > 0.0 { i64::MAX } else { i64::MIN };
+                let otherwise = if seconds.is_nan() { 0 } else { never };
+                Some(Value::Int(self.whole_ticks(*seconds).unwrap_or(otherwise)))
+            }
+            ("Rpi::TicksFromSeconds", [Some(Value::Real(seconds))]) => {
+                match self.whole_ticks(*seconds) {
+                    None if chosen => return Some(Err(Stop::Fault("conversion"))),
+                    ticks => Some(Value::Int(ticks.unwrap_or(0))),
+                }
+            }
+            ("Rpi::SecondsFromTicks" | "Rpi::WholeTicks" | "Rpi::TicksFromSeconds", _) => None,
+            _ => return None,
+        }))
+    }
+}
+
+/// Whether a leaf of a type is a time.
+fn is_time(ty: &Ty, k: usize) -> bool {
+    match ty {
+        Ty::Duration => true,
+        Ty::Array(..) | Ty::Struct(_) | Ty::Tuple(_) => {
+            let mut leaves = Vec::new();
+            ty.leaves(&mut |_, leaf| leaves.push(*leaf == Ty::Duration));
+            leaves.get(k).copied().unwrap_or(false)
+        }
+        _ => false,
+    }
+}

@@ -1,0 +1,148 @@
+//! Sums of times that are declared as reals: each step rounds, and after some thousand a limit is met a cycle too late or too early.
+
+use super::body::Body;
+use crate::hash::Map;
+use crate::typed::{Each, ExprId, FlowId, Kind, Place, PrimCall, Unit};
+use rpi_diag::{Code, Finding, Fix, Span};
+use rpi_net::prim;
+use rpi_syntax::ast;
+
+/// Expressions that are looked at for one flow, at most.
+const EFFORT: usize = 200;
+
+impl Body<'_, '_> {
+    /// Notes that a flow is declared in seconds.
+    pub(super) fn notes_seconds(&mut self, flow: FlowId, ty: &ast::Type) {
+        if self.unit.flow(flow).ty == super::time::SECONDS && self.is_rpi() {
+            self.seconds.push((flow, ty.span));
+        }
+    }
+
+    /// Warns of flows that are declared in seconds and add times to what they were in the cycle before.
+    pub(super) fn check_sums(&mut self) {
+        if self.seconds.is_empty() {
+            return;
+        }
+        let mut sums = Sums::of(&self.unit, &self.shares);
+        let mut findings = Vec::new();
+        for (flow, declared) in &self.seconds {
+            sums.left = EFFORT;
+            let values = sums.defined.get(flow).cloned().unwrap_or_default();
+            let found = values
+                .iter()
+                .find_map(|value| sums.adds_a_time(*flow, *value));
+            findings.extend(found.map(|at| rounded(&self.unit, *flow, *declared, at)));
+        }
+        self.findings.append(&mut findings);
+    }
+}
+
+fn rounded(unit: &Unit, flow: FlowId, declared: Span, sum: ExprId) -> Finding {
+    let flow = unit.flow(flow);
+    let message = format!(
+        "`{}` sums up times as reals: each step is rounded",
+        flow.name
+    );
+    Finding::new(Code::RPI2016, message)
+        .at(unit.expr(sum).span, "a time is added to what it was before")
+        .also(declared, "declared in seconds")
+        .help("the type `time` counts whole ticks: a limit is reached in the cycle that it names")
+        .fix(Fix::maybe("declare it as `time`").replace(declared, "time"))
+}
+
+/// What defines the flows of a unit, by the flow that is seen from outside of states.
+struct Sums<'u> {
+    unit: &'u Unit,
+    shares: &'u Map<FlowId, FlowId>,
+    defined: Map<FlowId, Vec<ExprId>>,
+    left: usize,
+}
+
+impl<'u> Sums<'u> {
+    fn of(unit: &'u Unit, shares: &'u Map<FlowId, FlowId>) -> Self {
+        let mut sums = Sums {
+            unit,
+            shares,
+            defined: Map::default(),
+            left: 0,
+        };
+        for equation in unit.blocks.iter().flat_map(|block| &block.equations) {
+            if let [target] = &equation.targets[..]
+                && let Place::Flow { flow, .. } = target.place
+            {
+                let flow = sums.seen(flow);
+                sums.defined.entry(flow).or_default().push(equation.value);
+            }
+        }
+        sums
+    }
+
+    fn seen(&self, flow: FlowId) -> FlowId {
+        self.shares.get(&flow).copied().unwrap_or(flow)
+    }
+
+    /// The sum in a value of a flow that adds a time to what the flow was before.
+    fn adds_a_time(&mut self, flow: FlowId, value: ExprId) -> Option<ExprId> {
+        let mut open = vec![value];
+        while let Some(id) = open.pop() {
+            self.left = self.left.checked_sub(1)?;
+            match &self.unit.expr(id).kind {
+                Kind::Prim(call) if self.is_sum(flow, call) => return Some(id),
+                Kind::Part { base, .. } => open.push(*base),
+                Kind::Each(Each::If, parts) => open.extend(parts.iter().skip(1)),
+                Kind::Each(Each::Arrow | Each::Coalesce | Each::Hold, parts) => open.extend(parts),
+                _ => {}
+            }
+        }
+        None
+    }
+
+    fn is_sum(&mut self, flow: FlowId, call: &PrimCall) -> bool {
+        let [Some(a), Some(b)] = call.inputs[..] else {
+            return false;
+        };
+        let adds = call.prim == prim!("Core::DoubleAdd");
+        let takes = adds || call.prim == prim!("Rpi::DoubleSubtract");
+        let of = |sums: &mut Self, before, time| sums.is_time(time) && sums.is_before(flow, before);
+        takes && (of(self, a, b) || adds && of(self, b, a))
+    }
+
+    /// Whether a real is a time, converted.
+    fn is_time(&self, id: ExprId) -> bool {
+        let Kind::Prim(call) = &self.unit.expr(id).kind else {
+            return false;
+        };
+        let times = ["Core::CycleTime", "Rpi::Time", "Rpi::SecondsFromTicks"];
+        times.contains(&call.prim.desc().name)
+    }
+
+    /// Whether a value is what a flow was in an earlier cycle.
+    fn is_before(&mut self, flow: FlowId, value: ExprId) -> bool {
+        let mut open = vec![(value, false)];
+        while let Some((id, delayed)) = open.pop() {
+            let Some(left) = self.left.checked_sub(1) else {
+                return false;
+            };
+            self.left = left;
+            match &self.unit.expr(id).kind {
+                Kind::Flow(read) if delayed && self.seen(*read) == flow => return true,
+                Kind::Flow(read) => {
+                    let values = self.defined.get(&self.seen(*read)).into_iter().flatten();
+                    open.extend(values.map(|value| (*value, delayed)));
+                }
+                Kind::Part { base, .. } => open.push((*base, delayed)),
+                Kind::Each(Each::Pre | Each::Last, parts) => {
+                    open.extend(parts.iter().map(|part| (*part, true)));
+                }
+                Kind::Each(Each::If, parts) => {
+                    open.extend(parts.iter().skip(1).map(|part| (*part, delayed)));
+                }
+                Kind::Each(Each::Arrow | Each::Coalesce | Each::Hold, parts) => {
+                    open.extend(parts.iter().map(|part| (*part, delayed)));
+                }
+                _ => {}
+            }
+        }
+        false
+    }
+}

@@ -1,0 +1,339 @@
+//! Exact time: values of the type `time` count ticks; where a real is wanted they become seconds, and a duration that is fixed when
+//! the command is loaded becomes whole ticks, rounded up, where a time is wanted.
+//!
+//! Such a conversion is often known only when the other operand is: so an expression that may need one is added together with a part
+//! that is all of it, and that part turns into the conversion. What has been checked keeps its number.
+
+use super::Checker;
+use super::body::Body;
+use super::constraint::written;
+use super::header::Header;
+use super::statics::Param;
+use crate::program::{DeclId, DeclKind};
+use crate::ty::Ty;
+use crate::typed::{Each, ExprId, FlowRole, Kind, PrimCall, Unit, UnitKind};
+use crate::units::Dim;
+use rpi_diag::Span;
+use rpi_image::{Role, Scalar, State};
+use rpi_net::prim;
+use rpi_prims::PrimId;
+use rpi_syntax::Name;
+use rpi_syntax::ops::BinaryOp;
+
+use BinaryOp::{Add, Div, Ge, Gt, IntDiv, Le, Lt, Mod, Mul, Pow, Sub};
+
+/// Seconds.
+pub(super) const SECONDS: Ty = Ty::Real(Dim::TIME);
+
+/// Expressions that one in seconds may choose among to become a time, at most.
+const MOST_PARTS: usize = 1000;
+
+/// An operator on times: what it is on the ticks, whether its operands change places, and what it gives.
+struct Row {
+    op: BinaryOp,
+    prim: PrimId,
+    swapped: bool,
+    gives: Ty,
+}
+
+const fn row(op: BinaryOp, prim: PrimId, swapped: bool, gives: Ty) -> Row {
+    Row {
+        op,
+        prim,
+        swapped,
+        gives,
+    }
+}
+
+/// Operators on two times, and on a time and an integer.
+#[rustfmt::skip]
+const ROWS: &[Row] = &[
+    row(Add,    prim!("Core::IntAdd"),           false, Ty::Duration),
+    row(Sub,    prim!("Rpi::IntSubtract"),       false, Ty::Duration),
+    row(Mul,    prim!("Core::IntMultiply"),      false, Ty::Duration),
+    row(Mod,    prim!("Rpi::IntModulo"),         false, Ty::Duration),
+    row(IntDiv, prim!("Core::IntDivide"),        false, Ty::Int),
+    row(Lt,     prim!("Core::IntGreater"),       true,  Ty::Bool),
+    row(Gt,     prim!("Core::IntGreater"),       false, Ty::Bool),
+    row(Le,     prim!("Rpi::IntGreaterOrEqual"), true,  Ty::Bool),
+    row(Ge,     prim!("Rpi::IntGreaterOrEqual"), false, Ty::Bool),
+];
+
+/// Whether an expression is added with a part that may turn into a conversion.
+pub(super) fn may_be_converted(unit: &Unit, kind: &Kind, ty: &Ty) -> bool {
+    match ty {
+        Ty::Duration => !matches!(kind, Kind::Fault),
+        Ty::Real(Dim::TIME) => is_fixed(unit, kind),
+        _ => false,
+    }
+}
+
+/// Whether a value is known to be the same in all cycles by a look at its operands.
+pub(super) fn is_fixed(unit: &Unit, kind: &Kind) -> bool {
+    match kind {
+        Kind::Flow(flow) => unit.flow(*flow).role == FlowRole::Param,
+        Kind::Prim(call) => {
+            let desc = call.prim.desc();
+            let is_pure = desc.role == Role::Compute && matches!(desc.state, State::None);
+            let mut inputs = call.inputs.iter().flatten();
+            is_pure && inputs.all(|input| is_fixed_operand(unit, *input))
+        }
+        _ => false,
+    }
+}
+
+fn is_fixed_operand(unit: &Unit, id: ExprId) -> bool {
+    match &unit.expr(id).kind {
+        Kind::Literal(_) => true,
+        Kind::Flow(flow) => unit.flow(*flow).role == FlowRole::Param,
+        _ => is_whole(unit, id, &SECONDS),
+    }
+}
+
+/// The expression of which this is a part that is all of it.
+fn whole(unit: &Unit, id: ExprId, ty: &Ty) -> Option<ExprId> {
+    match unit.expr(id).kind {
+        Kind::Part { base, .. } if unit.expr(base).ty == *ty => Some(base),
+        _ => None,
+    }
+}
+
+fn is_whole(unit: &Unit, id: ExprId, ty: &Ty) -> bool {
+    whole(unit, id, ty).is_some()
+}
+
+impl<'a> Body<'_, 'a> {
+    /// Turns a time into seconds.
+    pub(super) fn in_seconds(&mut self, id: ExprId) {
+        if *self.ty_of(id) != Ty::Duration {
+            return;
+        }
+        let base = whole(&self.unit, id, &Ty::Duration);
+        let converted = base.map(|base| match &self.unit.expr(base).kind {
+            // What the core gives in seconds, too.
+            Kind::Prim(call) if call.prim == prim!("Rpi::PeriodTicks") => {
+                prim_call(prim!("Core::CycleTime"), None)
+            }
+            Kind::Prim(call) if call.prim == prim!("Rpi::Elapsed") => {
+                prim_call(prim!("Rpi::Time"), None)
+            }
+            _ => prim_call(prim!("Rpi::SecondsFromTicks"), Some(base)),
+        });
+        let expr = &mut self.unit.exprs[id.0 as usize];
+        expr.ty = SECONDS;
+        if let Some(kind) = converted {
+            expr.kind = kind;
+        } else if let Kind::Prim(call) = &expr.kind
+            && let (true, [Some(base)]) = (call.prim == prim!("Rpi::WholeTicks"), &call.inputs[..])
+        {
+            expr.kind = Kind::Part { base: *base, at: 0 };
+        }
+    }
+
+    /// Turns seconds that are fixed when the command is loaded, or are chosen among such, into whole ticks, rounded up; whether they are.
+    pub(super) fn in_ticks(&mut self, id: ExprId) -> bool {
+        let Some(parts) = self.fixed_parts(id) else {
+            return false;
+        };
+        for part in parts {
+            let base = whole(&self.unit, part, &SECONDS);
+            let expr = &mut self.unit.exprs[part.0 as usize];
+            expr.ty = Ty::Duration;
+            if let Some(base) = base {
+                expr.kind = prim_call(prim!("Rpi::WholeTicks"), Some(base));
+            }
+        }
+        true
+    }
+
+    /// An expression in seconds with those among which it chooses, if all that these come down to are fixed, as far as a look tells.
+    pub(super) fn fixed_parts(&self, id: ExprId) -> Option<Vec<ExprId>> {
+        let mut parts = Vec::new();
+        let mut open = vec![id];
+        while let Some(id) = open.pop() {
+            let expr = self.unit.expr(id);
+            // `none` is of any type.
+            if expr.ty.is_unknown() && !parts.is_empty() {
+                continue;
+            }
+            if expr.ty != SECONDS || parts.len() > MOST_PARTS {
+                return None;
+            }
+            parts.push(id);
+            match &expr.kind {
+                Kind::Literal(_) | Kind::Fault => {}
+                Kind::Each(each, operands) => {
+                    open.extend(operands.iter().skip(usize::from(*each == Each::If)));
+                }
+                Kind::When { value, .. } | Kind::Current(value) => open.push(*value),
+                Kind::Merge { cases, .. } => open.extend(cases.iter().map(|case| case.1)),
+                _ if is_whole(&self.unit, id, &SECONDS) => {}
+                _ => return None,
+            }
+        }
+        Some(parts)
+    }
+
+    /// Brings a time and a real that meet to one type: a duration that is fixed to ticks, else the time to seconds.
+    pub(super) fn times_meet(&mut self, a: ExprId, b: ExprId) {
+        for (time, other) in [(a, b), (b, a)] {
+            let is_real = matches!(self.ty_of(other), Ty::Real(_));
+            if *self.ty_of(time) == Ty::Duration && is_real && !self.in_ticks(other) {
+                self.in_seconds(time);
+            }
+        }
+    }
+
+    /// Converts between seconds and ticks where the place of a value says which it wants.
+    pub(super) fn suits(&mut self, id: ExprId, wanted: &Ty) {
+        match wanted {
+            Ty::Real(_) => self.in_seconds(id),
+            Ty::Duration => _ = self.in_ticks(id),
+            _ => {}
+        }
+    }
+
+    /// An argument for a port of the type `time`: seconds that change become whole ticks, rounded up, as fixed ones do.
+    fn ticks_given(&mut self, id: ExprId) -> ExprId {
+        if *self.ty_of(id) != SECONDS || self.in_ticks(id) {
+            return id;
+        }
+        self.ticks_from(id, self.span_of(id))
+    }
+
+    /// `time(x)`
+    pub(super) fn ticks_from(&mut self, x: ExprId, span: Span) -> ExprId {
+        self.prim_typed(prim!("Rpi::TicksFromSeconds"), &[x], Ty::Duration, span)
+    }
+
+    /// Brings the operands of an operator, of which one is a time, to what the operator takes. True: times, or a time and an integer; else
+    /// seconds, where the other operand can have to do with them.
+    fn operands_meet(&mut self, op: BinaryOp, left: ExprId, right: ExprId) -> bool {
+        if matches!(op, Add | Sub | Mod | IntDiv | Lt | Le | Gt | Ge) {
+            self.times_meet(left, right);
+        }
+        match (self.ty_of(left), self.ty_of(right)) {
+            (Ty::Duration, Ty::Duration) if !matches!(op, Mul | Div | Pow) => return true,
+            (Ty::Duration, Ty::Int) if matches!(op, Mul | IntDiv) => return true,
+            (Ty::Int, Ty::Duration) if op == Mul => return true,
+            _ => {}
+        }
+        let is_other = |body: &Self, id| matches!(body.ty_of(id), Ty::Bool | Ty::Int | Ty::Enum(_));
+        if !is_other(self, left) && !is_other(self, right) {
+            self.in_seconds(left);
+            self.in_seconds(right);
+        }
+        false
+    }
+
+    /// `n * 10[ms]` is a multiple of ticks.
+    fn multiple_of_fixed(&mut self, op: BinaryOp, left: ExprId, right: ExprId) {
+        let is_constant = self.unit.kind == UnitKind::Constant;
+        for (count, duration) in [(left, right), (right, left)] {
+            let counts = *self.ty_of(count) == Ty::Int && !self.is_number(count);
+            if op == Mul && counts && !is_constant {
+                self.in_ticks(duration);
+            }
+        }
+    }
+
+    /// An operator of which an operand is a time; none if it works on seconds, which the operands are then.
+    pub(super) fn on_times(
+        &mut self,
+        op: BinaryOp,
+        left: ExprId,
+        right: ExprId,
+        span: Span,
+    ) -> Option<ExprId> {
+        let is_time = |body: &Self, id| *body.ty_of(id) == Ty::Duration;
+        self.multiple_of_fixed(op, left, right);
+        if !is_time(self, left) && !is_time(self, right) || !self.operands_meet(op, left, right) {
+            return None;
+        }
+        let row = ROWS.iter().find(|row| row.op == op)?;
+        let gives = match (op, is_time(self, right)) {
+            (IntDiv, false) => Ty::Duration,
+            _ => row.gives.clone(),
+        };
+        let operands = match row.swapped {
+            true => [right, left],
+            false => [left, right],
+        };
+        Some(self.prim_typed(row.prim, &operands, gives, span))
+    }
+
+    /// Decides for the arguments of a generic callable whether what they have in common is a time: where all of them are, or may be,
+    /// and the constraint of their type admits it; else they become seconds.
+    pub(super) fn settle_times(&mut self, header: &Header, args: &[Option<ExprId>]) {
+        let given = header.inputs.iter().zip(args);
+        let generic = given.filter_map(|(port, arg)| match (&port.ty, arg) {
+            (Ty::Generic(name), Some(arg)) => Some((name, *arg)),
+            _ => None,
+        });
+        let generic: Vec<(&Name, ExprId)> = generic.collect();
+        let is_time = |body: &Self, id| *body.ty_of(id) == Ty::Duration;
+        for (name, arg) in &generic {
+            if !is_time(self, *arg) {
+                continue;
+            }
+            let alike = generic.iter().filter(|other| other.0 == *name);
+            let alike: Vec<ExprId> = alike.map(|other| other.1).collect();
+            let exact = self.c.may_be_time(header.decl, name)
+                && alike
+                    .iter()
+                    .all(|id| is_time(self, *id) || self.fixed_parts(*id).is_some());
+            for id in alike {
+                match exact {
+                    true => _ = self.in_ticks(id),
+                    false => self.in_seconds(id),
+                }
+            }
+        }
+    }
+
+    /// Brings the arguments of a call to the types of the ports that are known.
+    pub(super) fn args_suit(&mut self, header: &Header, args: &mut [Option<ExprId>]) {
+        self.settle_times(header, args);
+        for (port, arg) in header.inputs.iter().zip(args) {
+            let Some(id) = arg else {
+                continue;
+            };
+            match &port.ty {
+                Ty::Duration => *arg = Some(self.ticks_given(*id)),
+                wanted => self.suits(*id, wanted),
+            }
+        }
+    }
+}
+
+fn prim_call(prim: PrimId, input: Option<ExprId>) -> Kind {
+    Kind::Prim(Box::new(PrimCall {
+        prim,
+        inputs: input.into_iter().map(Some).collect(),
+        params: Box::default(),
+    }))
+}
+
+impl Checker<'_> {
+    /// Whether a type parameter may be a time: its constraint admits one, and the language of the body knows the type.
+    fn may_be_time(&self, id: DeclId, name: &Name) -> bool {
+        let is_body = matches!(
+            self.program.decl(id).kind,
+            DeclKind::Node(_) | DeclKind::Fragment(_)
+        );
+        let params = self.params_of(id);
+        let constraint = params.iter().find_map(|param| match param {
+            Param::Type(of, constraint) if of.name == *name => Some(written(*constraint)),
+            _ => None,
+        });
+        is_body && !self.is_lustre(id) && constraint.is_some_and(|c| c.admits(&Ty::Duration))
+    }
+}
+
+/// The machine type in which a value of this type is seen from outside: a time in seconds.
+pub(crate) fn outside_type(ty: &Ty) -> (Ty, Scalar) {
+    match ty {
+        Ty::Duration => (SECONDS, Scalar::Real),
+        ty => (ty.clone(), ty.scalar().unwrap_or(Scalar::Bool)),
+    }
+}

@@ -1,0 +1,88 @@
+//! Exact time: constants are kept in seconds, for how long a tick is is known only with the core; in a net they are ticks. What is
+//! outside of a command sees seconds.
+
+use super::scope::Scope;
+use super::signal::{Signal, Wire};
+use super::{At, Elab, Mode, NotConstant};
+use crate::ty::Ty;
+use crate::typed::{ExprId, Leaf, PrimCall};
+use rpi_diag::Span;
+use rpi_image::Scalar;
+use rpi_net::prim;
+use rpi_prims::PrimId;
+
+/// Conversions between seconds and ticks.
+const CONVERSIONS: [PrimId; 3] = [
+    prim!("Rpi::WholeTicks"),
+    prim!("Rpi::TicksFromSeconds"),
+    prim!("Rpi::SecondsFromTicks"),
+];
+
+impl<'u> Elab<'u> {
+    /// The signals of a constant, leaf by leaf.
+    pub(super) fn constants(&mut self, leaves: &[Leaf], ty: &Ty, at: At, span: Span) -> Wire {
+        let mut times = Vec::new();
+        if self.mode != Mode::Constant {
+            ty.leaves(&mut |_, leaf| times.push(*leaf == Ty::Duration));
+        }
+        let leaves = leaves.iter().cloned().enumerate();
+        let signals = leaves.map(|(k, leaf)| match times.get(k) {
+            Some(true) => self.fixed_ticks(leaf, at, span),
+            _ => Signal::Const(leaf),
+        });
+        signals.collect()
+    }
+
+    fn fixed_ticks(&mut self, seconds: Leaf, at: At, span: Span) -> Signal {
+        self.simple(
+            prim!("Rpi::WholeTicks"),
+            &[Signal::Const(seconds)],
+            at,
+            span,
+        )
+    }
+
+    /// What a primitive makes of times where a constant is worked out: a conversion is none there, and of ticks nothing is known.
+    pub(super) fn constant_time(
+        &mut self,
+        scope: &mut Scope<'u>,
+        call: &'u PrimCall,
+        at: At,
+        span: Span,
+    ) -> Option<Wire> {
+        let is_time = |id: &ExprId| scope.unit.expr(*id).ty == Ty::Duration;
+        let inputs = call.inputs.iter().flatten();
+        if CONVERSIONS.contains(&call.prim) {
+            let first = *call.inputs.first()?.as_ref()?;
+            return Some(self.expr(scope, first, at));
+        }
+        let mut times = inputs.filter(|id| is_time(id));
+        times.next()?;
+        Some(self.fail(NotConstant::Flow(span)))
+    }
+
+    /// A leaf that comes from outside, as the program has it.
+    pub(super) fn from_outside(&mut self, signal: Signal, ty: &Ty, at: At, span: Span) -> Signal {
+        match ty {
+            Ty::Duration => self.simple(prim!("Rpi::TicksFromSeconds"), &[signal], at, span),
+            _ => signal,
+        }
+    }
+
+    /// A leaf of the program as it is seen from outside.
+    pub(super) fn to_outside(&mut self, signal: &Signal, ty: &Ty, at: At, span: Span) -> Signal {
+        let is_known = matches!(signal, Signal::Absent);
+        match ty {
+            Ty::Duration if !is_known => {
+                let inputs = std::slice::from_ref(signal);
+                self.simple(prim!("Rpi::SecondsFromTicks"), inputs, at, span)
+            }
+            _ => signal.clone(),
+        }
+    }
+
+    /// The machine type of a leaf outside.
+    pub(super) fn scalar_outside(ty: &Ty) -> Scalar {
+        crate::check::outside_type(ty).1
+    }
+}
