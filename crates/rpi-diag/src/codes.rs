@@ -79,6 +79,7 @@ codes! {
     RPI0015 Warning "`when` read as in Lustre V6";
     RPI0016 Error "spelling of another language";
     RPI0017 Error "construct of Kind 2 that is not run";
+    RPI0018 Warning "sign before a power";
     RPI0101 Error "unexpected sign in a net";
     RPI0102 Error "text without end in a net";
     RPI0103 Error "net nested too deeply";

@@ -32,12 +32,23 @@ pub struct Compiled {
     pub program: Program,
     /// Which command follows which, as the program's tasks say.
     pub tasks: Vec<Task>,
+    /// The commands that only run where a task gives them their arguments.
+    pub unset: Vec<Unset>,
     /// What the program claims of itself.
     pub tests: Vec<Test>,
     /// What the analyses established about each thing that can be run, if that was asked for.
     pub told: Vec<Told>,
     /// What tests can reach, if that was asked for.
     pub marks: Vec<Marks>,
+}
+
+/// A command with a parameter for which nothing is there: neither a constant of its name nor a value in its declaration.
+#[derive(Clone, PartialEq, Eq, Debug)]
+pub struct Unset {
+    /// Name of the command.
+    pub command: String,
+    /// Its parameters without a value, as they are declared: `to: Pose`.
+    pub params: Vec<String>,
 }
 
 /// What is asked for besides the findings.
@@ -123,6 +134,7 @@ fn program(input: &Input, text: &str, asked: Asked) -> Result<Compiled, InputErr
         tests: built.tests,
         told: built.told,
         tasks: built.tasks,
+        unset: built.unset,
         marks: match asked.marks {
             true => marks::of_modules(&modules),
             false => Vec::new(),
@@ -150,6 +162,7 @@ pub fn compile_example(input: &Input, lines: &[Range<usize>]) -> Result<Compiled
         tests: built.tests,
         told: built.told,
         tasks: built.tasks,
+        unset: built.unset,
         marks: Vec::new(),
     })
 }
@@ -176,6 +189,7 @@ fn image(input: &Input) -> Result<Compiled, InputError> {
         findings: Vec::new(),
         program: Program::Image(Box::new(image)),
         tasks: Vec::new(),
+        unset: Vec::new(),
         tests: Vec::new(),
         told: Vec::new(),
         marks: Vec::new(),
@@ -193,6 +207,7 @@ fn net(input: &Input, text: &str) -> Compiled {
         findings,
         program: Program::Nets(net.into_iter().collect()),
         tasks: Vec::new(),
+        unset: Vec::new(),
         tests: Vec::new(),
         told,
         marks: Vec::new(),

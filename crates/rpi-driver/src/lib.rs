@@ -29,7 +29,7 @@ mod unwanted;
 mod violation;
 
 pub use compile::{
-    Asked, Compiled, Program, compile, compile_example, compile_with, lower_for_tick,
+    Asked, Compiled, Program, Unset, compile, compile_example, compile_with, lower_for_tick,
     lower_to_look, lower_to_run, lower_with_work,
 };
 pub use doctext::{doc_blocks, doc_links, examples};

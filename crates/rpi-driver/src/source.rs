@@ -15,7 +15,7 @@ use rpi_sema::{Checked, check};
 use rpi_syntax::with_stack;
 
 use crate::agreed::Found;
-use crate::compile::Asked;
+use crate::compile::{Asked, Unset};
 use crate::faults::{self, FaultPlace};
 use crate::files::Disk;
 use crate::modules::Modules;
@@ -28,6 +28,8 @@ use crate::violation;
 pub(crate) struct Built {
     /// Its commands, in the order of the text; those that can be run.
     pub(crate) nets: Vec<Net>,
+    /// Its commands that lack arguments.
+    pub(crate) unset: Vec<Unset>,
     /// Its tests, in the order of the text.
     pub(crate) tests: Vec<Test>,
     /// What was found.
@@ -95,6 +97,7 @@ pub(crate) fn build_modules(
     let (roots, findings, checked) = with_front(modules, sources, back);
     let built = Built {
         nets: roots.nets,
+        unset: roots.unset,
         tests: roots.tests,
         told: roots.told,
         faults: roots.faults,
@@ -168,6 +171,7 @@ fn checked<T>(
 #[derive(Default)]
 struct Roots {
     nets: Vec<Net>,
+    unset: Vec<Unset>,
     tests: Vec<Test>,
     told: Vec<Told>,
     faults: Vec<FaultPlace>,
@@ -194,6 +198,9 @@ fn roots(front: &Front<'_>, asked: Asked, findings: &mut Vec<Finding>) -> Roots 
         }
         let args = arguments(front, *unit);
         let made = one(front, *unit, &args, found.net_of(*unit, None));
+        if kind == UnitKind::Command {
+            roots.unset.extend(unset(checked.unit(*unit), &args));
+        }
         let made = made.filter(|_| !args.contains(&Argument::Unknown));
         match (kind, made) {
             (UnitKind::Command, Some(made)) => {
@@ -415,6 +422,21 @@ fn arguments(front: &Front<'_>, unit: UnitId) -> Vec<Argument> {
     let params = rpi_sema::elab::parameters(unit);
     let argument = |id| front.checked.argument(front.program, unit.flow(id));
     params.into_iter().map(argument).collect()
+}
+
+/// A command that lacks arguments; [`None`] if it lacks none.
+fn unset(unit: &Unit, args: &[Argument]) -> Option<Unset> {
+    let params = rpi_sema::elab::parameters(unit).into_iter().zip(args);
+    let lacking = params.filter(|(_, arg)| **arg == Argument::Unknown);
+    let declared = |(id, _)| {
+        let flow = unit.flow(id);
+        format!("{}: {}", flow.name, flow.ty)
+    };
+    let params: Vec<String> = lacking.map(declared).collect();
+    (!params.is_empty()).then(|| Unset {
+        command: unit.name.to_string(),
+        params,
+    })
 }
 
 /// The units that others call.

@@ -143,6 +143,9 @@ fn applied(cx: &Context<'_>, waiting: Waiting, rhs: Expr) -> Expr {
     match waiting {
         Waiting::Binary { lhs, op, span } => {
             let whole = lhs.span.merge(rhs.span);
+            if op == BinaryOp::Pow && matches!(lhs.kind, ExprKind::Unary(UnaryOp::Neg, _)) {
+                cx.note_signed_base(lhs.span, rhs.span);
+            }
             let binary = Binary {
                 op,
                 op_span: span,

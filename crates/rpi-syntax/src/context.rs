@@ -2,7 +2,7 @@
 
 use crate::Mode;
 use crate::ast::{Doc, Ident, Name};
-use crate::comments::Comments;
+use crate::comments::{Comment, Comments};
 use crate::lexer::{Lexed, Lexeme};
 use crate::name::Interner;
 use crate::phrase;
@@ -23,6 +23,7 @@ pub(crate) struct Context<'t> {
     pub(crate) seeming: Seeming<'t>,
     comments: &'t Comments,
     lexemes: &'t [Lexeme],
+    read_as: &'t BTreeMap<(u32, u32), String>,
     has_docs: bool,
     findings: RefCell<Vec<Finding>>,
     /// How many faults may still be mended.
@@ -43,6 +44,7 @@ impl<'t> Context<'t> {
             seeming: Seeming::new(text),
             comments: &lexed.comments,
             lexemes: &lexed.lexemes,
+            read_as: &lexed.read_as,
             has_docs: lexed.comments.has_docs(),
             findings: RefCell::default(),
             patience: Cell::new(PATIENCE),
@@ -84,8 +86,14 @@ impl<'t> Context<'t> {
         (rest.is_empty() || rest.ends_with('\n')).then_some(before.len() - rest.len())
     }
 
+    /// The name or number at a place, as it is read.
     pub(crate) fn name(&self, start: u32, end: u32) -> Name {
-        self.names.name(self.slice(start, end))
+        let other = match self.read_as.is_empty() {
+            true => None,
+            false => self.read_as.get(&(start, end)),
+        };
+        self.names
+            .name(other.map_or(self.slice(start, end), String::as_str))
     }
 
     pub(crate) fn ident(&self, start: u32, end: u32) -> Ident {
@@ -98,6 +106,11 @@ impl<'t> Context<'t> {
     /// A name for a text that does not stand in the source as it is.
     pub(crate) fn intern(&self, text: &str) -> Name {
         self.names.name(text)
+    }
+
+    /// The comments at a stretch of the text.
+    pub(crate) fn comments_between(&self, start: u32, end: u32) -> &'t [Comment] {
+        self.comments.between(start, end)
     }
 
     /// The doc comment that ends right before `start`.
@@ -162,6 +175,14 @@ impl<'t> Context<'t> {
     }
 
     /// `x when c` is an operand of something larger: Kind 2 reads that differently.
+    /// `-x ** y`: the sign with its operand, and the power.
+    pub(crate) fn note_signed_base(&self, base: Span, power: Span) {
+        if self.mode == Mode::Rpi {
+            let text = self.slice(base.start, power.end);
+            self.report(phrase::sign_before_power(base, power, text));
+        }
+    }
+
     pub(crate) fn note_sampled_part(&self, part: Span) {
         if self.mode == Mode::Lustre {
             self.report(phrase::when_binds_tightly(part));

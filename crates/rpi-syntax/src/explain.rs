@@ -1,11 +1,13 @@
 //! Says in words what the grammar did not accept.
 
+use crate::comments::Comment;
 use crate::context::Context;
 use crate::expected;
 use crate::lexer::Lexeme;
 use crate::outside;
 use crate::structure::{Structure, closing};
 use crate::token::Token;
+use crate::words::begins_operand;
 use rpi_diag::{Code, Finding, Fix, Span};
 
 /// A token that the grammar did not accept.
@@ -61,12 +63,55 @@ impl Found<'_, '_> {
     pub(crate) fn missing_semi(&self) -> Finding {
         let before = self.before().unwrap_or(NO_LEXEME);
         let span = self.cx.span(before.start, before.end);
-        Finding::new(
+        let finding = Finding::new(
             Code::RPI0006,
             format!("expected `;` after {}", self.quoted(before)),
         )
-        .at(after(span), "this phrase has no end")
-        .fix(Fix::sure("insert `;`").insert_after(span, ";"))
+        .at(after(span), "this phrase has no end");
+        let finding = match self.is_hidden() {
+            true => finding.help("a comment takes in the rest of its line, with its `;`"),
+            false => finding,
+        };
+        finding.fix(self.ended().insert_after(span, ";"))
+    }
+
+    /// Whether a comment before the token has taken in a `;`.
+    fn is_hidden(&self) -> bool {
+        let end = self.before().map_or(0, |before| before.end);
+        let start = self.here().map_or(end, |here| here.start);
+        let text = |comment: &Comment| self.cx.slice(comment.span.start, comment.span.end);
+        let mut comments = self.cx.comments_between(end, start).iter();
+        comments.any(|comment| text(comment).contains(';'))
+    }
+
+    /// The fix that ends a phrase: sure if what follows begins another one, and no comment has taken in a `;`.
+    fn ended(&self) -> Fix {
+        let in_value = self.fault.expected.contains(&Token::Plus);
+        let title = "insert `;`";
+        match self.is_hidden() {
+            false if !in_value || self.begins_another() => Fix::sure(title),
+            _ => Fix::maybe(title),
+        }
+    }
+
+    /// Whether no value goes on here: a word follows by which something begins, or what an equation defines.
+    fn begins_another(&self) -> bool {
+        use Token::{Comma, Dot, Eq, Ident, Int, LBracket, LParen, Path, RBracket, RParen};
+        let rest = self.lexemes.get(self.fault.at..).unwrap_or_default();
+        let Some(first) = rest.first() else {
+            return true;
+        };
+        if first.token.keyword().is_some() {
+            return !begins_operand(first.token);
+        }
+        let is_target = |token| {
+            matches!(
+                token,
+                Comma | Dot | Ident | Int | LBracket | LParen | Path | RBracket | RParen
+            )
+        };
+        let mut after = rest.iter().take(LONGEST_TARGET).map(|lexeme| lexeme.token);
+        is_target(first.token) && after.find(|token| !is_target(*token)) == Some(Eq)
     }
 
     /// A body is open at the end of the declaration; `open` is its `let`.
@@ -174,6 +219,9 @@ impl Found<'_, '_> {
         format!("`{shown}`")
     }
 }
+
+/// How many tokens before its `=` are looked at.
+const LONGEST_TARGET: usize = 40;
 
 /// Stands before the first token.
 const NO_LEXEME: Lexeme = Lexeme {

@@ -1,13 +1,16 @@
 //! Text to tokens: comments set aside, numbers and texts checked, words settled.
 
+mod marks;
+mod numbers;
+
 use crate::comments::{Comment, CommentKind, Comments};
-use crate::lexical::Behind;
+use crate::habits::Becomes;
 use crate::seeming::Seeming;
-use crate::token::{Place, Token};
-use crate::{Mode, blocks, habits, lexical, units, words};
+use crate::token::Token;
+use crate::{Mode, blocks, habits, lexical, numeral, units, words};
 use logos::Logos;
 use rpi_diag::{FileId, Finding, Span};
-use std::collections::BTreeSet;
+use std::collections::{BTreeMap, BTreeSet};
 
 /// A token at its place, as byte offsets.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
@@ -24,6 +27,8 @@ pub(crate) struct Lexed {
     pub(crate) findings: Vec<Finding>,
     /// Comments that have been read: contracts and properties.
     pub(crate) claims: Vec<Span>,
+    /// What tokens are read as that are written otherwise, by their places: `16#FF` is `0xFF`.
+    pub(crate) read_as: BTreeMap<(u32, u32), String>,
 }
 
 /// The longest text that is read; places are 32-bit.
@@ -115,6 +120,7 @@ impl<'t> Lexer<'t> {
             comments: Comments::default(),
             findings: Vec::new(),
             claims: Vec::new(),
+            read_as: BTreeMap::new(),
         };
         Lexer {
             file,
@@ -141,7 +147,9 @@ impl<'t> Lexer<'t> {
             let more = match result {
                 _ if pragma.is_some() => pragma.unwrap_or_default(),
                 _ if comment => tokens.remainder().find('\n').unwrap_or(text.len() - end),
-                Ok(Token::NumberWord) => units::rest(tokens.remainder()),
+                Ok(Token::NumberWord) if numeral::foreign(tokens.slice()).is_none() => {
+                    units::rest(tokens.remainder())
+                }
                 Err(()) if tokens.slice() == "'" => lexical::quoted(tokens.remainder()),
                 _ => 0,
             };
@@ -165,10 +173,12 @@ impl<'t> Lexer<'t> {
         use Token::*;
         self.report_unknown();
         match lexeme.token {
-            LineComment | SlashComment | BlockComment | OpenComment => self.comment(lexeme),
+            LineComment | BlockComment | OpenComment => self.comment(lexeme),
+            SlashComment => self.quotient(lexeme),
             Int | Real => self.number(lexeme),
             IntDotDot => self.int_dot_dot(lexeme),
             NumberWord => self.number_word(lexeme),
+            IecLiteral => self.iec_literal(lexeme),
             OpenStr => self.open_str(lexeme),
             Foreign => self.foreign(lexeme),
             BitAnd | BitOr | BitNot if self.mode == Mode::Rpi => self.foreign(lexeme),
@@ -184,6 +194,7 @@ impl<'t> Lexer<'t> {
                 });
             }
             Percent if self.mode == Mode::Lustre => self.push(Mod, lexeme),
+            Ampersand if self.mode == Mode::Rpi => self.foreign(lexeme),
             Ampersand => self.push(And, lexeme),
             token => self.word_or_sign(token, lexeme),
         }
@@ -196,121 +207,6 @@ impl<'t> Lexer<'t> {
 
     fn push(&mut self, token: Token, lexeme: Lexeme) {
         self.out.lexemes.push(Lexeme { token, ..lexeme });
-    }
-
-    fn number(&mut self, lexeme: Lexeme) {
-        let is_machine = self.is_converted();
-        let finding = lexical::check_number(self.span(lexeme), self.slice(lexeme), is_machine);
-        if let Some(finding) = finding {
-            self.out.findings.push(finding);
-        }
-        self.push(lexeme.token, lexeme);
-    }
-
-    /// `0..` is an integer and the sign `..`.
-    fn int_dot_dot(&mut self, lexeme: Lexeme) {
-        let middle = lexeme.end - 2;
-        self.number(Lexeme {
-            token: Token::Int,
-            end: middle,
-            ..lexeme
-        });
-        let dots = Lexeme {
-            start: middle,
-            ..lexeme
-        };
-        self.push(Token::DotDot, dots);
-    }
-
-    /// The word of the language that a text is, if a number could stand before it.
-    fn word_behind_number(&self, text: &str) -> Option<Token> {
-        let token = Token::of_spelling(text)?;
-        let word = token.keyword().filter(|word| word.is_in(self.mode))?;
-        let is_word = word.is_reserved_in(self.mode) || word.place == Place::AfterOperand;
-        is_word.then_some(token)
-    }
-
-    /// `250mm/s`: reported, and read as the number with its unit.
-    fn number_word(&mut self, lexeme: Lexeme) {
-        let text = self.slice(lexeme);
-        let digits = text.len()
-            - text
-                .trim_start_matches(|c: char| c.is_ascii_digit() || c == '.')
-                .len();
-        if let Some(finding) = lexical::grouped_digits(self.span(lexeme), text) {
-            self.out.findings.push(finding);
-            let end = lexeme.start + digits as u32;
-            return self.push(Token::Int, Lexeme { end, ..lexeme });
-        }
-        let word = self.word_behind_number(&text[digits..]);
-        let behind = match word {
-            Some(_) => Behind::Keyword,
-            None if self.seeming.declares(&text[digits..]) => Behind::Name,
-            None => Behind::Unit,
-        };
-        let finding = lexical::number_runs_into_word(self.span(lexeme), text, digits, behind);
-        self.out.findings.push(finding);
-        let end = lexeme.start + digits as u32;
-        let token = match text[..digits].contains('.') {
-            true => Token::Real,
-            false => Token::Int,
-        };
-        self.push(token, Lexeme { end, ..lexeme });
-        match word {
-            Some(word) => self.push(
-                word,
-                Lexeme {
-                    start: end,
-                    ..lexeme
-                },
-            ),
-            None if behind == Behind::Name => self.factor(lexeme, end),
-            None => self.unit(&text[digits..], end),
-        }
-    }
-
-    /// A name behind a number, as its factor.
-    fn factor(&mut self, lexeme: Lexeme, start: u32) {
-        let star = Lexeme {
-            token: Token::Star,
-            start,
-            end: start,
-        };
-        self.out.lexemes.push(star);
-        self.push(Token::Ident, Lexeme { start, ..lexeme });
-    }
-
-    /// A unit that lacks its brackets, with them.
-    fn unit(&mut self, text: &str, start: u32) {
-        let at = |offset: usize| start + offset as u32;
-        let bracket = |token, place| Lexeme {
-            token,
-            start: place,
-            end: place,
-        };
-        self.out.lexemes.push(bracket(Token::LBracket, start));
-        for (token, range) in Token::lexer(text).spanned() {
-            let (start, end) = (at(range.start), at(range.end));
-            let token = token.unwrap_or(Token::Broken);
-            self.out.lexemes.push(Lexeme { token, start, end });
-        }
-        self.out
-            .lexemes
-            .push(bracket(Token::RBracket, at(text.len())));
-    }
-
-    /// `(uint64 18446744073709551615)`: whether a number is one for the bits of a machine integer.
-    fn is_converted(&self) -> bool {
-        use Token::{Gt, Int64, LParen, UInt64};
-        let mut before = self
-            .out
-            .lexemes
-            .iter()
-            .rev()
-            .take(4)
-            .map(|lexeme| lexeme.token);
-        let before = before.find(|token| *token != LParen);
-        self.mode == Mode::Lustre && matches!(before, Some(UInt64 | Int64 | Gt))
     }
 
     /// `++` where that is no sign.
@@ -334,13 +230,14 @@ impl<'t> Lexer<'t> {
 
     /// `==`: reported, and read as what is meant.
     fn foreign(&mut self, lexeme: Lexeme) {
-        if self.mode == Mode::Lustre && self.slice(lexeme) == LAZY_IMPLICATION {
+        let written = self.slice(lexeme);
+        if self.mode == Mode::Lustre && written == LAZY_IMPLICATION {
             return self.push(Token::Implies, lexeme);
         }
-        if self.mode == Mode::Lustre && self.slice(lexeme) == BECOMES && self.is_in_brackets() {
-            return self.push(Token::Becomes, lexeme);
+        if written == BECOMES {
+            return self.becomes(lexeme);
         }
-        let Some(sign) = habits::sign(self.slice(lexeme)) else {
+        let Some(sign) = habits::sign(written) else {
             return self.unknown(lexeme.start, lexeme.end);
         };
         let finding = habits::foreign_sign(self.span(lexeme), self.text, sign);
@@ -348,21 +245,42 @@ impl<'t> Lexer<'t> {
         self.push(sign.token, lexeme);
     }
 
-    /// Whether a `#` or `%` begins a comment, as elsewhere: here the one is an operator before `(`, the other
-    /// stands behind a number.
-    fn begins_comment(&self, token: Token, text: &str, end: u32) -> bool {
-        let called = || {
-            text[end as usize..]
-                .trim_start_matches([' ', '\t'])
-                .starts_with('(')
-        };
-        let before = self.out.lexemes.last().map(|lexeme| lexeme.token);
-        let begins = matches!(before, None | Some(Token::Semi | Token::Let | Token::Tel));
-        match token {
-            Token::Hash => !called(),
-            Token::Percent => self.mode == Mode::Rpi && begins,
-            _ => false,
+    /// `:=`: in Lustre the sign of Kind 2, else reported.
+    fn becomes(&mut self, lexeme: Lexeme) {
+        if self.mode == Mode::Lustre && self.is_in_brackets() {
+            return self.push(Token::Becomes, lexeme);
         }
+        let (finding, token) = habits::becomes(self.span(lexeme), self.text, self.defined());
+        self.out.findings.push(finding);
+        self.push(token, lexeme);
+    }
+
+    /// What a `:=` behind the tokens so far belongs to.
+    fn defined(&self) -> Becomes {
+        use Token::{
+            BoolType, Colon, Comma, Dot, Ident, Int, IntType, LBracket, RBracket, RealType,
+        };
+        use Token::{Const, LParen, Let, Path, RParen, RStatic, Semi, Tel, Var};
+        let tokens = self.out.lexemes.iter().rev().take(MAX_BACK);
+        let mut tokens = tokens.map(|lexeme| lexeme.token).peekable();
+        let is_named =
+            tokens.next_if_eq(&Ident).is_some() && matches!(tokens.peek(), Some(LParen | Comma));
+        let mut open = 0;
+        while let Some(token) = tokens.next() {
+            match token {
+                RParen => open += 1,
+                LParen if open > 0 => open -= 1,
+                LParen if is_named && matches!(tokens.peek(), Some(Ident | Path | RStatic)) => {
+                    return Becomes::Argument;
+                }
+                Const | Let | Semi | Tel | Var => return Becomes::Definition,
+                BoolType | Colon | Comma | Dot | Ident | Int | IntType | LBracket | Path
+                | RBracket | RealType | LParen => {}
+                _ if is_named => {}
+                _ => return Becomes::Unclear,
+            }
+        }
+        Becomes::Unclear
     }
 
     /// Whether a `[` is open, or another changed part stands before this one.
@@ -446,10 +364,8 @@ impl<'t> Lexer<'t> {
         }
         let finding = match lexeme.token {
             Token::OpenComment => Some(lexical::open_comment(span, self.slice(lexeme))),
-            Token::SlashComment if self.mode == Mode::Rpi => {
-                Some(lexical::foreign_comment(span, 2))
-            }
-            Token::Hash | Token::Percent => Some(lexical::foreign_comment(span, 1)),
+            Token::SlashComment if self.mode == Mode::Rpi => Some(self.foreign_comment(span, 2)),
+            Token::Hash | Token::Percent => Some(self.foreign_comment(span, 1)),
             _ if kind == CommentKind::Contract => Some(lexical::contract_comment(span)),
             _ if kind == CommentKind::Property => Some(lexical::property_comment(span)),
             _ => None,

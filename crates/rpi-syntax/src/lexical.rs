@@ -1,6 +1,8 @@
 //! Findings about single tokens and comments.
 
 use crate::ast::Number;
+use crate::habits;
+use crate::numeral::{self, Numeral};
 use rpi_diag::{Code, FileId, Finding, Fix, Span};
 
 /// Characters that come with copied text, and what was meant.
@@ -145,20 +147,25 @@ pub(crate) fn number_runs_into_word(
     }
 }
 
-/// `1_000`
-pub(crate) fn grouped_digits(span: Span, text: &str) -> Option<Finding> {
-    let is_digits = text.bytes().all(|b| b.is_ascii_digit() || b == b'_');
-    if !is_digits || !text.contains('_') {
-        return None;
+/// A literal as another language writes it.
+pub(crate) fn foreign_literal(span: Span, text: &str, code: Code, numeral: &Numeral) -> Finding {
+    let finding = Finding::new(code, numeral.message.clone()).at(span, numeral.seen);
+    let Some(meant) = &numeral.meant else {
+        return finding
+            .help("write a number, maybe with its unit: `10`, `0x1F`, `2.5e-3`, `500[ms]`");
+    };
+    let title = format!("write `{meant}`");
+    if numeral.is_sure {
+        return finding.fix(Fix::sure(title).replace(span, meant.as_str()));
     }
-    let meant = text.replace('_', "");
-    let finding = Finding::new(
-        Code::RPI0007,
-        "the digits of a number are written without `_`",
-    )
-    .at(span, "no word and no unit")
-    .fix(Fix::sure(format!("write `{meant}`")).replace(span, meant));
-    Some(finding)
+    let finding = finding.fix(Fix::maybe(title).replace(span, meant.as_str()));
+    match text.split_at(numeral::digits(text)) {
+        (number, unit @ ("F" | "L" | "l")) => {
+            let other = format!("{number}[{unit}]");
+            finding.fix(Fix::maybe(format!("write `{other}`, a unit")).replace(span, other))
+        }
+        _ => finding,
+    }
 }
 
 /// A number that no 64-bit value holds; `is_machine` if one without sign may be meant.
@@ -177,15 +184,32 @@ pub(crate) fn check_number(span: Span, text: &str, is_machine: bool) -> Option<F
     (!holds).then(|| Finding::new(Code::RPI0008, message()).at(span, "out of range"))
 }
 
-/// A comment as other languages begin it, by a mark of so many bytes.
-pub(crate) fn foreign_comment(span: Span, mark: u32) -> Finding {
+/// A comment as other languages begin it, by a mark of so many bytes; sure if it can not be an operator.
+pub(crate) fn foreign_comment(span: Span, mark: u32, is_sure: bool) -> Finding {
     let mark = Span {
         end: span.start + mark,
         ..span
     };
+    let title = "write `--`";
+    let fix = if is_sure {
+        Fix::sure(title)
+    } else {
+        Fix::maybe(title)
+    };
     Finding::new(Code::RPI0013, "comments begin with `--`")
         .at(mark, "taken as the begin of a comment")
-        .fix(Fix::sure("write `--`").replace(mark, "--"))
+        .fix(fix.replace(mark, "--"))
+}
+
+/// `x // 2`
+pub(crate) fn double_slash(span: Span, text: &str) -> Finding {
+    let word = habits::apart(span, text, "div");
+    Finding::new(
+        Code::RPI0016,
+        "an integer quotient is written `div`, a comment begins with `--`",
+    )
+    .at(span, "`//` is of another language")
+    .fix(Fix::maybe("write `div`").replace(span, word))
 }
 
 pub(crate) fn contract_comment(span: Span) -> Finding {

@@ -27,6 +27,7 @@ mod make_expr;
 mod mend;
 mod name;
 mod nesting;
+mod numeral;
 pub mod ops;
 mod outside;
 mod parse;

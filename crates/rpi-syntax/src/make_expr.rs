@@ -1,6 +1,7 @@
 //! Makes expressions, types and literals from what the grammar hands over.
 
 use crate::ast::*;
+use crate::chain::Prefix;
 use crate::context::Context;
 use crate::{Mode, phrase, text};
 
@@ -10,6 +11,14 @@ impl Context<'_> {
             kind,
             span: self.span(l, r),
         }
+    }
+
+    /// `when c then x else`, which begins at `l`: a choice, which only Lustre writes so.
+    pub(crate) fn when_as_if(&self, l: u32, condition: Expr, yes: Expr) -> Prefix {
+        if self.mode == Mode::Rpi {
+            self.report(phrase::when_as_if(self.span(l, l + 4)));
+        }
+        Prefix::If(Box::new((false, condition, yes)))
     }
 
     pub(crate) fn number(&self, l: u32, r: u32) -> Number {

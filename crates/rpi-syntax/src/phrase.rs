@@ -45,6 +45,33 @@ pub(crate) fn when_binds_tightly(part: Span) -> Finding {
     .fix(fix)
 }
 
+/// `when c then x else y`; the place is that of its first word.
+pub(crate) fn when_as_if(word: Span) -> Finding {
+    Finding::new(Code::RPI0016, "a choice is written `if c then x else y`")
+        .at(word, "`when` samples a flow, or activates a fragment")
+        .fix(Fix::sure("write `if`").replace(word, "if"))
+}
+
+/// `-x ** y`; the sign with its operand, the operator with what follows, and the text of all.
+pub(crate) fn sign_before_power(base: Span, power: Span, text: &str) -> Finding {
+    let operand = text[1..(base.end - base.start) as usize].trim_start();
+    let rest = text[(base.end - base.start) as usize..].trim_start();
+    let negated = format!("-({operand} {rest})");
+    let whole = base.merge(power);
+    Finding::new(
+        Code::RPI0018,
+        "the sign goes before the power: this is `(-x) ** y`",
+    )
+    .at(base, "is raised to the power")
+    .help("mathematics, Python and Fortran read it as `-(x ** y)`")
+    .fix(
+        Fix::sure(format!("write `(-{operand})`, which is the same"))
+            .insert_before(base, "(")
+            .insert_after(base, ")"),
+    )
+    .fix(Fix::maybe(format!("write `{negated}`")).replace(whole, negated))
+}
+
 pub(crate) fn unit_head(span: Span, text: &str) -> Finding {
     let finding = Finding::new(Code::RPI0001, "a number is no unit")
         .at(span, "expected the name of a unit, or `1` as in `1/s`");

@@ -52,7 +52,9 @@ pub fn pieces(text: &str, mode: Mode) -> Vec<Piece> {
 fn kind(token: Token) -> PieceKind {
     match token {
         Token::Ident | Token::Path => PieceKind::Name,
-        Token::Int | Token::IntDotDot | Token::Real | Token::NumberWord => PieceKind::Number,
+        Token::Int | Token::IntDotDot | Token::Real | Token::NumberWord | Token::IecLiteral => {
+            PieceKind::Number
+        }
         Token::Str | Token::OpenStr | Token::Label => PieceKind::Text,
         _ => PieceKind::Fixed,
     }

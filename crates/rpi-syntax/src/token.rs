@@ -104,16 +104,23 @@ macro_rules! tokens {
             #[regex(r"0[xX][0-9a-fA-F]+(\.[0-9a-fA-F]*)?[pP][+-]?[0-9]+")]
             #[regex(r"0[xX][0-9a-fA-F]+\.[0-9a-fA-F]+")]
             Real,
-            /// `250mm`: a number that runs into a word.
-            #[regex(r"[0-9]+(\.[0-9]*)?[A-Za-z_][A-Za-z0-9_]*", priority = 1)]
+            /// `250mm`: a number that runs into a word; or one of another language, `1.5e-3f`, `1_000.5`, `1'000`.
+            #[regex(r"[0-9]+(\.[0-9]*)?([eE][+-][0-9]+)?[A-Za-z_][A-Za-z0-9_]*", priority = 1)]
+            #[regex(r"[0-9]+(_[0-9]+)+\.[0-9][0-9_]*", priority = 1)]
+            #[regex(r"[0-9]+('[0-9][0-9][0-9])+", priority = 1)]
             NumberWord,
+            /// `16#FF`, `T#500ms`: a literal of IEC 61131-3.
+            #[regex(r"[0-9]+#[0-9A-Za-z][0-9A-Za-z_]*")]
+            #[regex(r"[A-Za-z_][A-Za-z0-9_]*#[+-]?[0-9A-Za-z][0-9A-Za-z_]*([.#][0-9A-Za-z_]+)?")]
+            IecLiteral,
             #[regex(r#""([^"\\\n]|\\[^\n])*""#)]
             Str,
             #[regex(r#""([^"\\\n]|\\[^\n])*"#, priority = 1)]
             OpenStr,
             #[regex(r"--[^\n]*", allow_greedy = true)]
             LineComment,
-            #[regex(r"//[^\n]*", allow_greedy = true)]
+            /// `//`: the lexer says whether a comment begins there.
+            #[token("//")]
             SlashComment,
             #[token("(*", |lexer| to_end(lexer, "*)"))]
             #[token("/*", |lexer| to_end(lexer, "*/"))]
@@ -196,7 +203,7 @@ tokens! {
         IntType   "int"       Both Reserved     "the type of 64-bit integers; before a real: as an integer";
         Let       "let"       Both Reserved     "begins a body";
         Merge     "merge"     Both Reserved     "joins flows of complementary clocks";
-        Mod       "mod"       Both Reserved     "integer remainder";
+        Mod       "mod"       Both Reserved     "remainder, of integers or reals";
         Node      "node"      Both Reserved     "declares a node";
         Nor       "nor"       Both Reserved     "true if none of several is";
         Not       "not"       Both Reserved     "negation";

@@ -13,6 +13,7 @@ pub(crate) fn settle(lexemes: &mut [Lexeme], mode: Mode) {
     let has_own_check = mode == Mode::Rpi && declares_node(lexemes, Token::Check);
     let has_own_last = declares_node(lexemes, Token::Last);
     let matched = in_parentheses_matched(lexemes);
+    let enclosed = enclosed(lexemes);
     let mut in_contract = false;
     for at in 0..lexemes.len() {
         let token = lexemes[at].token;
@@ -20,10 +21,10 @@ pub(crate) fn settle(lexemes: &mut [Lexeme], mode: Mode) {
             settle_text(lexemes, at);
         } else if let Some(word) = token.keyword()
             && !word.is_reserved_in(mode)
-            && !Around::new(lexemes, at).makes_keyword(word)
-            && !begins_claim(lexemes, at, in_contract, has_own_check)
+            && !Around::new(lexemes, at, &enclosed).makes_keyword(word)
+            && !begins_claim(lexemes, at, in_contract, has_own_check, &enclosed)
             && !is_before_restart(lexemes, at)
-            && (has_own_last || !is_last_of(lexemes, at))
+            && (has_own_last || !is_last_of(lexemes, at, &enclosed))
             && matched.binary_search(&at).is_err()
         {
             lexemes[at].token = Token::Ident;
@@ -36,9 +37,41 @@ pub(crate) fn settle(lexemes: &mut [Lexeme], mode: Mode) {
     }
 }
 
+/// The `;` inside of brackets, in text order: `merge(c; start * 2.0; x)`. No statement begins behind them. Those of the modes of a
+/// contract, `mode m (require x; ensure y)`, are none of them, and a bracket that is not closed holds none.
+fn enclosed(lexemes: &[Lexeme]) -> Vec<usize> {
+    use Token::{LBracket, LParen, LStatic, Let, RBracket, RParen, RStatic, Semi, Tel};
+    let of_mode = |open: usize| open >= 2 && lexemes[open - 2].token == Token::ModeWord;
+    // Each open bracket, with the number of signs that had been found before it.
+    let mut open: Vec<(usize, usize)> = Vec::new();
+    let mut found = Vec::new();
+    for (at, lexeme) in lexemes.iter().enumerate() {
+        match lexeme.token {
+            LParen | LBracket | LStatic => open.push((at, found.len())),
+            Let | Tel => {
+                let first = open.first().map_or(found.len(), |(_, count)| *count);
+                found.truncate(first);
+                open.clear();
+            }
+            Semi if !open.is_empty() => found.push(at),
+            RParen | RBracket | RStatic => {
+                if let Some((begin, count)) = open.pop()
+                    && of_mode(begin)
+                {
+                    found.truncate(count);
+                }
+            }
+            _ => {}
+        }
+    }
+    let first = open.first().map_or(found.len(), |(_, count)| *count);
+    found.truncate(first);
+    found
+}
+
 /// `last (x)`: no call stands there, unless the file declares what is called so.
-fn is_last_of(lexemes: &[Lexeme], at: usize) -> bool {
-    let around = Around::new(lexemes, at);
+fn is_last_of(lexemes: &[Lexeme], at: usize, enclosed: &[usize]) -> bool {
+    let around = Around::new(lexemes, at, enclosed);
     lexemes[at].token == Token::Last && around.after == Some(Token::LParen) && !around.is_field()
 }
 
@@ -89,9 +122,15 @@ fn declares_node(lexemes: &[Lexeme], word: Token) -> bool {
 
 /// `guarantee (x > 0);` of a contract, `check (x > 0);` of a body: no call stands there, only one of a node `check` that the
 /// file declares.
-fn begins_claim(lexemes: &[Lexeme], at: usize, in_contract: bool, has_own_check: bool) -> bool {
+fn begins_claim(
+    lexemes: &[Lexeme],
+    at: usize,
+    in_contract: bool,
+    has_own_check: bool,
+    enclosed: &[usize],
+) -> bool {
     use Token::{Assume, Check, Ensure, Guarantee, LParen, ModeWord, Require};
-    let around = Around::new(lexemes, at);
+    let around = Around::new(lexemes, at, enclosed);
     let of_mode = |at: usize| lexemes[at].token == ModeWord;
     let begins = match around.before {
         Some(LParen) => at.checked_sub(3).is_some_and(of_mode),
@@ -242,9 +281,13 @@ fn opened_by(before: &[Lexeme]) -> Option<Token> {
 
 /// The tokens around a word: those before it are settled, the next one is not.
 struct Around {
+    third_before: Option<Token>,
     second_before: Option<Token>,
     before: Option<Token>,
     after: Option<Token>,
+    second_after: Option<Token>,
+    /// Whether a `;` stands before it that is inside of brackets.
+    is_enclosed: bool,
     /// Whether a bracket follows in which variables are declared.
     binds: bool,
 }
@@ -268,9 +311,13 @@ fn is_name(token: Token) -> bool {
 }
 
 impl Around {
-    fn new(lexemes: &[Lexeme], at: usize) -> Around {
+    fn new(lexemes: &[Lexeme], at: usize, enclosed: &[usize]) -> Around {
         let token = |i: usize| lexemes.get(i).map(|lexeme| lexeme.token);
+        let semi = at.checked_sub(1).filter(|_| !enclosed.is_empty());
         Around {
+            is_enclosed: semi.is_some_and(|semi| enclosed.binary_search(&semi).is_ok()),
+            third_before: at.checked_sub(3).and_then(token),
+            second_after: token(at + 2),
             second_before: at.checked_sub(2).and_then(token),
             before: at.checked_sub(1).and_then(token),
             after: token(at + 1),
@@ -287,7 +334,7 @@ impl Around {
             Place::Declaration => self.begins(self.begins_declaration()),
             Place::Statement => self.begins(self.begins_statement()),
             Place::BeforeName => self.is_before_name(),
-            Place::AfterOperand => self.is_after_operand(),
+            Place::AfterOperand => self.is_after_operand() && !self.is_restarted(),
             Place::Either => self.is_before_name() || self.is_after_operand(),
             Place::Clause => self.is_after_operand() || self.begins_statement(),
             Place::Alternative => self.is_alternative(),
@@ -333,9 +380,10 @@ impl Around {
     fn begins_statement(&self) -> bool {
         use Token::{Automaton, Con, End, Initial, Let, Noc, Semi, Tel};
         match self.before {
-            None | Some(Let | Tel | Semi | End | Con | Noc | Automaton | Initial) => true,
+            Some(Semi) => !self.is_enclosed,
+            None | Some(Let | Tel | End | Con | Noc | Automaton | Initial) => true,
             // `mode m (require x; ...)`
-            Some(Token::LParen) => self.second_before == Some(Token::Ident),
+            Some(Token::LParen) => self.third_before == Some(Token::ModeWord),
             _ => false,
         }
     }
@@ -347,8 +395,22 @@ impl Around {
         };
         match after.keyword() {
             None => matches!(after, Ident | Path | Int | Real | Str),
+            Some(_) if self.is_joined() => false,
             Some(word) => word.place != Place::Reserved && !self.is_element(),
         }
+    }
+
+    /// `status in base`: a connective word follows, and behind it no other.
+    fn is_joined(&self) -> bool {
+        let connects = |token: Token| {
+            let place = token.keyword().map(|word| word.place);
+            matches!(
+                place,
+                Some(Place::AfterOperand | Place::Clause | Place::Branch | Place::Either)
+            )
+        };
+        let goes_on = |token| begins_operand(token) || is_name(token) && !connects(token);
+        self.after.is_some_and(connects) && self.second_after.is_some_and(goes_on)
     }
 
     /// First or next in a list, where a connective word may follow: `Pose(state in base)`.
@@ -357,13 +419,24 @@ impl Around {
     }
 
     fn is_after_operand(&self) -> bool {
-        self.before.is_some_and(ends_operand)
+        self.before.is_some_and(ends_operand) && !self.is_converted()
+    }
+
+    /// `int step`: a conversion, where no type stands.
+    fn is_converted(&self) -> bool {
+        let is_type = matches!(self.second_before, Some(Token::Colon | Token::Of));
+        matches!(self.before, Some(Token::IntType | Token::RealType)) && !is_type
     }
 
     /// `real current x`: `int` and `real` end a type, or convert what follows.
     fn is_prefix(&self) -> bool {
         let converted = matches!(self.before, Some(Token::IntType | Token::RealType));
         (converted || !self.is_after_operand()) && self.after.is_some_and(begins_operand)
+    }
+
+    /// `restart step every c`
+    fn is_restarted(&self) -> bool {
+        self.before == Some(Token::Restart)
     }
 
     fn is_after_operand_or_bar(&self) -> bool {
@@ -378,13 +451,14 @@ impl Around {
     }
 
     fn is_alternative(&self) -> bool {
-        use Token::{Bar, Unless, Until};
-        matches!(self.before, Some(Bar | Unless | Until))
+        use Token::{Bar, Continue, Then, Unless, Until};
+        let begins = matches!(self.before, Some(Bar | Unless | Until));
+        begins && matches!(self.after, Some(Continue | Then))
     }
 }
 
 /// Whether the token begins an operand and goes on with none: `x - y` is a difference, also if `x` is a prefix elsewhere.
-fn begins_operand(token: Token) -> bool {
+pub(crate) fn begins_operand(token: Token) -> bool {
     use Token::{
         Current, False, Hash, Ident, If, Int, IntType, LParen, Last, Merge, Nor, Not, Path, Pre,
         Real, RealType, Str, True, With,
@@ -400,15 +474,20 @@ fn begins_operand(token: Token) -> bool {
     value || word
 }
 
+/// Whether the token ends a value.
+pub(crate) fn ends_value(token: Token) -> bool {
+    use Token::{
+        False, Ident, Int, Path, Percent, RBrace, RBracket, RParen, RStatic, Real, Str, True,
+    };
+    let value = matches!(token, Ident | Path | Int | Real | Str | True | False);
+    value || matches!(token, RParen | RBracket | RBrace | RStatic | Percent)
+}
+
 /// Whether an operator could stand after the token.
 fn ends_operand(token: Token) -> bool {
-    use Token::{
-        BoolType, End, False, Ident, Initial, Int, IntType, Otherwise, Path, Percent, Question,
-        RBrace, RBracket, RParen, RStatic, Real, RealType, Restart, Str, Tel, True,
-    };
+    use Token::{BoolType, End, Initial, IntType, Otherwise, Question, RealType, Restart, Tel};
     match token {
-        Ident | Path | Int | Real | Str | True | False => true,
-        RParen | RBracket | RBrace | RStatic | Percent => true,
+        token if ends_value(token) => true,
         // Ends of types, bodies and clauses, after which a clause may follow.
         BoolType | IntType | RealType | Question | Tel | End | Initial | Otherwise | Restart => {
             true

@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use rpi_diag::{Style, render};
-use rpi_driver::{Asked, Compiled, Task};
+use rpi_driver::{Asked, Compiled, Task, Unset};
 use rpi_net::Net;
 
 /// Compiles a file, its claims as asked for, and shows what was found; an error if it cannot run.
@@ -22,10 +22,18 @@ pub(crate) fn load(
 
 /// The command of this name, or the only one; `tasks` could have been named, too.
 pub(crate) fn choose<'a>(
-    nets: &'a [Net],
+    compiled: &'a Compiled,
     tasks: &[Task],
     name: Option<&str>,
 ) -> Result<&'a Net, String> {
+    let nets = compiled.nets();
+    let unset = compiled.unset.iter().find(|unset| match name {
+        Some(name) => unset.command == name,
+        None => nets.is_empty(),
+    });
+    if let Some(unset) = unset {
+        return Err(no_arguments(unset));
+    }
     let commands = nets.iter().map(|n| n.name.as_str());
     let names = || {
         commands
@@ -53,6 +61,23 @@ pub(crate) fn choose<'a>(
             )
         }),
     }
+}
+
+/// Why a command can not run by itself.
+fn no_arguments(unset: &Unset) -> String {
+    let params = unset.params.iter();
+    let [quoted, declared] = [("`", "`"), ("const ", " = ...;")].map(|(before, after)| {
+        let each = params
+            .clone()
+            .map(|param| format!("{before}{param}{after}"));
+        each.collect::<Vec<_>>()
+    });
+    format!(
+        "{} can not run by itself: nothing gives it {}; declare `{}`, or run a task that gives it",
+        unset.command,
+        quoted.join(" and "),
+        declared.join(" ")
+    )
 }
 
 fn list<'a>(names: impl Iterator<Item = &'a str>) -> String {

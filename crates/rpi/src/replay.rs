@@ -25,7 +25,7 @@ pub(crate) fn replay(args: &ReplayArgs) -> Outcome {
         return Err("against which trace? Say --trace FILE, or give a recording (.mcap)".into());
     }
     let compiled = program::load(&args.net, Claims::Off)?;
-    let net = program::choose(compiled.nets(), &[], args.command.as_deref())?;
+    let net = program::choose(&compiled, &[], args.command.as_deref())?;
     let trace = joined(&args.trace)?;
     let options = Options {
         period_ns: args.period,

@@ -42,7 +42,7 @@ pub(crate) fn script(compiled: &Compiled, target: &Target, lower: Lower) -> Resu
     if let Some(task) = task(&compiled.tasks, target.command.as_deref()) {
         return Script::of_task(task, nets, |net| lower(net, period));
     }
-    let net = program::choose(nets, &compiled.tasks, target.command.as_deref())?;
+    let net = program::choose(compiled, &compiled.tasks, target.command.as_deref())?;
     lower(net, period).map(Script::once)
 }
 

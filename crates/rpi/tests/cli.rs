@@ -395,3 +395,26 @@ fn a_picture_on_a_full_disk_is_named_after_what_happened() {
     );
     assert_eq!(ran.status.code(), Some(2));
 }
+
+#[test]
+fn a_command_that_lacks_a_constant_is_told_which() {
+    let dir = tempfile::tempdir().unwrap();
+    let go = "command Go (to: real[m]; n: int) let finish done when time > 1[s] or to > 1[m] or n > 1; tel\n";
+    let other = "command Other () let finish done when time > 1[s]; tel\n";
+    for (text, args) in [
+        (format!("{go}{other}"), &["--command", "Go"][..]),
+        (go.to_owned(), &[]),
+    ] {
+        std::fs::write(dir.path().join("go.rpi"), text).unwrap();
+        let output = rpi(&[&["run", &path(&dir, "go.rpi")], args].concat());
+        assert_eq!(output.status.code(), Some(2), "{}", err(&output));
+        let told = err(&output);
+        assert!(told.contains("Go can not run by itself"), "{told}");
+        assert!(
+            told.contains("`to: real[m]`") && told.contains("`n: int`"),
+            "{told}"
+        );
+        assert!(told.contains("const to: real[m] = ...;"), "{told}");
+        assert!(!told.contains("there is no command"), "{told}");
+    }
+}

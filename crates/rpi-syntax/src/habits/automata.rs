@@ -105,7 +105,13 @@ pub(super) fn late_unless(found: &Found<'_, '_>) -> Option<Habit> {
         .cx
         .span(found.lexemes[at - 1].end, found.lexemes[last].end);
     let text = found.text(at..end).to_owned();
-    let fix = Fix::sure("put it before the body")
+    let title = "put it before the body";
+    // Of two transitions the first goes before the other.
+    let fix = match found.token(name + 1) {
+        Some(Token::Unless) => Fix::maybe(title),
+        _ => Fix::sure(title),
+    };
+    let fix = fix
         .replace(behind(found.span_at(name)), format!(" {text};"))
         .replace(old, "");
     let finding = habit("`unless` stands before the body of its state")

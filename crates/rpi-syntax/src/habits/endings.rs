@@ -1,6 +1,6 @@
 //! Ends of bodies, choices and state machines as others write them.
 
-use super::operators::operand;
+use super::operators::{choice_fix, operand};
 use super::{Habit, Mend, habit};
 use crate::Mode;
 use crate::declared;
@@ -65,7 +65,7 @@ pub(super) fn choice_behind(found: &Found<'_, '_>) -> Option<Habit> {
     let place = found.span_of(start..end);
     let finding = habit("a choice begins with its condition: `if c then x else y`")
         .at(found.span_at(at), "the value stands before it")
-        .fix(Fix::sure(format!("write `{meant}`")).replace(place, meant));
+        .fix(choice_fix(found, start..end, format!("write `{meant}`")).replace(place, meant));
     let [c, a, b] = values.map(|range| found.lexemes[range].to_vec());
     let word = |token| found.instead(at, &[token]).1;
     let parts = [

@@ -218,7 +218,7 @@ pub(super) fn no_colon(found: &Found<'_, '_>) -> Option<Habit> {
     let is_type = match found.token(at)? {
         BoolType | IntType | RealType | Enum | Struct => true,
         // Types are mostly written with capitals, flows are not.
-        Ident => is_upper(at) && !is_upper(at - 1),
+        Ident => is_upper(at) && !is_upper(at - 1) && found.token(at + 1) != Some(Token::Colon),
         _ => false,
     };
     if !named || !is_type {
@@ -300,13 +300,21 @@ pub(super) fn size_in_brackets(found: &Found<'_, '_>) -> Option<Habit> {
     let span = found.span_of(at..at + 3);
     let finding = habit("the size of an array stands behind `^`")
         .at(span, "brackets hold an index, or the unit of a `real`")
-        .fix(Fix::sure(format!("write `{meant}`")).replace(span, meant));
+        .fix(size_fix(found, at + 3, format!("write `{meant}`")).replace(span, meant));
     let size = found.lexemes[at + 1];
     let mend = Mend::Tokens(vec![
         found.instead(at, &[Hat]),
         (at + 1..at + 3, vec![size]),
     ]);
     Some(Habit { finding, mend })
+}
+
+/// A fix of one size: of two, `int[3][2]`, the order changes, too.
+fn size_fix(found: &Found<'_, '_>, next: usize, title: String) -> Fix {
+    match found.token(next) {
+        Some(Token::LBracket) => Fix::maybe(title),
+        _ => Fix::sure(title),
+    }
 }
 
 /// `array[3] of int`, `ARRAY [0..2] OF real[m]`

@@ -36,7 +36,21 @@ pub(super) fn word(found: &Found<'_, '_>) -> Option<Habit> {
     if found.token(at) != Some(Token::Ident) || is_unit || is_name || found.lacks_semi() {
         return None;
     }
-    meant(found, at, &found.fault.expected, Fix::sure)
+    let is_clear = is_only_one(found, at, &found.fault.expected);
+    let fix = if is_clear { Fix::sure } else { Fix::maybe };
+    meant(found, at, &found.fault.expected, fix)
+}
+
+/// Whether no other word resembles what is written as much, neither one that fits nor a name.
+fn is_only_one(found: &Found<'_, '_>, at: usize, words: &[Token]) -> bool {
+    let meant = nearest(found, at, words);
+    let others: Vec<Token> = words
+        .iter()
+        .copied()
+        .filter(|word| word.spelling() != meant.as_deref())
+        .collect();
+    let occurs = |other: usize| other != at && found.written(other) == found.written(at);
+    nearest(found, at, &others).is_none() && !(0..found.lexemes.len()).any(occurs)
 }
 
 /// `finsh done when c;`, where the word was taken for the name of a flow

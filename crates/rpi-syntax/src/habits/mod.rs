@@ -17,7 +17,7 @@ mod typed;
 mod updates;
 mod values;
 
-pub(crate) use signs::{foreign_sign, sign};
+pub(crate) use signs::{Becomes, apart, becomes, foreign_sign, sign};
 
 use crate::ast::Ident;
 use crate::explain::Found;

@@ -12,12 +12,18 @@ pub(super) fn remainder(found: &Found<'_, '_>) -> Option<Habit> {
         (Some(Token::Percent), _) => found.fault.at - 1,
         _ => return None,
     };
+    let title = "write `mod`";
+    // Behind a number it is a per cent sign, and something lacks behind it.
+    let fix = match at == found.fault.at {
+        true => Fix::sure(title),
+        false => Fix::maybe(title),
+    };
     let finding = habit("the remainder is written `mod`")
         .at(
             found.span_at(at),
             "a per cent sign stands behind a number: `60%` is 0.6",
         )
-        .fix(Fix::sure("write `mod`").replace(found.span_at(at), word(found, at, "mod")));
+        .fix(fix.replace(found.span_at(at), word(found, at, "mod")));
     let mend = Mend::Tokens(vec![found.instead(at, &[Token::Mod])]);
     Some(Habit { finding, mend })
 }
@@ -93,9 +99,40 @@ pub(super) fn end_if(found: &Found<'_, '_>) -> Option<Habit> {
     }
     let finding = habit("an `if` ends with its `else` value")
         .at(found.span_at(at), "no word closes it")
-        .fix(Fix::sure(format!("delete `{}`", found.written(at))).replace(found.span_at(at), ""));
+        .fix(
+            named_unlike(found, at, format!("delete `{}`", found.written(at)))
+                .replace(found.span_at(at), ""),
+        );
     let mend = Mend::Tokens(vec![(at..at + 1, Vec::new())]);
     Some(Habit { finding, mend })
+}
+
+/// A fix that is sure if nothing is declared by the name of a token: an operator could be what lacks before it.
+fn named_unlike(found: &Found<'_, '_>, at: usize, title: String) -> Fix {
+    match found.cx.seeming.declares(found.written(at)) {
+        true => Fix::maybe(title),
+        false => Fix::sure(title),
+    }
+}
+
+/// A fix of a choice as it is written elsewhere: sure unless an operator stands beside it that only this language has, as which of them
+/// reaches farther is not said.
+pub(super) fn choice_fix(
+    found: &Found<'_, '_>,
+    range: std::ops::Range<usize>,
+    title: String,
+) -> Fix {
+    use Token::{Arrow, Bar, Coalesce, Fby, Implies, When, With};
+    let own = |i| {
+        matches!(
+            found.token(i),
+            Some(Arrow | Bar | Coalesce | Fby | Implies | When | With)
+        )
+    };
+    match range.into_iter().any(own) {
+        true => Fix::maybe(title),
+        false => Fix::sure(title),
+    }
 }
 
 /// `c ? x : y`
@@ -123,10 +160,14 @@ pub(super) fn conditional(found: &Found<'_, '_>) -> Option<Habit> {
         }
         token => token == Some(Token::Colon),
     })?;
-    let fix = Fix::sure("write `if ... then ... else ...`")
-        .insert_before(found.span_at(start), "if ")
-        .replace(found.span_at(at), word(found, at, "then"))
-        .replace(found.span_at(colon), word(found, colon, "else"));
+    let fix = choice_fix(
+        found,
+        start..end,
+        "write `if ... then ... else ...`".to_owned(),
+    )
+    .insert_before(found.span_at(start), "if ")
+    .replace(found.span_at(at), word(found, at, "then"))
+    .replace(found.span_at(colon), word(found, colon, "else"));
     let finding = habit("a choice is written `if c then x else y`")
         .at(found.span_at(at), "`? :` is of another language")
         .fix(fix);

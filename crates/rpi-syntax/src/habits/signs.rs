@@ -11,6 +11,8 @@ pub(crate) struct Sign {
     name: &'static str,
     /// What it is here.
     pub(crate) token: Token,
+    /// Whether it is that in every language that has it.
+    is_sure: bool,
 }
 
 const fn row(written: &'static str, name: &'static str, token: Token) -> Sign {
@@ -18,6 +20,14 @@ const fn row(written: &'static str, name: &'static str, token: Token) -> Sign {
         written,
         name,
         token,
+        is_sure: true,
+    }
+}
+
+const fn unsure(written: &'static str, name: &'static str, token: Token) -> Sign {
+    Sign {
+        is_sure: false,
+        ..row(written, name, token)
     }
 }
 
@@ -28,13 +38,49 @@ pub(crate) const SIGNS: &[Sign] = &[
     row("!=", "inequality", Token::Ne),
     row("!==", "inequality", Token::Ne),
     row("~=", "inequality", Token::Ne),
+    row("&", "conjunction", Token::And),
     row("&&", "conjunction", Token::And),
     row("||", "disjunction", Token::Or),
     row("!", "negation", Token::Not),
-    row("~", "negation", Token::Not),
+    // Elsewhere it turns over bits.
+    unsure("~", "negation", Token::Not),
     row(":=", "a definition", Token::Eq),
     row("==>", "implication", Token::Implies),
 ];
+
+/// What `:=` of another language belongs to.
+#[derive(Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Becomes {
+    /// `y := x`
+    Definition,
+    /// `f(x := 1)`
+    Argument,
+    /// Anything else.
+    Unclear,
+}
+
+/// A `:=` stands in the text.
+pub(crate) fn becomes(span: Span, text: &str, of: Becomes) -> (Finding, Token) {
+    let seen = "`:=` is of another language";
+    let (message, sign, token) = match of {
+        Becomes::Argument => ("an argument is named by `:`", ":", Token::Colon),
+        _ if is_in_brackets(&text[..span.start as usize]) => {
+            let finding = habit("a changed part of a value is written with `with`").at(span, seen);
+            let finding = finding.help("write `(a with [0] = x)`, `(r with .n = x)`");
+            return (finding, Token::Eq);
+        }
+        _ => ("a definition is written `=`", "=", Token::Eq),
+    };
+    let title = format!("write `{sign}`");
+    let fix = match of {
+        Becomes::Unclear => Fix::maybe(title),
+        _ => Fix::sure(title),
+    };
+    (
+        habit(message).at(span, seen).fix(fix.replace(span, sign)),
+        token,
+    )
+}
 
 /// The row of a sign.
 pub(crate) fn sign(written: &str) -> Option<&'static Sign> {
@@ -44,14 +90,14 @@ pub(crate) fn sign(written: &str) -> Option<&'static Sign> {
 /// Such a sign stands in the text.
 pub(crate) fn foreign_sign(span: Span, text: &str, sign: &Sign) -> Finding {
     let meant = sign.token.spelling().unwrap_or_default();
-    if sign.written == ":=" && is_in_brackets(&text[..span.start as usize]) {
-        return habit("a changed part of a value is written with `with`")
-            .at(span, "`:=` is of another language")
-            .help("write `(a with [0] = x)`, `(r with .n = x)`");
-    }
+    let title = format!("write `{meant}`");
+    let fix = match sign.is_sure {
+        true => Fix::sure(title),
+        false => Fix::maybe(title),
+    };
     habit(format!("{} is written `{meant}`", sign.name))
         .at(span, format!("`{}` is of another language", sign.written))
-        .fix(Fix::sure(format!("write `{meant}`")).replace(span, apart(span, text, meant)))
+        .fix(fix.replace(span, apart(span, text, meant)))
 }
 
 /// Whether a `[` of the statement at hand is open at the end of the text.
@@ -70,7 +116,7 @@ fn is_in_brackets(before: &str) -> bool {
 }
 
 /// A word with the spaces that keep it apart from what stands beside it.
-pub(super) fn apart(span: Span, text: &str, word: &str) -> String {
+pub(crate) fn apart(span: Span, text: &str, word: &str) -> String {
     let is_word = word.starts_with(|c: char| c.is_ascii_alphabetic());
     let joins = |c: char| is_word && !c.is_whitespace() && c != '(';
     let before = text[..span.start as usize].ends_with(joins);

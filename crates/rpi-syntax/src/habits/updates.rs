@@ -16,11 +16,25 @@ pub(super) fn no_parentheses(found: &Found<'_, '_>) -> Option<Habit> {
         return None;
     }
     let (start, end) = operand(found, at);
+    let title = "put it in parentheses";
+    // Of what is computed it is not said which part changes.
+    let is_part = |token| {
+        matches!(
+            token,
+            Token::Dot | Token::Ident | Token::Int | Token::LBracket | Token::RBracket
+        )
+    };
+    let fix = match found.lexemes[start..at]
+        .iter()
+        .all(|lexeme| is_part(lexeme.token))
+    {
+        true => Fix::sure(title),
+        false => Fix::maybe(title),
+    };
     let finding = habit("a changed value stands in parentheses")
         .at(found.span_at(at), "`(a with [1] = x)`")
         .fix(
-            Fix::sure("put it in parentheses")
-                .insert_before(found.span_at(start), "(")
+            fix.insert_before(found.span_at(start), "(")
                 .insert_after(found.span_at(end - 1), ")"),
         );
     let mend = Mend::Tokens(vec![

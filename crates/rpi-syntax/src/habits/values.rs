@@ -4,7 +4,7 @@
 use super::{Habit, Mend, habit};
 use crate::explain::Found;
 use crate::token::Token;
-use rpi_diag::Fix;
+use rpi_diag::{Applicability, Fix};
 
 /// `y = x;;`
 pub(super) fn empty(found: &Found<'_, '_>) -> Option<Habit> {
@@ -146,7 +146,7 @@ pub(super) fn braces(found: &Found<'_, '_>) -> Option<Habit> {
     let mut fix = Fix::sure("write `if ... then ... else ...`");
     let mut edits = Vec::new();
     let mut open = at;
-    loop {
+    let last = loop {
         let close = closing(found, open)?;
         fix = fix
             .replace(found.span_at(open), word_for(found, open, "then"))
@@ -161,7 +161,7 @@ pub(super) fn braces(found: &Found<'_, '_>) -> Option<Habit> {
                     .replace(found.span_at(close_too), word_for(found, close_too, ""));
                 edits.push((close + 2..close + 3, Vec::new()));
                 edits.push((close_too..close_too + 1, Vec::new()));
-                break;
+                break close_too;
             }
             (Some(Else), Some(If)) => {
                 let opens = |i: &usize| {
@@ -171,6 +171,10 @@ pub(super) fn braces(found: &Found<'_, '_>) -> Option<Habit> {
             }
             _ => return None,
         }
+    };
+    // What follows the last brace would belong to the last value.
+    if !ends_value(found, last + 1) {
+        fix.applicability = Applicability::Maybe;
     }
     let finding = habit("a choice is written `if c then x else y`")
         .at(found.span_at(at), "no braces go around a value")
@@ -179,6 +183,15 @@ pub(super) fn braces(found: &Found<'_, '_>) -> Option<Habit> {
         finding,
         mend: Mend::Tokens(edits),
     })
+}
+
+/// Whether nothing goes on at a token.
+fn ends_value(found: &Found<'_, '_>, at: usize) -> bool {
+    use Token::{Comma, RBrace, RBracket, RParen, Semi};
+    matches!(
+        found.token(at),
+        None | Some(Comma | RBrace | RBracket | RParen | Semi)
+    )
 }
 
 /// A word in the place of a sign, with the space that keeps what stands around it apart.

@@ -3,6 +3,7 @@
 mod borders;
 mod broken;
 mod format;
+mod names;
 mod precedence;
 mod prefixes;
 mod support;

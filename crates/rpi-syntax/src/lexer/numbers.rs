@@ -1,0 +1,160 @@
+//! Numbers: checked, and read as what is meant where they are written otherwise.
+
+use super::{Lexeme, Lexer};
+use crate::lexical::{self, Behind};
+use crate::numeral::{self, Numeral, Read};
+use crate::token::{Place, Token};
+use logos::Logos;
+use rpi_diag::Code;
+
+impl Lexer<'_> {
+    pub(super) fn number(&mut self, lexeme: Lexeme) {
+        let is_machine = self.is_converted();
+        let finding = lexical::check_number(self.span(lexeme), self.slice(lexeme), is_machine);
+        self.out.findings.extend(finding);
+        self.push(lexeme.token, lexeme);
+    }
+
+    /// `0..` is an integer and the sign `..`.
+    pub(super) fn int_dot_dot(&mut self, lexeme: Lexeme) {
+        let middle = lexeme.end - 2;
+        self.number(Lexeme {
+            token: Token::Int,
+            end: middle,
+            ..lexeme
+        });
+        let dots = Lexeme {
+            start: middle,
+            ..lexeme
+        };
+        self.push(Token::DotDot, dots);
+    }
+
+    /// The word of the language that a text is, if a number could stand before it.
+    fn word_behind_number(&self, text: &str) -> Option<Token> {
+        let token = Token::of_spelling(text)?;
+        let word = token.keyword().filter(|word| word.is_in(self.mode))?;
+        let is_word = word.is_reserved_in(self.mode) || word.place == Place::AfterOperand;
+        is_word.then_some(token)
+    }
+
+    /// `250mm/s`: reported, and read as the number with its unit.
+    pub(super) fn number_word(&mut self, lexeme: Lexeme) {
+        let text = self.slice(lexeme);
+        let digits = numeral::digits(text);
+        let is_foreign = !self.seeming.declares(&text[digits..]);
+        if let Some(numeral) = numeral::foreign(text).filter(|_| is_foreign) {
+            return self.literal(lexeme, Code::RPI0007, numeral);
+        }
+        let word = self.word_behind_number(&text[digits..]);
+        let behind = match word {
+            Some(_) => Behind::Keyword,
+            None if self.seeming.declares(&text[digits..]) => Behind::Name,
+            None => Behind::Unit,
+        };
+        let finding = lexical::number_runs_into_word(self.span(lexeme), text, digits, behind);
+        self.out.findings.push(finding);
+        let end = lexeme.start + digits as u32;
+        let token = match text[..digits].contains(['.', 'e', 'E']) {
+            true => Token::Real,
+            false => Token::Int,
+        };
+        self.push(token, Lexeme { end, ..lexeme });
+        match word {
+            Some(word) => self.push(
+                word,
+                Lexeme {
+                    start: end,
+                    ..lexeme
+                },
+            ),
+            None if behind == Behind::Name => self.factor(lexeme, end),
+            None => self.unit(&text[digits..], end),
+        }
+    }
+
+    /// A name behind a number, as its factor.
+    fn factor(&mut self, lexeme: Lexeme, start: u32) {
+        let star = Lexeme {
+            token: Token::Star,
+            start,
+            end: start,
+        };
+        self.out.lexemes.push(star);
+        self.push(Token::Ident, Lexeme { start, ..lexeme });
+    }
+
+    /// A unit that lacks its brackets, with them.
+    fn unit(&mut self, text: &str, start: u32) {
+        let at = |offset: usize| start + offset as u32;
+        let bracket = |token, place| Lexeme {
+            token,
+            start: place,
+            end: place,
+        };
+        self.out.lexemes.push(bracket(Token::LBracket, start));
+        for (token, range) in Token::lexer(text).spanned() {
+            let (start, end) = (at(range.start), at(range.end));
+            let token = token.unwrap_or(Token::Broken);
+            self.out.lexemes.push(Lexeme { token, start, end });
+        }
+        self.out
+            .lexemes
+            .push(bracket(Token::RBracket, at(text.len())));
+    }
+
+    /// `T#500ms`: reported, and read as the number with its unit.
+    pub(super) fn iec_literal(&mut self, lexeme: Lexeme) {
+        let numeral = numeral::typed(self.slice(lexeme));
+        self.literal(lexeme, Code::RPI0016, numeral);
+    }
+
+    /// A literal of another language.
+    fn literal(&mut self, lexeme: Lexeme, code: Code, numeral: Numeral) {
+        let (span, text) = (self.span(lexeme), self.slice(lexeme));
+        self.out
+            .findings
+            .push(lexical::foreign_literal(span, text, code, &numeral));
+        let place = (lexeme.start, lexeme.end);
+        match numeral.read {
+            Read::Bool(true) => self.push(Token::True, lexeme),
+            Read::Bool(false) => self.push(Token::False, lexeme),
+            Read::Name(name) => {
+                self.out.read_as.insert(place, name);
+                self.push(Token::Ident, lexeme);
+            }
+            Read::Number(number, unit) => {
+                let is_real = !number.starts_with("0x") && number.contains(['.', 'e', 'E']);
+                self.out.read_as.insert(place, number);
+                let token = if is_real { Token::Real } else { Token::Int };
+                self.push(token, lexeme);
+                if let Some(unit) = unit {
+                    self.unit_read(unit, lexeme.end);
+                }
+            }
+        }
+    }
+
+    /// A unit in its brackets that the text says otherwise.
+    fn unit_read(&mut self, unit: &str, at: u32) {
+        self.out.read_as.insert((at, at), unit.to_owned());
+        for token in [Token::LBracket, Token::Ident, Token::RBracket] {
+            let (start, end) = (at, at);
+            self.out.lexemes.push(Lexeme { token, start, end });
+        }
+    }
+
+    /// `(uint64 18446744073709551615)`: whether a number is one for the bits of a machine integer.
+    fn is_converted(&self) -> bool {
+        use Token::{Gt, Int64, LParen, UInt64};
+        let mut before = self
+            .out
+            .lexemes
+            .iter()
+            .rev()
+            .take(4)
+            .map(|lexeme| lexeme.token);
+        let before = before.find(|token| *token != LParen);
+        self.mode == Mode::Lustre && matches!(before, Some(UInt64 | Int64 | Gt))
+    }
+}

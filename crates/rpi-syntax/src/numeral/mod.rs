@@ -1,0 +1,205 @@
+//! Numbers and other literals as other languages write them: what they are worth, and how the same is written here.
+//!
+//! Only the texts are looked at; which of them is a literal, and what follows from it, is known to the lexer.
+
+mod duration;
+mod iec;
+
+pub(crate) use iec::typed;
+
+/// A literal of another language.
+#[derive(PartialEq, Debug)]
+pub(crate) struct Numeral {
+    /// What is wrong.
+    pub(crate) message: String,
+    /// What is to be seen at its place.
+    pub(crate) seen: &'static str,
+    /// What to write instead, if it can be said.
+    pub(crate) meant: Option<String>,
+    /// Whether nothing else can be meant.
+    pub(crate) is_sure: bool,
+    /// What the text is read as.
+    pub(crate) read: Read,
+}
+
+/// What stands for a literal of another language in the tree.
+#[derive(PartialEq, Debug)]
+pub(crate) enum Read {
+    /// A number, maybe with its unit.
+    Number(String, Option<&'static str>),
+    /// `true` or `false`.
+    Bool(bool),
+    /// A name.
+    Name(String),
+}
+
+impl Numeral {
+    /// A literal that is a number here.
+    fn number(message: String, seen: &'static str, text: String) -> Numeral {
+        Numeral {
+            message,
+            seen,
+            meant: Some(text.clone()),
+            is_sure: true,
+            read: Read::Number(text, None),
+        }
+    }
+
+    /// A literal that nothing here corresponds to.
+    fn unknown(message: String, seen: &'static str) -> Numeral {
+        Numeral {
+            message,
+            seen,
+            meant: None,
+            is_sure: false,
+            read: Read::Number("0".to_owned(), None),
+        }
+    }
+}
+
+/// Number of bytes of a number at the start of a text: digits, a fraction and an exponent.
+pub(crate) fn digits(text: &str) -> usize {
+    let bytes = text.as_bytes();
+    let count = |from: usize| {
+        let rest = bytes.get(from..).unwrap_or_default();
+        rest.iter().take_while(|byte| byte.is_ascii_digit()).count()
+    };
+    let mut end = count(0);
+    if bytes.get(end) == Some(&b'.') {
+        end += 1 + count(end + 1);
+    }
+    if matches!(bytes.get(end), Some(b'e' | b'E')) {
+        let sign = usize::from(matches!(bytes.get(end + 1), Some(b'+' | b'-')));
+        let exponent = count(end + 1 + sign);
+        if exponent > 0 {
+            end += 1 + sign + exponent;
+        }
+    }
+    end
+}
+
+/// Reads `0b101`, `0o17`, `1_000`, `0xFF_FF`, `10u`, `1.0f`, `0x1Ful` as what they are elsewhere.
+pub(crate) fn foreign(text: &str) -> Option<Numeral> {
+    radix(text)
+        .or_else(|| grouped(text))
+        .or_else(|| suffixed(text))
+}
+
+/// The prefixes of numbers to another base than 10 and 16.
+const PREFIXES: &[(&str, u32, &str)] = &[
+    ("0b", 2, "binary"),
+    ("0B", 2, "binary"),
+    ("0o", 8, "octal"),
+    ("0O", 8, "octal"),
+];
+
+/// `0b1010`, `0o17`
+fn radix(text: &str) -> Option<Numeral> {
+    let rows = PREFIXES.iter();
+    let mut found =
+        rows.filter_map(|(prefix, base, name)| Some((text.strip_prefix(prefix)?, *base, *name)));
+    let (digits, base, name) = found.next()?;
+    let value = u64::from_str_radix(&digits.replace('_', ""), base).ok()?;
+    let message = format!("there are no {name} numbers: this is {value}");
+    Some(Numeral::number(
+        message,
+        "decimal and hexadecimal ones are read",
+        value.to_string(),
+    ))
+}
+
+/// `1_000`, `1_000.5`, `1'000`, `0xFF_FF`
+fn grouped(text: &str) -> Option<Numeral> {
+    let sign = if text.contains('\'') { '\'' } else { '_' };
+    let plain = text.replace(sign, "");
+    let is_number = is_hex(&plain) || digits(&plain) == plain.len();
+    let message = format!("the digits of a number are written without `{sign}`");
+    (is_number && text.contains(sign))
+        .then(|| Numeral::number(message, "no word and no unit", plain))
+}
+
+fn is_hex(text: &str) -> bool {
+    let digits = text.strip_prefix("0x").or_else(|| text.strip_prefix("0X"));
+    digits.is_some_and(|digits| !digits.is_empty() && digits.bytes().all(|b| b.is_ascii_hexdigit()))
+}
+
+/// Suffixes of C, Java and Rust; looked up in lower case.
+const SUFFIXES: &[&str] = &[
+    "u", "l", "ul", "lu", "ll", "ull", "llu", "z", "uz", "f", "i8", "i16", "i32", "i64", "u8",
+    "u16", "u32", "u64", "usize", "isize", "f32", "f64",
+];
+
+/// Those that are units here, too: litre and farad.
+const UNITS: &[&str] = &["l", "L", "F"];
+
+/// `10u`, `10L`, `1.0f`, `1e3f`, `0x1Fu`, `5i32`
+fn suffixed(text: &str) -> Option<Numeral> {
+    let end = match text.starts_with("0x") || text.starts_with("0X") {
+        true => {
+            2 + text[2..].len()
+                - text[2..]
+                    .trim_start_matches(|c: char| c.is_ascii_hexdigit())
+                    .len()
+        }
+        false => digits(text),
+    };
+    let (number, suffix) = text.split_at(end);
+    let lower = suffix.to_ascii_lowercase();
+    if end == 0 || !SUFFIXES.contains(&lower.as_str()) {
+        return None;
+    }
+    let is_float = matches!(lower.as_str(), "f" | "f32" | "f64");
+    let meant = match is_float && number.bytes().all(|byte| byte.is_ascii_digit()) {
+        true => format!("{number}.0"),
+        false => number.to_owned(),
+    };
+    let message = format!("a number has no suffix: `{suffix}` is of another language");
+    let numeral = Numeral::number(message, "every integer and every real has 64 bits", meant);
+    let is_sure = !UNITS.contains(&suffix) && (lower == "f64" || !is_float || is_single(number));
+    Some(Numeral { is_sure, ..numeral })
+}
+
+/// Whether a number of 32 bits is the same as one of 64: 0.5 is, 0.1 is not.
+#[allow(clippy::float_cmp)]
+fn is_single(number: &str) -> bool {
+    let value: f64 = number.parse().unwrap_or(f64::NAN);
+    f64::from(value as f32) == value
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn literals_of_other_languages_are_worth_what_they_are_there() {
+        for (text, meant, is_sure) in [
+            ("0b1010", "10", true),
+            ("0o17", "15", true),
+            ("0b1111_0000", "240", true),
+            ("1_000", "1000", true),
+            ("1_000.5", "1000.5", true),
+            ("1'000", "1000", true),
+            ("0xFF_FF", "0xFFFF", true),
+            ("10u", "10", true),
+            ("10UL", "10", true),
+            ("10L", "10", false),
+            ("1.0f", "1.0", true),
+            ("0.1f", "0.1", false),
+            ("1e3f", "1e3", true),
+            ("2.5e-1f", "2.5e-1", true),
+            ("1f", "1.0", true),
+            ("0x1Fu", "0x1F", true),
+            ("5i32", "5", true),
+        ] {
+            let numeral = foreign(text).expect(text);
+            assert_eq!(
+                (numeral.meant.as_deref(), numeral.is_sure),
+                (Some(meant), is_sure),
+                "{text}"
+            );
+        }
+        for text in ["250mm", "5ms", "0b12", "0x1F", "2x", "1e3", "10"] {
+            assert_eq!(foreign(text), None, "{text}");
+        }
+    }
+}
