@@ -27,7 +27,9 @@ const LOOKALIKES: &[(char, &str)] = &[
 /// How much of what follows a `'` belongs to a text in such quotes.
 pub(crate) fn quoted(rest: &str) -> usize {
     let line = rest.lines().next().unwrap_or_default();
-    line.find('\'').map_or(0, |end| end + 1)
+    let is_name = |text: &str| text.contains(['(', ')', ';', ':', '=']);
+    let end = line.find('\'').filter(|end| !is_name(&line[..*end]));
+    end.map_or(0, |end| end + 1)
 }
 
 /// `'a'` as elsewhere.
@@ -64,6 +66,9 @@ pub(crate) fn unknown(span: Span, text: &str) -> Finding {
     let finding = Finding::new(Code::RPI0002, format!("{what} `{}`", text.escape_debug()))
         .at(span, "no part of the language");
     match meant(text) {
+        None if text == "'" => finding
+            .help("a name stands without it: `last x`, a type parameter is `<<type T>>`")
+            .fix(Fix::maybe("delete it").replace(span, "")),
         Some(meant) => {
             let title = format!("write `{meant}`");
             finding.fix(Fix::maybe(title).replace(span, meant))

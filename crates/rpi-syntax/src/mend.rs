@@ -21,6 +21,8 @@ use std::ops::Range;
 
 /// The tree of one declaration, and what is wrong with it.
 pub(crate) fn item(cx: &Context<'_>, lexemes: &[Lexeme], findings: &mut Vec<Finding>) -> Item {
+    let meant = habits::without_first_values(cx, lexemes, findings);
+    let lexemes = meant.as_deref().unwrap_or(lexemes);
     match attempt(cx, lexemes) {
         Ok(item) => {
             findings.extend(cx.take_findings());
@@ -231,6 +233,7 @@ impl<'c, 't, 'f> Mender<'c, 't, 'f> {
             }
             Mend::Phrase(phrase, names) => self.take_out_defining(phrase, names),
             Mend::Usual => self.take_out(phrase),
+            Mend::Item => false,
         }
     }
 

@@ -1,6 +1,6 @@
 //! Findings about what stands outside of any declaration.
 
-use crate::ast::Item;
+use crate::ast::{Declared, DeclaredKind, Item, ItemKind};
 use crate::context::Context;
 use crate::lexer::Lexeme;
 use crate::mend;
@@ -9,7 +9,9 @@ use rpi_diag::{Code, Finding, Fix};
 
 /// How other languages begin what is declared here; compared without case.
 const FOREIGN: &[(&str, Token)] = &[
+    ("block", Token::Node),
     ("class", Token::Node),
+    ("component", Token::Node),
     ("def", Token::Function),
     ("defun", Token::Function),
     ("fn", Token::Function),
@@ -17,11 +19,16 @@ const FOREIGN: &[(&str, Token)] = &[
     ("func", Token::Function),
     ("function", Token::Function),
     ("function_block", Token::Node),
+    ("model", Token::Node),
     ("module", Token::Node),
+    ("operator", Token::Node),
     ("proc", Token::Node),
     ("procedure", Token::Node),
     ("program", Token::Node),
+    ("routine", Token::Node),
     ("sub", Token::Node),
+    ("subroutine", Token::Node),
+    ("subsystem", Token::Node),
 ];
 
 /// The word of a declaration by which this one of another language is meant.
@@ -122,6 +129,100 @@ pub(crate) fn bare_type(cx: &Context<'_>, lexemes: &[Lexeme], findings: &mut Vec
     item
 }
 
+/// What other languages write outside of declarations, by the first word in small letters, and what is written here.
+const TOP_LEVEL: &[(&[&str], &str)] = &[
+    (
+        &[
+            "import",
+            "from",
+            "using",
+            "open",
+            "require",
+            "uses",
+            "load",
+            "with",
+            "package",
+            "namespace",
+            "mod",
+            "unit",
+        ],
+        "`use motion;` brings in a module, which is a file `motion.rpi` or one of the standard library",
+    ),
+    (
+        &["typedef", "alias", "newtype"],
+        "a type is declared by `type Count = int;`",
+    ),
+    (
+        &[
+            "int", "real", "bool", "float", "double", "void", "auto", "static", "public",
+            "private", "unsigned", "long", "short", "char", "inline", "virtual", "async", "export",
+            "pub", "final", "extern",
+        ],
+        "a function is declared by `function f (x: int) returns (y: int) let y = x + 1; tel`, a constant by `const n: int = 3;`",
+    ),
+    (
+        &[
+            "let",
+            "var",
+            "val",
+            "global",
+            "dim",
+            "define",
+            "decl",
+            "constant",
+            "static",
+            "persistent",
+            "var_global",
+        ],
+        "a constant is declared by `const n: int = 3;`; flows stand in a `node` or `command`",
+    ),
+    (
+        &[
+            "if", "for", "while", "switch", "print", "repeat", "case", "return", "ptp", "movej",
+            "movel", "wait",
+        ],
+        "what is computed stands between `let` and `tel` in a `node` or `command`; steps in a `task`",
+    ),
+    (
+        &["enum", "struct", "record", "union"],
+        "a type is declared by `type Mode = enum { Off, On };`, `type Part = struct { x: real };`",
+    ),
+    (
+        &["interface", "trait", "impl", "template"],
+        "what a node promises is a `contract`; static parameters stand in `<< >>`",
+    ),
+];
+
+/// What is written here in the place of a word outside of declarations.
+fn instead(word: &str) -> Option<&'static str> {
+    let word = word.to_ascii_lowercase();
+    let found = TOP_LEVEL.iter().find(|(words, _)| words.contains(&&*word));
+    found.map(|(_, help)| *help)
+}
+
+/// The declaration that a type or function of C seems to be, so that its name is known.
+pub(crate) fn declared(cx: &Context<'_>, lexemes: &[Lexeme]) -> Option<Item> {
+    use Token::{BoolType, Ident, IntType, LParen, RealType, Semi};
+    let token = |at: usize| lexemes.get(at).map(|lexeme| lexeme.token);
+    let first = cx.slice(lexemes[0].start, lexemes[0].end);
+    let is_type = |at: usize| matches!(token(at), Some(BoolType | Ident | IntType | RealType));
+    let (kind, at) = match first {
+        "typedef" => {
+            let semi = lexemes.iter().position(|lexeme| lexeme.token == Semi)?;
+            (DeclaredKind::Type, semi.checked_sub(1)?)
+        }
+        _ if is_type(0) && token(1) == Some(Ident) && token(2) == Some(LParen) => {
+            (DeclaredKind::Callable, 1)
+        }
+        _ => return None,
+    };
+    let name = lexemes.get(at).filter(|name| name.token == Ident)?;
+    let name = cx.ident(name.start, name.end);
+    let end = lexemes.last().map_or(0, |lexeme| lexeme.end);
+    let kind = ItemKind::Broken(vec![Declared { kind, name }]);
+    Some(cx.item(lexemes[0].start, kind, end))
+}
+
 /// Anything else outside of declarations; `before` is what stands before it.
 pub(crate) fn stray(cx: &Context<'_>, before: Option<Lexeme>, lexemes: &[Lexeme]) -> Finding {
     let first = lexemes[0];
@@ -139,6 +240,10 @@ pub(crate) fn stray(cx: &Context<'_>, before: Option<Lexeme>, lexemes: &[Lexeme]
             cx.span(tel.start, tel.end),
             "the body ends here: is this `tel` one too many?",
         ),
+        _ if instead(written).is_some() => {
+            cx.swallow_signs(cx.span(first.start, lexemes[lexemes.len() - 1].end));
+            finding.help(instead(written).unwrap_or_default())
+        }
         _ => finding
             .help("equations stand between `let` and `tel`, in a node, fragment, command or test"),
     }

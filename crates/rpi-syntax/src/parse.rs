@@ -2,6 +2,7 @@
 
 use crate::ast::{File, Item};
 use crate::context::Context;
+use crate::habits::NAMED;
 use crate::lexer::{Lexed, Lexeme, lex_skipping};
 use crate::lexical;
 use crate::split::{Chunk, Head, split};
@@ -20,7 +21,7 @@ pub fn parse(file: FileId, text: &str, mode: Mode) -> Parse {
 /// The same, with the tokens.
 pub(crate) fn parse_with_tokens(file: FileId, text: &str, mode: Mode) -> (Parse, Vec<Lexeme>) {
     let (lexed, items, found) = with_stack(|| understood(file, text, mode));
-    let mut findings = lexed.findings;
+    let mut findings = once_for_each_call(text, lexed.findings);
     let gaps = Gaps::new(text, &findings);
     let found = found.into_iter();
     findings.extend(found.filter(|finding| !gaps.explain(finding)));
@@ -34,6 +35,31 @@ pub(crate) fn parse_with_tokens(file: FileId, text: &str, mode: Mode) -> (Parse,
     (parse, lexed.lexemes)
 }
 
+/// Of arguments that are named by a foreign sign the first of each call, with the places of the others.
+fn once_for_each_call(text: &str, findings: Vec<Finding>) -> Vec<Finding> {
+    let mut kept: Vec<Finding> = Vec::with_capacity(findings.len());
+    for finding in findings {
+        let span = finding.span();
+        let is_named = |other: &Finding| other.message == NAMED;
+        let same = kept.last_mut().filter(|last| {
+            let end = last.labels.last().map_or(0, |label| label.span.end);
+            let between = text.get(end as usize..span.start as usize);
+            let is_one = between.is_some_and(|text| !text.contains([';', ')']));
+            is_named(last) && is_named(&finding) && is_one
+        });
+        let Some(last) = same else {
+            kept.push(finding);
+            continue;
+        };
+        *last = last.clone().also(span, "and here");
+        let edits = finding.fixes.into_iter().flat_map(|fix| fix.edits);
+        if let Some(fix) = last.fixes.first_mut() {
+            fix.edits.extend(edits);
+        }
+    }
+    kept
+}
+
 /// After so many attempts nothing in comments is read any more.
 const MAX_ATTEMPTS: usize = 4;
 
@@ -44,7 +70,8 @@ fn understood(file: FileId, text: &str, mode: Mode) -> (Lexed, Vec<Item>, Vec<Fi
         let mut lexed = lex_skipping(file, text, mode, &skipped);
         let (items, found, foreign) = items(file, text, mode, &lexed);
         if !foreign.is_empty() {
-            let is_told = |sign: &Finding| sign.code == Code::RPI0016 && lies_in(&foreign, sign);
+            let is_sign = |code| matches!(code, Code::RPI0002 | Code::RPI0013 | Code::RPI0016);
+            let is_told = |sign: &Finding| is_sign(sign.code) && lies_in(&foreign, sign);
             lexed.findings.retain(|sign| !is_told(sign));
         }
         let faults = lexed.findings.iter().chain(&found);
@@ -161,6 +188,7 @@ fn item(
                     .last_mut()
                     .into_iter()
                     .for_each(|f| f.fixes.clear());
+                return Some(mend::broken_item(cx, &lexemes));
             }
             Some(item)
         }
@@ -170,7 +198,7 @@ fn item(
         Head::Misspelt(None) | Head::Stray => {
             let before = chunk.range.start.checked_sub(1).map(|i| lexed.lexemes[i]);
             findings.push(outside::stray(cx, before, lexemes));
-            None
+            outside::declared(cx, lexemes)
         }
         Head::Package => {
             findings.push(outside::package(cx, lexemes[0]));

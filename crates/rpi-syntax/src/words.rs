@@ -400,8 +400,11 @@ impl Around {
         }
     }
 
-    /// `status in base`: a connective word follows, and behind it no other.
+    /// `status in base`: a connective word follows, and behind it no other. `c initial default x` has a value before it.
     fn is_joined(&self) -> bool {
+        if self.before.is_some_and(ends_value) {
+            return false;
+        }
         let connects = |token: Token| {
             let place = token.keyword().map(|word| word.place);
             matches!(

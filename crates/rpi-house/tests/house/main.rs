@@ -7,6 +7,7 @@ mod compile;
 mod cycle;
 mod docs;
 mod edges;
+mod first_mistakes;
 mod fixes;
 mod generated;
 mod links;

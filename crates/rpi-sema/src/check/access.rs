@@ -390,7 +390,8 @@ impl<'a> Body<'_, 'a> {
             return self.fault(span);
         }
         let finding = Finding::new(Code::RPI2006, "only an array has elements")
-            .at(self.span_of(base), format!("this is `{ty}`"));
+            .at(self.span_of(base), format!("this is `{ty}`"))
+            .help("the value of the cycle before is `pre x`, with a first value `0 -> pre x`");
         self.fault_with(finding, span)
     }
 

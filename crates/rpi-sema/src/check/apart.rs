@@ -37,6 +37,8 @@ impl Body<'_, '_> {
             }
             (Ty::Int, Ty::Real(dim)) => mixed(finding, left, *dim),
             (Ty::Real(dim), Ty::Int) => mixed(finding, right, *dim),
+            (Ty::Int, Ty::Duration) if self.is_number(left) => mixed(finding, left, Dim::TIME),
+            (Ty::Duration, Ty::Int) if self.is_number(right) => mixed(finding, right, Dim::TIME),
             (Ty::Tuple(members), _) | (_, Ty::Tuple(members)) => {
                 let names = members.iter().filter_map(|m| m.name.as_deref());
                 finding.help(format!(

@@ -53,12 +53,37 @@ impl<'a> Body<'_, 'a> {
 
     /// Checks the arguments of a call of a declaration; false if one is named by `=`, which has then been reported.
     pub(super) fn given_to(&mut self, id: DeclId, args: &[&'a Arg]) -> (Vec<Given<'a>>, bool) {
+        let told = self.findings.len();
         let named = args.iter().filter(|arg| arg.name.is_none());
         let wrong = named.filter(|arg| self.named_by_eq(id, &arg.value)).count();
         if wrong > 0 {
+            self.one_of_call(told);
             return (Vec::new(), false);
         }
         (args.iter().map(|arg| self.given_one(arg)).collect(), true)
+    }
+
+    /// Makes one finding of those about arguments named by `=` that have been reported since `told`.
+    fn one_of_call(&mut self, told: usize) {
+        let by_eq = |finding: &Finding| finding.code == Code::RPI1010;
+        let mut others = self.findings.split_off(told).into_iter();
+        let Some(mut first) = others.find(by_eq) else {
+            return;
+        };
+        let mut rest = Vec::new();
+        for finding in others {
+            if !by_eq(&finding) {
+                rest.push(finding);
+                continue;
+            }
+            first = first.also(finding.span(), "and here");
+            let edits = finding.fixes.into_iter().flat_map(|fix| fix.edits);
+            if let Some(fix) = first.fixes.first_mut() {
+                fix.edits.extend(edits);
+            }
+        }
+        self.findings.push(first);
+        self.findings.extend(rest);
     }
 
     /// Whether `x = e` names the argument `x`; reported if so.
@@ -66,7 +91,8 @@ impl<'a> Body<'_, 'a> {
         let ExprKind::Binary(binary) = &value.kind else {
             return false;
         };
-        let Some(name) = plain_name(&binary.lhs).filter(|_| binary.op == BinaryOp::Eq) else {
+        let is_sign = matches!(binary.op, BinaryOp::Eq | BinaryOp::Implies);
+        let Some(name) = plain_name(&binary.lhs).filter(|_| is_sign) else {
             return false;
         };
         if self.find_local(name).is_some() || !self.c.takes(id, name) {
@@ -81,7 +107,7 @@ impl<'a> Body<'_, 'a> {
             Code::RPI1010,
             format!("the argument `{name}` is named by `:`"),
         )
-        .at(between, "`=` compares")
+        .at(between, format!("`{}` compares", binary.op.spelling()))
         .fix(Fix::sure(format!("write `{name}: ...`")).replace(between, ": "));
         self.report(finding);
         self.expr(&binary.rhs);
@@ -256,7 +282,8 @@ impl<'a> Body<'_, 'a> {
                 ),
             )
             .at(self.span_of(arg.value), "one too many")
-            .also(header.span, "declared here"),
+            .also(header.span, "declared here")
+            .help(format!("it is declared as `{}`", signature(header))),
         };
         self.report(finding);
         false
@@ -280,7 +307,8 @@ impl<'a> Body<'_, 'a> {
             format!("{names} of `{}` not given", header.name),
         )
         .at(span, "arguments are missing")
-        .also(header.span, "declared here");
+        .also(header.span, "declared here")
+        .help(format!("it is declared as `{}`", signature(header)));
         self.report(finding);
         false
     }
@@ -293,6 +321,9 @@ impl<'a> Body<'_, 'a> {
         subst: &mut Subst,
     ) -> bool {
         let mut sound = true;
+        if self.reordered(header, args, subst) {
+            return false;
+        }
         self.args_suit(header, args);
         for (port, arg) in header.inputs.iter().zip(&*args) {
             let Some(arg) = *arg else {
@@ -358,6 +389,20 @@ impl<'a> Body<'_, 'a> {
 /// A name without the types and values that an instance was made for.
 fn short(name: &Name) -> &str {
     name.split("<<").next().unwrap_or(name)
+}
+
+/// The head of a callable in short: its name and in-ports with their types.
+pub(super) fn signature(header: &Header) -> String {
+    const LONGEST: usize = 6;
+    let wanted = |port: &&Port| port.role != FlowRole::Given;
+    let mut ports: Vec<String> = Vec::new();
+    for port in header.inputs.iter().filter(wanted).take(LONGEST) {
+        ports.push(format!("{}: {}", port.name, port.ty));
+    }
+    if header.inputs.iter().filter(wanted).count() > LONGEST {
+        ports.push("...".to_owned());
+    }
+    format!("{}({})", header.name, ports.join("; "))
 }
 
 /// An argument by a name that nothing in a declaration has.

@@ -292,7 +292,16 @@ impl<'a> Body<'_, 'a> {
         } else {
             "node, function or fragment"
         };
-        match super::foreign::call_here(name) {
+        let last = name.rsplit("::").next().unwrap_or_default();
+        let is_there = |other: &str| {
+            let mut visible = self.c.program.visible(self.module, callable);
+            visible.any(|known| known == other) || SPECIALS.iter().any(|s| s.name() == other)
+        };
+        let here = match name.is_qualified() && is_there(last) {
+            true => Some(last),
+            false => super::foreign::call_here(name),
+        };
+        match here {
             Some(here) => self.other_name(what, name, span, here),
             None => self.unknown_name(what, name, span, near),
         }

@@ -84,10 +84,10 @@ impl<'a> Body<'_, 'a> {
             for finding in self.findings.iter_mut().skip(told) {
                 if finding.code == Code::RPI2001 && finding.span() == size.span {
                     finding.fixes.clear();
-                    finding.help = vec![
-                        "the size of an array is a constant integer; a power is written `x ** 2.0`"
-                            .to_owned(),
-                    ];
+                    finding.help = vec![match finding.message.ends_with("found `bool`") {
+                        true => "exclusive or is written `a xor b`; `x^3` is an array of 3 times `x`".to_owned(),
+                        false => "the size of an array is a constant integer; a power is written `x ** 2.0`".to_owned(),
+                    }];
                 }
             }
             return None;

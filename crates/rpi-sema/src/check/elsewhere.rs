@@ -2,6 +2,7 @@
 
 use super::args::Given;
 use super::body::Body;
+use super::foreign;
 use crate::ty::Ty;
 use crate::units::Dim;
 use rpi_diag::{Code, Fix, Span};
@@ -18,6 +19,12 @@ impl<'a> Body<'_, 'a> {
         let Some((help, fix)) = here(&name.name.to_lowercase(), call, &ty) else {
             return;
         };
+        // What else is strange in such a call is of the other language, too.
+        self.findings.retain(|finding| {
+            let place = finding.span();
+            let inside = span.start <= place.start && place.end <= span.end && place != name.span;
+            !(inside && place.file == span.file && finding.code == Code::RPI1001)
+        });
         if let Some(finding) = self.finding_at(name.span, Code::RPI1001) {
             finding.help = vec![help];
             finding.fixes = fix.into_iter().collect();
@@ -47,16 +54,41 @@ fn here(name: &str, call: &ast::Call, ty: &Ty) -> Option<(String, Option<Fix>)> 
             Some((help, None))
         }
         "sum" | "prod" | "all" | "reduce" | "foldl" | "accumulate" => Some(folded(name, call, ty)),
-        "wait" | "sleep" | "delay" | "usleep" => {
+        _ if converts_to(name).is_some() => {
+            let word = converts_to(name)?;
+            let fix = Fix::maybe(format!("write `{word}`")).replace(place, format!("{word} "));
+            let help = format!("a conversion is a word before its value: `{word} x`");
+            Some((help, (call.args.len() == 1).then_some(fix)))
+        }
+        "delay" => {
+            let help = "one cycle late is `0 -> pre x`; whether `c` has held for a second is `on_delay<<delay: 1.0[s]>>(c)`";
+            Some((help.to_owned(), None))
+        }
+        "wait" | "sleep" | "usleep" | "pause" | "waittime" | "waituntil" | "wait_sec" | "dwell" => {
             let help = "nothing waits within a cycle; whether `c` has held for a second is `on_delay<<delay: 1.0[s]>>(c)`";
             Some((help.to_owned(), None))
         }
-        "print" | "printf" | "println" | "puts" | "echo" | "fprintf" => {
-            let help = "a node shows nothing by itself: who runs it sees its out-ports";
+        "print" | "printf" | "println" | "puts" | "echo" | "fprintf" | "disp" | "display"
+        | "log" | "write" | "writeln" | "tpwrite" | "msg" | "cout" | "debug" => {
+            let help = "a node shows nothing by itself: who runs it sees its out-ports, and what a command exports: `export x;`";
             Some((help.to_owned(), None))
         }
-        _ => None,
+        _ => super::phrases::of_call(name).map(|help| (help.to_owned(), None)),
     }
+}
+
+/// The type into which a function of another language converts: `float`, `INT_TO_REAL`, `toInt`.
+fn converts_to(name: &str) -> Option<&'static str> {
+    let target = match name.rsplit_once("_to_").or_else(|| name.rsplit_once("to")) {
+        Some((from, target)) if from.is_empty() || foreign::type_here(from).is_some() => target,
+        Some((_, target)) if name.contains("_to_") => target,
+        _ => name,
+    };
+    let target = target.trim_start_matches('_');
+    let known = |word: &'static str| {
+        (target == word || foreign::type_here(target) == Some(word)).then_some(word)
+    };
+    known("real").or_else(|| known("int"))
 }
 
 /// `red` in the place of `sum(a)`.

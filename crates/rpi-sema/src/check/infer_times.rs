@@ -32,7 +32,8 @@ struct Sources {
 impl Body<'_, '_> {
     /// Finds the types of all flows that have none declared.
     pub(super) fn infer_with_times(&mut self) {
-        let is_open = |k: &usize| self.pending[*k].state == State::Open && self.pending[*k].infers();
+        let is_open =
+            |k: &usize| self.pending[*k].state == State::Open && self.pending[*k].infers();
         let open: Vec<usize> = (0..self.pending.len()).filter(is_open).collect();
         let mut settled: Map<FlowId, Ty> = Map::default();
         for _ in 0..ROUNDS {
@@ -69,7 +70,8 @@ impl Body<'_, '_> {
         let mut values: Vec<(FlowId, ExprId)> = Vec::new();
         for index in open {
             let pending = &self.pending[*index];
-            let (State::Done(value), [Some(flow)]) = (pending.state, &pending.introduces[..]) else {
+            let (State::Done(value), [Some(flow)]) = (pending.state, &pending.introduces[..])
+            else {
                 continue;
             };
             let outer = self.outermost(*flow);
@@ -122,7 +124,12 @@ impl Body<'_, '_> {
     fn look_again(&mut self, open: &[usize], settled: &Map<FlowId, Ty>) {
         for index in open {
             self.pending[*index].state = State::Open;
-            for flow in self.pending[*index].introduces.clone().into_iter().flatten() {
+            for flow in self.pending[*index]
+                .introduces
+                .clone()
+                .into_iter()
+                .flatten()
+            {
                 let around: Vec<FlowId> = self.shared_around(flow).collect();
                 let outer = around.last().copied().unwrap_or(flow);
                 let ty = settled.get(&outer).cloned().unwrap_or(Ty::Unknown);
@@ -221,7 +228,9 @@ fn may_be_either(unit: &Unit, expr: &Expr) -> bool {
     match &expr.kind {
         Kind::Literal(_) | Kind::Const(_) | Kind::Fault | Kind::None => true,
         Kind::Flow(flow) => unit.flow(*flow).role == FlowRole::Param || expr.ty.is_unknown(),
-        Kind::Prim(call) => call.prim.desc().name == "Rpi::WholeTicks" || is_fixed(unit, &expr.kind),
+        Kind::Prim(call) => {
+            call.prim.desc().name == "Rpi::WholeTicks" || is_fixed(unit, &expr.kind)
+        }
         _ => expr.ty.is_unknown(),
     }
 }

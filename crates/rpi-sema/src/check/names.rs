@@ -2,6 +2,7 @@
 
 use super::Constant;
 use super::body::Body;
+use super::foreign;
 use super::locals::Local;
 use super::report::{listed, not_a, unknown};
 use super::statics::Static;
@@ -223,8 +224,16 @@ impl<'a> Body<'_, 'a> {
             return self.fault(span);
         }
         let predeclared = PREDECLARED.iter().map(|flow| flow.name);
-        let near = near.or_else(|| rpi_diag::suggest(name, predeclared));
-        match super::foreign::value_here(name) {
+        let values = ["true", "false", "none"].into_iter();
+        let is_near = near.is_some();
+        let near = near.or_else(|| rpi_diag::suggest(name, predeclared.chain(values)));
+        if let Some(help) = foreign::no_value(name).filter(|_| !is_near) {
+            let finding = unknown(super::unknown::FLOW, name, span, None);
+            self.report(finding.help(help));
+            return self.fault(span);
+        }
+        let is_meant = |_: &&str| !is_near || !foreign::is_loose(name);
+        match foreign::value_here(name).filter(is_meant) {
             Some(here) => self.other_name("value", name, span, here),
             None => self.unknown_name(super::unknown::FLOW, name, span, near),
         }

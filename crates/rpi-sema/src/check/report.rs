@@ -126,7 +126,13 @@ impl Body<'_, '_> {
                 .fixes
                 .push(Fix::maybe(title).insert_after(span, format!(".{name}")));
         }
-        finding
+        let is_named = members.iter().any(|member| member.name.is_some());
+        match is_named {
+            true => finding,
+            false => finding.help(
+                "several values in parentheses are one; a first value stands before `->`: `0 -> pre x`",
+            ),
+        }
     }
 
     /// `3.0` for `3`, and for `0x1F` the decimal number.

@@ -560,6 +560,10 @@ pub(super) fn missing(name: &Name, open: &[Name], span: Span, declared: Span) ->
     )
     .at(span, "not given")
     .also(declared, "declared here")
+    .help(format!(
+        "parameters stand before the arguments: `{name}<<{}: ...>>(...)`",
+        open.first().map_or("n", Name::as_str)
+    ))
 }
 
 /// A static argument that nothing takes.

@@ -285,7 +285,7 @@ impl<'a> Body<'_, 'a> {
 
     pub(super) fn near_type(&self, name: &str) -> Option<String> {
         let builtin = [
-            "Vector", "Rotation", "Pose", "Twist", "Wrench", "Time", "time",
+            "Vector", "Rotation", "Pose", "Twist", "Wrench", "Time", "time", "bool", "int", "real",
         ];
         let is_type = |id: DeclId| {
             let kind = self.c.program.decl(id).kind;

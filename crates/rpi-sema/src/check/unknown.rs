@@ -68,19 +68,23 @@ impl Body<'_, '_> {
 
     /// Reports an unknown type.
     pub(super) fn unknown_type(&mut self, name: &Name, span: Span) {
-        match foreign::type_here(name) {
-            Some(here) => self.other_name("type", name, span, here),
-            None => {
-                let near = self.near_type(name);
-                self.unknown_name("type", name, span, near);
-            }
+        if let Some(here) = foreign::type_here(name) {
+            return self.other_name("type", name, span, here);
         }
+        if let Some(help) = foreign::no_type(name) {
+            let message = format!("there is no type `{name}`");
+            let finding =
+                Finding::new(Code::RPI1001, message).at(span, "a type of other languages");
+            return self.report(finding.help(help));
+        }
+        let near = self.near_type(name);
+        self.unknown_name("type", name, span, near);
     }
 
     /// Reports a name by which other languages know `here`.
     pub(super) fn other_name(&mut self, what: &str, name: &str, span: Span, here: &str) {
         let title = format!("write `{here}`");
-        let fix = match foreign::differs_by_name(here) {
+        let fix = match foreign::differs_by_name(name, here) {
             true => Fix::sure(title),
             false => Fix::maybe(title),
         };

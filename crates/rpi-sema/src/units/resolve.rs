@@ -120,6 +120,11 @@ fn near(name: &str) -> Option<String> {
         .or_else(cased)
         .or_else(joined)
         .or_else(|| suggest(name, all()))
+        .or_else(|| {
+            let near = suggest(name, OTHERWISE.iter().map(|row| row.0))?;
+            let row = OTHERWISE.iter().find(|row| row.0 == near);
+            row.map(|row| row.1.to_owned())
+        })
 }
 
 #[cfg(test)]

@@ -30,19 +30,21 @@ pub(super) fn needless_word(found: &Found<'_, '_>) -> Option<Habit> {
         found.token(at),
         Some(Token::Let | Token::Var | Token::Const)
     );
+    // `let mut x = ...`
+    let name = at + 1 + usize::from(found.written(at + 1) == "mut");
     let equation =
-        found.token(at + 1) == Some(Token::Ident) && found.token(at + 2) == Some(Token::Eq);
+        found.token(name) == Some(Token::Ident) && found.token(name + 1) == Some(Token::Eq);
     if !found.expects_equation() || !word || !equation {
         return None;
     }
-    let written = found.written(at);
+    let written = found.text(at..name);
     let place = found
         .cx
-        .span(found.lexemes[at].start, found.lexemes[at + 1].start);
+        .span(found.lexemes[at].start, found.lexemes[name].start);
     let finding = habit(format!("an equation needs no `{written}`"))
         .at(found.span_at(at), "the equation itself introduces the flow")
         .fix(Fix::sure(format!("delete `{written}`")).replace(place, ""));
-    let mend = Mend::Tokens(vec![(at..at + 1, Vec::new())]);
+    let mend = Mend::Tokens(vec![(at..name, Vec::new())]);
     Some(Habit { finding, mend })
 }
 
@@ -160,52 +162,6 @@ fn outputs(found: &Found<'_, '_>) -> Vec<Ident> {
         .collect()
 }
 
-/// `switch (x) { case 0: y = 1; ... }`, `case x of ... end_case`
-pub(super) fn switched(found: &Found<'_, '_>) -> Option<Habit> {
-    let at = found.structure.phrase(found.fault.at).start;
-    let word = found.written(at).to_owned();
-    let is_word = ["switch", "case", "select"]
-        .iter()
-        .any(|other| word.eq_ignore_ascii_case(other));
-    let begins = at.checked_sub(1).and_then(|at| found.token(at));
-    let is_first = matches!(begins, Some(Token::Let | Token::Semi | Token::Tel));
-    if !is_word || !is_first || found.token(at) != Some(Token::Ident) || at == found.fault.at {
-        return None;
-    }
-    let end = block_end(found, at);
-    found.cx.swallow_signs(found.span_of(at..end));
-    let finding = habit("a choice among values is a value, not a statement")
-        .at(
-            found.span_at(at),
-            format!("`{word}` is of another language"),
-        )
-        .help("each flow has one equation: `y = if x = 0 then a else if x = 1 then b else c;`");
-    Some(Habit {
-        finding,
-        mend: Mend::Phrase(at..end, defined(found, at..end)),
-    })
-}
-
-/// `for i = 1 to 3 do ... end`, `while c do ... end`
-pub(super) fn repetition(found: &Found<'_, '_>) -> Option<Habit> {
-    let at = found.fault.at.checked_sub(1)?;
-    let word = found.written(at).to_owned();
-    let mut words = ["for", "while", "loop", "foreach"].iter();
-    if !words.any(|other| word.eq_ignore_ascii_case(other)) || found.token(at) != Some(Token::Ident)
-    {
-        return None;
-    }
-    let end = block_end(found, at);
-    found.cx.swallow_signs(found.span_of(at..end));
-    let finding = habit("there are no loops")
-        .at(found.span_at(at), "every equation is computed once in each cycle")
-        .help("over the elements of an array work `map`, `fold` and `red`; what goes on from cycle to cycle reads its own past: `n = 0 -> pre n + 1`");
-    Some(Habit {
-        finding,
-        mend: Mend::Phrase(at..end, defined(found, at..end)),
-    })
-}
-
 /// `finish when c`, `fragment when c`
 pub(super) fn nameless(found: &Found<'_, '_>) -> Option<Habit> {
     use Token::{Fail, Finish, Fragment, Ident, If, Let, When, Yield};
@@ -267,6 +223,13 @@ pub(super) fn block_end(found: &Found<'_, '_>, at: usize) -> usize {
                 | "endswitch"
                 | "done"
                 | "endwhile"
+                | "end_repeat"
+                | "end_loop"
+                | "endloop"
+                | "endparfor"
+                | "wend"
+                | "next"
+                | "od"
         );
         let next = i + 1;
         let ends_braces = token == Token::RBrace && found.token(next) != Some(Token::Else);
@@ -283,18 +246,25 @@ pub(super) fn block_end(found: &Found<'_, '_>, at: usize) -> usize {
 
 /// The names that equations in a stretch of statements seem to define.
 pub(super) fn defined(found: &Found<'_, '_>, range: Range<usize>) -> Vec<Ident> {
-    use Token::{Colon, Else, Eq, Ident as Word, LBrace, RParen, Semi, Then};
+    use Token::{Colon, Else, Eq, Ident as Word, LBrace, Let, RParen, Semi, Then};
     let begins = |at: usize| {
         let words = ["do", "then", "else"];
         matches!(
             found.token(at),
-            Some(Then | Else | Semi | LBrace | Colon | RParen)
+            Some(Then | Else | Semi | LBrace | Let | Colon | RParen)
         ) || words
             .iter()
             .any(|word| found.written(at).eq_ignore_ascii_case(word))
     };
+    let begins_line = |at: usize| {
+        let gap = found
+            .cx
+            .slice(found.lexemes[at - 1].end, found.lexemes[at].start);
+        gap.contains('\n')
+    };
     let is_target = |at: &usize| {
-        found.token(*at) == Some(Word) && found.token(at + 1) == Some(Eq) && begins(at - 1)
+        let is_equation = found.token(*at) == Some(Word) && found.token(at + 1) == Some(Eq);
+        is_equation && (begins(at - 1) || begins_line(*at))
     };
     let names = range.skip(1).filter(is_target);
     let mut names: Vec<Ident> = names.map(|at| found.ident(at)).collect();

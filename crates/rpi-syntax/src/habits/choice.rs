@@ -40,7 +40,7 @@ pub(super) fn choice(found: &Found<'_, '_>) -> Option<Habit> {
 /// Where the statement with the fault begins.
 fn begin(found: &Found<'_, '_>) -> Option<usize> {
     let at = found.fault.at;
-    if found.token(at) == Some(Token::If) && found.expects_equation() {
+    if matches!(found.token(at), Some(Token::If | Token::When)) && found.expects_equation() {
         return Some(at);
     }
     let start = found.structure.phrase(at).start;

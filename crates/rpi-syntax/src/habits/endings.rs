@@ -13,7 +13,10 @@ use std::ops::Range;
 pub(super) fn end_for_tel(found: &Found<'_, '_>) -> Option<Habit> {
     let (open, end) = ended_body(found).or_else(|| ended_state(found))?;
     let finding = habit("a body ends with `tel`")
-        .at(found.span_at(end), "`end` closes no body")
+        .at(
+            found.span_at(end),
+            format!("`{}` closes no body", found.written(end)),
+        )
         .also(found.span_at(open), "begins here")
         .fix(Fix::sure("write `tel`").replace(found.span_at(end), "tel"));
     let mend = Mend::Tokens(vec![found.instead(end, &[Token::Tel])]);
@@ -29,7 +32,23 @@ fn ended_body(found: &Found<'_, '_>) -> Option<(usize, usize)> {
     let is_body = found.token(open) == Some(Token::Let)
         && found.structure.open_blocks().nth(1).is_none()
         && matches!(found.token(last - 1), Some(Token::Semi | Token::Let));
-    (is_there && is_body && found.written(last) == "end").then_some((open, last))
+    (is_there && is_body && is_end(found.written(last))).then_some((open, last))
+}
+
+/// Words by which bodies end elsewhere.
+fn is_end(word: &str) -> bool {
+    const ENDS: [&str; 9] = [
+        "end",
+        "end_node",
+        "endnode",
+        "end_function",
+        "endfunction",
+        "end_function_block",
+        "end_program",
+        "endcommand",
+        "end_command",
+    ];
+    ENDS.iter().any(|end| word.eq_ignore_ascii_case(end))
 }
 
 /// The `let` of a state's body and an `end` behind it that is not that of the automaton: the state goes on, or another one does.

@@ -15,7 +15,7 @@ pub(super) fn returns(found: &Found<'_, '_>) -> Option<Habit> {
         return None;
     }
     match found.token(at)? {
-        Token::Arrow => {
+        Token::Arrow | Token::Implies => {
             let span = found.span_at(at);
             let fix = Fix::sure("write `returns`").replace(span, "returns");
             let finding = finding()
@@ -66,10 +66,13 @@ pub(super) fn no_let(found: &Found<'_, '_>) -> Option<Habit> {
     let has_tel = found.lexemes[at..]
         .iter()
         .any(|lexeme| lexeme.token == Token::Tel);
-    if !found.expects(Token::Let) || !begins_equation || !has_tel || at == 0 {
+    if !found.expects(Token::Let) || !begins_equation || at == 0 {
         return None;
     }
     let before = found.span_at(at - 1);
+    if !has_tel {
+        return Some(no_body(found, at));
+    }
     let finding = Finding::new(Code::RPI0001, "this body has no `let`")
         .at(
             found.span_at(at),
@@ -78,6 +81,23 @@ pub(super) fn no_let(found: &Found<'_, '_>) -> Option<Habit> {
         .fix(Fix::sure("insert `let`").insert_after(before, "\nlet"));
     let mend = Mend::Tokens(vec![found.before_token(at, Token::Let)]);
     Some(Habit { finding, mend })
+}
+
+/// `node f (x: real) returns (y: real) y = x;`
+fn no_body(found: &Found<'_, '_>, at: usize) -> Habit {
+    let (before, last) = (found.span_at(at - 1), found.lexemes.len());
+    let finding = habit("a body stands between `let` and `tel`")
+        .at(found.span_at(at), "expected `let` before this")
+        .fix(
+            Fix::sure("insert `let` and `tel`")
+                .insert_after(before, "\nlet")
+                .insert_after(found.span_at(last - 1), "\ntel"),
+        );
+    let mend = Mend::Tokens(vec![
+        found.before_token(at, Token::Let),
+        found.before_token(last, Token::Tel),
+    ]);
+    Habit { finding, mend }
 }
 
 /// `var z: real; y = x; tel`
@@ -114,12 +134,18 @@ pub(super) fn begin_end(found: &Found<'_, '_>) -> Option<Habit> {
         true => fault.checked_sub(1)?,
         false => fault,
     };
-    if found.written(at) != "begin" || !(at < fault || found.expects(Token::Let)) {
+    let is_word = match at < fault {
+        true => found.written(at) == "begin",
+        false => matches!(found.written(at), "begin" | "where" | "is" | "do" | "as"),
+    };
+    if !is_word || !(at < fault || found.expects(Token::Let)) {
         return None;
     }
     let end = end_of(found, at).filter(|end| found.token(*end) != Some(Token::Tel));
-    let finding = habit("a body stands between `let` and `tel`")
-        .at(found.span_at(at), "`begin` is no word of the language");
+    let finding = habit("a body stands between `let` and `tel`").at(
+        found.span_at(at),
+        format!("`{}` is no word of the language", found.written(at)),
+    );
     let fix = Fix::sure("write `let` and `tel`").replace(found.span_at(at), "let");
     let mut tokens = vec![found.instead(at, &[Token::Let])];
     let finding = match end {

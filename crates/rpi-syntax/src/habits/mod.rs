@@ -8,16 +8,24 @@ mod automata;
 mod bodies;
 mod choice;
 mod endings;
+mod firsts;
+mod foreign;
+mod forms;
 mod heads;
 mod kind2;
+mod lists;
 mod misspelt;
 mod operators;
+mod ports;
 mod signs;
+mod states;
 mod typed;
 mod updates;
 mod values;
+mod words;
 
-pub(crate) use signs::{Becomes, apart, becomes, foreign_sign, sign};
+pub(crate) use firsts::without_first_values;
+pub(crate) use signs::{Becomes, NAMED, apart, becomes, foreign_sign, sign};
 
 use crate::ast::Ident;
 use crate::explain::Found;
@@ -40,11 +48,59 @@ pub(crate) enum Mend {
     Phrase(Range<usize>, Vec<Ident>),
     /// As any other fault.
     Usual,
+    /// Nothing of the declaration is understood.
+    Item,
 }
 
 /// The habits, each a look at the token that was not accepted and at its neighbours.
 const HABITS: &[fn(&Found<'_, '_>) -> Option<Habit>] = &[
     values::empty,
+    foreign::step_by_condition,
+    foreign::step_without_arguments,
+    foreign::repeat_without_times,
+    foreign::times_without_repeat,
+    foreign::steps_in_row,
+    foreign::step_with_value,
+    foreign::result_without_word,
+    ports::matlab,
+    ports::enum_without_word,
+    ports::module,
+    ports::typed_first,
+    ports::half_port,
+    ports::result,
+    ports::bare_ports,
+    ports::locals,
+    ports::end_of_locals,
+    ports::recursive,
+    ports::typed_const,
+    ports::array_type,
+    ports::declared_in_body,
+    ports::array_in_body,
+    states::named,
+    states::initial,
+    states::returning,
+    states::transition_word,
+    states::foreign_end,
+    states::machine,
+    forms::cases,
+    forms::lambda,
+    forms::dictionary,
+    forms::unless,
+    forms::several_indices,
+    forms::called_by_word,
+    forms::called_if,
+    forms::merge,
+    forms::every,
+    forms::method,
+    lists::braces,
+    lists::targets,
+    lists::only_static,
+    lists::range,
+    lists::comprehension,
+    lists::text,
+    words::prefix,
+    words::truth,
+    words::times,
     values::no_tuple,
     values::stepped,
     values::capitals,
@@ -60,7 +116,9 @@ const HABITS: &[fn(&Found<'_, '_>) -> Option<Habit>] = &[
     automata::entry,
     automata::entry_twice,
     automata::late_unless,
+    states::no_then,
     automata::no_let,
+    states::bodies,
     endings::end_for_tel,
     automata::open_state,
     automata::no_end,
@@ -68,7 +126,10 @@ const HABITS: &[fn(&Found<'_, '_>) -> Option<Habit>] = &[
     endings::automaton_in_lustre,
     operators::no_else,
     operators::conditional,
+    words::infix,
+    foreign::statement,
     misspelt::word,
+    forms::clock,
     operators::product,
     operators::bare_unit,
     operators::field_by_colon,
@@ -103,14 +164,13 @@ const HABITS: &[fn(&Found<'_, '_>) -> Option<Habit>] = &[
     bodies::compound,
     bodies::returned,
     choice::choice,
-    bodies::switched,
-    bodies::repetition,
     bodies::nameless,
     misspelt::statement,
     misspelt::tel,
     typed::typed,
     typed::no_sign,
     typed::assigned,
+    forms::applied,
 ];
 
 /// The habit behind a token that was not accepted, if it is one.
@@ -122,6 +182,13 @@ pub(crate) fn recognise(found: &Found<'_, '_>) -> Option<Habit> {
 fn habit(message: impl Into<String>) -> Finding {
     Finding::new(Code::RPI0016, message)
 }
+
+/// Stands for a token where there are none.
+const NOTHING: Lexeme = Lexeme {
+    token: Token::Broken,
+    start: 0,
+    end: 0,
+};
 
 /// What looking around needs.
 impl Found<'_, '_> {
@@ -160,7 +227,9 @@ impl Found<'_, '_> {
     }
 
     fn span_of(&self, range: Range<usize>) -> Span {
-        let (first, last) = (self.lexemes[range.start], self.lexemes[range.end - 1]);
+        let last = self.lexemes.len().saturating_sub(1);
+        let place = |at: usize| self.lexemes.get(at.min(last)).copied().unwrap_or(NOTHING);
+        let (first, last) = (place(range.start), place(range.end.saturating_sub(1)));
         self.cx.span(first.start, last.end)
     }
 

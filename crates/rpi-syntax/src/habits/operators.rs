@@ -259,6 +259,9 @@ pub(super) fn product(found: &Found<'_, '_>) -> Option<Habit> {
     if !is_factor || !same_line || !found.expects(Token::Star) {
         return None;
     }
+    if let Some(unit) = unit_in_parentheses(found, at, is_number) {
+        return Some(unit);
+    }
     let finding = habit("a product is written with `*`")
         .at(
             found.span_at(at),
@@ -266,6 +269,34 @@ pub(super) fn product(found: &Found<'_, '_>) -> Option<Habit> {
         )
         .fix(Fix::maybe("insert `*`").replace(gap, " * "));
     let mend = Mend::Tokens(vec![found.before_token(at, Token::Star)]);
+    Some(Habit { finding, mend })
+}
+
+/// `250(mm)`
+fn unit_in_parentheses(found: &Found<'_, '_>, at: usize, is_number: bool) -> Option<Habit> {
+    let close = found.structure.partner(at).filter(|_| is_number)?;
+    let is_part = |at: usize| {
+        let is_sign = matches!(
+            found.token(at),
+            Some(Token::Slash | Token::Star | Token::Hat | Token::Int)
+        );
+        let name = found.written(at);
+        let is_name = found.token(at) == Some(Token::Ident) && name.len() <= 4;
+        is_sign || is_name && !found.cx.seeming.declares(name)
+    };
+    if found.token(at + 1) != Some(Token::Ident) || !(at + 1..close).all(is_part) {
+        return None;
+    }
+    let unit = found.text(at + 1..close);
+    let place = found.span_of(at..close + 1);
+    let message = format!("a unit is written in brackets: `[{unit}]`");
+    let finding = Finding::new(Code::RPI0007, message)
+        .at(place, "parentheses call a node")
+        .fix(Fix::maybe(format!("write `[{unit}]`")).replace(place, format!("[{unit}]")));
+    let mend = Mend::Tokens(vec![
+        found.instead(at, &[Token::LBracket]),
+        found.instead(close, &[Token::RBracket]),
+    ]);
     Some(Habit { finding, mend })
 }
 

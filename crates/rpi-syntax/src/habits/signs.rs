@@ -63,7 +63,7 @@ pub(crate) enum Becomes {
 pub(crate) fn becomes(span: Span, text: &str, of: Becomes) -> (Finding, Token) {
     let seen = "`:=` is of another language";
     let (message, sign, token) = match of {
-        Becomes::Argument => ("an argument is named by `:`", ":", Token::Colon),
+        Becomes::Argument => (NAMED, ":", Token::Colon),
         _ if is_in_brackets(&text[..span.start as usize]) => {
             let finding = habit("a changed part of a value is written with `with`").at(span, seen);
             let finding = finding.help("write `(a with [0] = x)`, `(r with .n = x)`");
@@ -99,6 +99,9 @@ pub(crate) fn foreign_sign(span: Span, text: &str, sign: &Sign) -> Finding {
         .at(span, format!("`{}` is of another language", sign.written))
         .fix(fix.replace(span, apart(span, text, meant)))
 }
+
+/// What is said of `f(a := x)`.
+pub(crate) const NAMED: &str = "arguments are named by `:`";
 
 /// Whether a `[` of the statement at hand is open at the end of the text.
 fn is_in_brackets(before: &str) -> bool {

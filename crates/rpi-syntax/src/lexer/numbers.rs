@@ -1,6 +1,7 @@
 //! Numbers: checked, and read as what is meant where they are written otherwise.
 
 use super::{Lexeme, Lexer};
+use crate::Mode;
 use crate::lexical::{self, Behind};
 use crate::numeral::{self, Numeral, Read};
 use crate::token::{Place, Token};

@@ -19,6 +19,7 @@ pub(super) use parallel::Uses;
 
 use super::body::Body;
 use super::call::Fitted;
+use super::phrases;
 use super::report::{Wanted, not_a, unknown};
 use crate::program::{DeclId, DeclKind, Lookup, twice};
 use crate::ty::Ty;
@@ -194,7 +195,11 @@ impl<'a> Body<'_, 'a> {
             let runs = |id: DeclId| is_run(self.c.program.decl(id).kind);
             let visible = self.c.program.visible(self.module, runs);
             let near = self.c.suggest(&name.name, visible);
-            self.report(unknown("command or task", &name.name, name.span, near));
+            let finding = unknown("command or task", &name.name, name.span, near);
+            self.report(match phrases::of_step(&name.name) {
+                Some(help) => finding.help(help),
+                None => finding,
+            });
             return None;
         };
         let decl = self.c.program.decl(id);

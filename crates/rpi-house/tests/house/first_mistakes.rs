@@ -1,0 +1,79 @@
+//! What people of other languages write first: one diagnostic for each mistake, at the right place, with what to write here.
+//!
+//! Each program in `tests/first-mistakes` has one mistake. Its first two lines state the place of the
+//! primary label, and words that the diagnostic must contain, separated by ` | `.
+
+use std::path::{Path, PathBuf};
+
+use rpi_diag::Finding;
+use rpi_testkit::{files_below, workspace_root};
+
+use crate::compile::check;
+
+/// So many programs there are at least.
+const LEAST: usize = 400;
+
+#[test]
+fn first_mistakes_get_one_message_that_says_what_to_write() {
+    let programs = files_below("tests/first-mistakes", &[".rpi", ".lus"]);
+    assert!(programs.len() >= LEAST, "only {}", programs.len());
+    let wrong: Vec<String> = programs.iter().filter_map(|path| wrong(path)).collect();
+    assert!(wrong.is_empty(), "{}", wrong.join("\n"));
+}
+
+/// What is wrong with the diagnostic of a program, if anything.
+fn wrong(path: &Path) -> Option<String> {
+    let text = std::fs::read_to_string(path).expect("it is UTF-8");
+    let name = short(path);
+    let (place, words) = expected(&text).unwrap_or_else(|| panic!("{name} begins with two lines"));
+    let said = check(&name, &text);
+    let [finding] = &said.findings[..] else {
+        let messages: Vec<&str> = said.findings.iter().map(|f| f.message.as_str()).collect();
+        return Some(format!(
+            "{name}: one diagnostic expected, found {messages:?}"
+        ));
+    };
+    let found = said.sources.line_col(finding.span());
+    let found = format!("{}:{}", found.line, found.col);
+    if found != place {
+        return Some(format!("{name}: expected at {place}, found at {found}"));
+    }
+    let all = in_words(finding);
+    let lacks: Vec<&str> = words
+        .into_iter()
+        .filter(|word| !all.contains(word))
+        .collect();
+    if !lacks.is_empty() {
+        return Some(format!("{name}: {lacks:?} not in\n{all}"));
+    }
+    let has_way_out = !finding.help.is_empty() || !finding.fixes.is_empty();
+    (!has_way_out).then(|| format!("{name}: no help and no fix"))
+}
+
+/// The place and the words that the first lines of a program state.
+fn expected(text: &str) -> Option<(&str, Vec<&str>)> {
+    let mut lines = text.lines();
+    let place = lines.next()?.strip_prefix("-- at: ")?;
+    let words = lines.next()?.strip_prefix("-- says: ")?;
+    let words = words.split(" | ").filter(|word| !word.is_empty());
+    Some((place, words.collect()))
+}
+
+/// Everything that a diagnostic says.
+fn in_words(finding: &Finding) -> String {
+    let mut all = vec![finding.message.clone()];
+    all.extend(finding.labels.iter().map(|label| label.text.clone()));
+    all.extend(finding.help.iter().cloned());
+    for fix in &finding.fixes {
+        all.push(fix.title.clone());
+        all.extend(fix.edits.iter().map(|edit| edit.text.clone()));
+    }
+    all.join("\n")
+}
+
+/// The file without folders of this machine.
+fn short(path: &Path) -> String {
+    let root: PathBuf = workspace_root();
+    let below = path.strip_prefix(root).unwrap_or(path);
+    below.to_string_lossy().replace('\\', "/")
+}

@@ -1,0 +1,607 @@
+//! Heads of other languages: ports without parentheses, types or names, sections of variables.
+
+use super::{Habit, Mend, habit};
+use crate::explain::Found;
+use crate::lexer::Lexeme;
+use crate::token::Token;
+use rpi_diag::{Fix, Span};
+
+/// The name here of a number or truth value that is called otherwise elsewhere.
+pub(super) fn foreign_type(word: &str) -> Option<Token> {
+    let word = word.to_ascii_lowercase();
+    let word = word
+        .trim_end_matches("_t")
+        .trim_end_matches(|c: char| c.is_ascii_digit());
+    Some(match word {
+        "float" | "double" | "real" | "lreal" | "f" | "single" | "num" => Token::RealType,
+        "int" | "integer" | "uint" | "dint" | "udint" | "lint" | "sint" | "usint" | "long"
+        | "short" | "char" | "byte" | "word" | "dword" | "unsigned" | "i" | "u" | "size" => {
+            Token::IntType
+        }
+        "bool" | "boolean" | "bit" => Token::BoolType,
+        _ => return None,
+    })
+}
+
+/// `(double x)`, `(int a[3], bool c)`, `(unsigned int n)`
+pub(super) fn typed_first(found: &Found<'_, '_>) -> Option<Habit> {
+    let fault = found.fault.at;
+    let near = [fault, fault.saturating_sub(1), fault.saturating_sub(2)];
+    let begins = |at: &usize| begins_port(found, *at) && type_of(found, *at).is_some();
+    let mut at = near.into_iter().find(begins)?;
+    let in_header = (found.structure.parent(at)).is_some_and(|open| is_list(found, open));
+    let first = TypedPort::read(found, at).filter(|port| in_header && fault <= port.name + 1)?;
+    let place = found.span_of(at..first.end);
+    let finding = habit(format!("the name goes before its type: `{}`", first.meant))
+        .at(place, "the type stands first");
+    let mut fix = match found.token(at) {
+        Some(Token::Ident) => Fix::maybe(format!("write `{}`", first.meant)),
+        _ => Fix::sure(format!("write `{}`", first.meant)),
+    };
+    let mut edits = Vec::new();
+    let mut next = Some(first);
+    // Whoever writes one like this writes all like this.
+    while let Some(port) = next {
+        fix = fix.replace(found.span_of(at..port.end), port.meant.clone());
+        edits.push((at..port.end, port.tokens));
+        at = port.end + 1;
+        next = match found.token(port.end) {
+            Some(Token::Comma | Token::Semi) => TypedPort::read(found, at),
+            _ => None,
+        };
+        if next.is_some() && found.token(port.end) == Some(Token::Comma) {
+            fix = fix.replace(found.span_at(port.end), ";");
+            edits.push(found.instead(port.end, &[Token::Semi]));
+        }
+    }
+    Some(Habit {
+        finding: finding.fix(fix),
+        mend: Mend::Tokens(edits),
+    })
+}
+
+/// Whether a port or field can begin at a token.
+fn begins_port(found: &Found<'_, '_>, at: usize) -> bool {
+    use Token::{Comma, LBrace, LParen, Semi};
+    let before = at.checked_sub(1).and_then(|at| found.token(at));
+    matches!(before, Some(Comma | LBrace | LParen | Semi))
+}
+
+/// Whether a bracket holds ports, or the fields of a struct.
+fn is_list(found: &Found<'_, '_>, open: usize) -> bool {
+    let before = open.checked_sub(1).and_then(|at| found.token(at));
+    let is_struct = found.token(open) == Some(Token::LBrace) && before == Some(Token::Struct);
+    is_struct || is_ports(found, open)
+}
+
+/// A port whose type stands first.
+struct TypedPort {
+    name: usize,
+    end: usize,
+    meant: String,
+    tokens: Vec<Lexeme>,
+}
+
+impl TypedPort {
+    fn read(found: &Found<'_, '_>, first: usize) -> Option<TypedPort> {
+        use Token::{Comma, Hat, Ident, Int, LBracket, RBrace, RBracket, RParen, Semi};
+        let ends = |at: usize| matches!(found.token(at), Some(Comma | Semi | RParen | RBrace));
+        let mut last = first;
+        while last < first + 2 && type_of(found, last + 1).is_some() && !ends(last + 2) {
+            last += 1;
+        }
+        let ty = type_of(found, last)?;
+        let name = last + 1;
+        let shape = [name + 1, name + 2, name + 3].map(|at| found.token(at));
+        let is_array = matches!(shape, [Some(LBracket), Some(Int | Ident), Some(RBracket)]);
+        let end = name + if is_array { 4 } else { 1 };
+        if found.token(name) != Some(Ident) || !ends(end) {
+            return None;
+        }
+        let word = ty.spelling().unwrap_or_default();
+        let mut meant = format!("{}: {word}", found.written(name));
+        let mut tokens = vec![found.lexemes[name]];
+        tokens.extend(found.instead(last, &[Token::Colon, ty]).1);
+        if is_array {
+            meant.push_str(&format!("^{}", found.written(name + 2)));
+            tokens.extend(found.instead(name + 1, &[Hat]).1);
+            tokens.push(found.lexemes[name + 2]);
+        }
+        let tokens = behind(&tokens);
+        Some(TypedPort {
+            name,
+            end,
+            meant,
+            tokens,
+        })
+    }
+}
+
+/// Tokens whose places are in text order, as the grammar wants them: those out of order are moved to the end of the one before.
+fn behind(tokens: &[Lexeme]) -> Vec<Lexeme> {
+    let mut end = 0;
+    let mut ordered = Vec::with_capacity(tokens.len());
+    for lexeme in tokens {
+        let start = lexeme.start.max(end);
+        end = lexeme.end.max(start);
+        ordered.push(Lexeme {
+            start,
+            end,
+            ..*lexeme
+        });
+    }
+    ordered
+}
+
+/// The type that a token names, here or elsewhere.
+fn type_of(found: &Found<'_, '_>, at: usize) -> Option<Token> {
+    match found.token(at)? {
+        token @ (Token::BoolType | Token::IntType | Token::RealType) => Some(token),
+        Token::Ident => foreign_type(found.written(at)),
+        _ => None,
+    }
+}
+
+/// Whether a bracket holds the ports of a declaration.
+fn is_ports(found: &Found<'_, '_>, open: usize) -> bool {
+    found.token(open) == Some(Token::LParen) && found.structure.parent(open).is_none()
+}
+
+/// `node f (x) returns ...`, `node f (int) ...`, `node f(x) = x + 1;`
+pub(super) fn half_port(found: &Found<'_, '_>) -> Option<Habit> {
+    use Token::{Comma, Ident, LParen, RParen, Semi};
+    let at = found.fault.at;
+    let open = match found.token(at) {
+        Some(RParen) => found.structure.partner(at),
+        _ => found.structure.parent(at),
+    };
+    let in_header = open.is_some_and(|open| is_ports(found, open));
+    if !in_header || (0..at).any(|at| found.token(at) == Some(Token::Let)) {
+        return None;
+    }
+    let ends = |at: usize| matches!(found.token(at), Some(RParen | Semi | Comma));
+    let begins = |at: usize| {
+        matches!(
+            at.checked_sub(1).and_then(|at| found.token(at)),
+            Some(LParen | Semi | Comma)
+        )
+    };
+    if found.token_before() == Some(Ident)
+        && found.expects(Token::Colon)
+        && found.token(at) == Some(RParen)
+    {
+        return Some(untyped(found, at - 1));
+    }
+    let is_type = found.token(at) != Some(Ident) && type_of(found, at).is_some();
+    if !is_type || !begins(at) || !ends(at + 1) || !found.expects(Ident) {
+        return None;
+    }
+    let ty = found.written(at);
+    let meant = format!("y: {ty}");
+    let finding = habit("a port has a name and a type")
+        .at(found.span_at(at), "a type without a name")
+        .fix(Fix::maybe(format!("write `{meant}`")).replace(found.span_at(at), meant));
+    Some(Habit {
+        finding,
+        mend: Mend::Usual,
+    })
+}
+
+/// A port without a type; what is declared without a body as a function elsewhere is left alone.
+fn untyped(found: &Found<'_, '_>, at: usize) -> Habit {
+    let name = found.written(at);
+    let is_equation =
+        found.token(at + 2) == Some(Token::Eq) && found.token(at + 3) != Some(Token::LParen);
+    let is_foreign = is_equation || found.token(at + 2) == Some(Token::LBrace);
+    let finding = habit("every port has a type")
+        .at(found.span_at(at), format!("`{name}: int`, `{name}: real`"));
+    match is_foreign {
+        true => Habit {
+            finding: finding.help(format!(
+                "`function f ({name}: real) returns (y: real) let y = {name} + 1.0; tel`"
+            )),
+            mend: Mend::Item,
+        },
+        false => Habit {
+            finding: finding.help(format!("write the type behind a colon: `{name}: real`")),
+            mend: Mend::Usual,
+        },
+    }
+}
+
+/// `node f (x: int) = (y: int)`, `node f (x: int): int`
+pub(super) fn result(found: &Found<'_, '_>) -> Option<Habit> {
+    use Token::{Arrow, Colon, Eq, LParen};
+    let at = found.fault.at;
+    if !found.expects(Token::Returns) {
+        return None;
+    }
+    let span = found.span_at(at);
+    let finding = habit("the out-ports follow `returns`");
+    match (found.token(at)?, found.token(at + 1)?) {
+        (Eq, LParen) => Some(Habit {
+            finding: finding
+                .at(span, "an equation stands in the body")
+                .fix(Fix::sure("write `returns`").replace(span, "returns")),
+            mend: Mend::Tokens(vec![found.instead(at, &[Token::Returns])]),
+        }),
+        (Colon | Arrow, _) if type_of(found, at + 1).is_some() => {
+            let ty = type_of(found, at + 1)?;
+            let meant = format!("returns (y: {})", ty.spelling().unwrap_or_default());
+            let place = found.span_of(at..at + 2);
+            Some(Habit {
+                finding: finding.at(place, "an out-port has a name and a type").fix(
+                    Fix::maybe(format!("write `{meant}`")).replace(place, format!(" {meant}")),
+                ),
+                mend: Mend::Item,
+            })
+        }
+        _ => None,
+    }
+}
+
+/// `node f x: int returns ...`, `returns y: int`
+pub(super) fn bare_ports(found: &Found<'_, '_>) -> Option<Habit> {
+    use Token::{Colon, Con, Ident, LParen, Let, RParen, Returns, Semi, Var};
+    let at = found.fault.at;
+    let is_port =
+        found.token(at) == Some(Ident) && matches!(found.token(at + 1), Some(Colon | Token::Comma));
+    let in_body = (0..at).any(|at| found.token(at) == Some(Let));
+    let count = |token| (0..at).filter(|at| found.token(*at) == Some(token)).count();
+    let in_parentheses = count(LParen) > count(RParen);
+    if !is_port || in_body || in_parentheses || !found.expects(LParen) || found.expects(Token::Plus)
+    {
+        return None;
+    }
+    let ends = |i: &usize| {
+        matches!(
+            found.token(*i),
+            Some(Returns | Let | Var | Con | Token::Const) | None
+        )
+    };
+    let mut end = (at..=found.lexemes.len()).find(ends)?;
+    if found.token(end - 1) == Some(Semi) {
+        end -= 1;
+    }
+    let fix = Fix::sure("write `( )`")
+        .insert_before(found.span_at(at), "(")
+        .insert_after(found.span_at(end - 1), ")");
+    let finding = habit("ports stand in parentheses")
+        .at(found.span_of(at..end), "expected `(`")
+        .fix(fix);
+    let mend = Mend::Tokens(vec![
+        found.before_token(at, LParen),
+        found.before_token(end, RParen),
+    ]);
+    Some(Habit { finding, mend })
+}
+
+/// `sig z: int;`, `local z: int;`, `VAR_TEMP z: int;`
+pub(super) fn locals(found: &Found<'_, '_>) -> Option<Habit> {
+    const WORDS: [&str; 9] = [
+        "sig",
+        "local",
+        "locals",
+        "signal",
+        "vars",
+        "variables",
+        "var_temp",
+        "static",
+        "register",
+    ];
+    let at = found.fault.at;
+    let word = found.written(at).to_ascii_lowercase();
+    let is_section = found.token(at + 1) == Some(Token::Ident)
+        && matches!(found.token(at + 2), Some(Token::Colon | Token::Comma));
+    if !WORDS.contains(&&*word)
+        || !is_section
+        || !found.expects(Token::Let)
+        || !found.expects(Token::Var)
+    {
+        return None;
+    }
+    let span = found.span_at(at);
+    let finding = habit("local flows are declared after `var`")
+        .at(span, "a word of another language")
+        .fix(Fix::sure("write `var`").replace(span, "var"));
+    Some(Habit {
+        finding,
+        mend: Mend::Tokens(vec![found.instead(at, &[Token::Var])]),
+    })
+}
+
+/// `var x: int; end_var let ...`
+pub(super) fn end_of_locals(found: &Found<'_, '_>) -> Option<Habit> {
+    let fault = found.fault.at;
+    let mut places = [fault, fault.saturating_sub(1)].into_iter();
+    let at = places.find(|at| {
+        let word = found.written(*at).to_ascii_lowercase();
+        matches!(&*word, "end_var" | "endvar" | "end")
+            && *at > 0
+            && found.token(at - 1) == Some(Token::Semi)
+    })?;
+    let is_there =
+        found.token(at + 1) == Some(Token::Let) || found.token(at + 1) == Some(Token::Semi);
+    if !is_there || (0..at).any(|at| found.token(at) == Some(Token::Let)) {
+        return None;
+    }
+    let end = at + 1 + usize::from(found.token(at + 1) == Some(Token::Semi));
+    let place = found.span_of(at..end);
+    let finding = habit("`let` ends the local declarations")
+        .at(place, "no word closes them")
+        .fix(Fix::sure(format!("delete `{}`", found.written(at))).replace(place, ""));
+    Some(Habit {
+        finding,
+        mend: Mend::Tokens(vec![(at..end, Vec::new())]),
+    })
+}
+
+/// `let rec`
+pub(super) fn recursive(found: &Found<'_, '_>) -> Option<Habit> {
+    let fault = found.fault.at;
+    let mut places = [fault, fault.saturating_sub(1)].into_iter();
+    let at = places.find(|at| {
+        found.written(*at) == "rec" && *at > 0 && found.token(at - 1) == Some(Token::Let)
+    })?;
+    if found.token(at + 1) != Some(Token::Ident) {
+        return None;
+    }
+    let place = gap(found, at);
+    let finding = habit("equations refer to one another without `rec`")
+        .at(found.span_at(at), "a word of another language")
+        .fix(Fix::sure("delete `rec`").replace(place, ""));
+    Some(Habit {
+        finding,
+        mend: Mend::Tokens(vec![(at..at + 1, Vec::new())]),
+    })
+}
+
+/// A token with the gap before it.
+fn gap(found: &Found<'_, '_>, at: usize) -> Span {
+    found
+        .cx
+        .span(found.lexemes[at - 1].end, found.lexemes[at].end)
+}
+
+/// `const int n = 3;` outside of bodies.
+pub(super) fn typed_const(found: &Found<'_, '_>) -> Option<Habit> {
+    let fault = found.fault.at;
+    let mut places = [fault, fault.saturating_sub(1)].into_iter();
+    let at = places.find(|at| {
+        let before = at.checked_sub(1).and_then(|at| found.token(at));
+        let shape =
+            [found.token(at + 1), found.token(at + 2)] == [Some(Token::Ident), Some(Token::Eq)];
+        matches!(before, Some(Token::Const | Token::Semi)) && shape && type_of(found, *at).is_some()
+    })?;
+    if found.token(0) != Some(Token::Const) {
+        return None;
+    }
+    let ty = type_of(found, at)?;
+    let meant = format!(
+        "{}: {}",
+        found.written(at + 1),
+        ty.spelling().unwrap_or_default()
+    );
+    let place = found.span_of(at..at + 2);
+    let finding = habit(format!("the name goes before its type: `{meant}`"))
+        .at(place, "the type stands first")
+        .fix(Fix::sure(format!("write `{meant}`")).replace(place, meant));
+    let mut tokens = vec![found.lexemes[at + 1]];
+    tokens.extend(found.instead(at, &[Token::Colon, ty]).1);
+    Some(Habit {
+        finding,
+        mend: Mend::Tokens(vec![(at..at + 2, behind(&tokens))]),
+    })
+}
+
+/// `function y = f(x)` as MATLAB has it.
+pub(super) fn matlab(found: &Found<'_, '_>) -> Option<Habit> {
+    use Token::{Eq, Function, Ident, LParen, Node};
+    let shape = [1, 2, 3, 4].map(|at| found.token(at));
+    let is_head = matches!(found.token(0), Some(Function | Node));
+    if !is_head
+        || shape != [Some(Ident), Some(Eq), Some(Ident), Some(LParen)]
+        || found.fault.at != 4
+    {
+        return None;
+    }
+    let (result, name) = (found.written(1), found.written(3));
+    let last = found.lexemes.len();
+    found.cx.swallow_signs(found.span_of(0..last));
+    let finding = habit("the name goes before the ports, and the out-ports follow `returns`")
+        .at(found.span_of(0..4), "a head of another language")
+        .help(format!(
+            "`{} {name} (x: real) returns ({result}: real) let {result} = 2.0 * x; tel`",
+            found.written(0)
+        ));
+    Some(Habit {
+        finding,
+        mend: Mend::Item,
+    })
+}
+
+/// `[int; 3]`, `list[int]` as types.
+pub(super) fn array_type(found: &Found<'_, '_>) -> Option<Habit> {
+    use Token::{Colon, Hat, Ident, Int, LBracket, RBracket, Semi};
+    let at = found.fault.at;
+    let open = (at.saturating_sub(4)..=at)
+        .rev()
+        .find(|at| found.token(*at) == Some(LBracket))?;
+    let close = found.structure.partner(open)?;
+    let before = open.checked_sub(1).and_then(|at| found.token(at));
+    let ty = type_of(found, open + 1)?;
+    let word = ty.spelling().unwrap_or_default();
+    let finding = habit("the size of an array stands behind `^`");
+    let shape = [open + 2, open + 3].map(|at| found.token(at));
+    if before == Some(Colon)
+        && matches!(shape, [Some(Semi), Some(Int | Ident)])
+        && close == open + 4
+    {
+        let size = found.written(open + 3);
+        let (meant, place) = (format!("{word}^{size}"), found.span_of(open..close + 1));
+        let mut tokens = found.instead(open, &[ty, Hat]).1;
+        tokens.push(found.lexemes[open + 3]);
+        return Some(Habit {
+            finding: finding
+                .at(place, "a type of another language")
+                .fix(Fix::sure(format!("write `{meant}`")).replace(place, meant)),
+            mend: Mend::Tokens(vec![(open..close + 1, tokens)]),
+        });
+    }
+    let is_list = before == Some(Ident) && found.token(open - 2) == Some(Colon) && at <= close;
+    if !is_list || at != close && found.token(open + 2) != Some(RBracket) && at > close {
+        return None;
+    }
+    let place = found.span_of(open - 1..close + 1);
+    let finding = finding
+        .at(place, "a type of another language")
+        .help(format!(
+            "three elements: `{word}^3`; a list that grows does not exist"
+        ));
+    Some(Habit {
+        finding,
+        mend: Mend::Usual,
+    })
+}
+
+/// `int x;` among equations.
+pub(super) fn declared_in_body(found: &Found<'_, '_>) -> Option<Habit> {
+    use Token::{Comma, Ident, Semi};
+    let fault = found.fault.at;
+    let start = found.structure.phrase(fault).start;
+    let before = start.checked_sub(1).and_then(|at| found.token(at));
+    let is_statement = matches!(before, Some(Token::Let | Semi | Token::Tel))
+        && found.structure.is_in_block(start);
+    let ty = type_of(found, start).filter(|_| is_statement)?;
+    let name = (start + 1..start + 4)
+        .find(|at| found.token(*at) == Some(Ident) && type_of(found, *at).is_none())?;
+    if (start..name).any(|at| type_of(found, at).is_none()) {
+        return None;
+    }
+    let end = found.structure.phrase(start).end;
+    let is_row = (name..end).all(|at| matches!(found.token(at), Some(Ident | Comma)));
+    if !is_row || found.token(end) != Some(Semi) || fault > end {
+        return None;
+    }
+    let names = found.text(name..end);
+    let finding = habit("locals are declared before `let`")
+        .at(found.span_of(start..end), "this stands among the equations")
+        .help(format!(
+            "`var {names}: {};` between the ports and `let`; in `.rpi` files it may be left out: an equation introduces its flow",
+            ty.spelling().unwrap_or_default()
+        ))
+        .fix(Fix::maybe("delete it").replace(found.span_of(start..end + 1), ""));
+    Some(Habit {
+        finding,
+        mend: Mend::Tokens(vec![(start..end + 1, Vec::new())]),
+    })
+}
+
+/// `int a[3] = {1, 2, 3};`, `int a[3];` among equations.
+pub(super) fn array_in_body(found: &Found<'_, '_>) -> Option<Habit> {
+    use Token::{Ident, LBracket, Semi};
+    let start = found.structure.phrase(found.fault.at).start;
+    let before = start.checked_sub(1).and_then(|at| found.token(at));
+    let is_statement = matches!(before, Some(Token::Let | Semi | Token::Tel));
+    let ty =
+        type_of(found, start).filter(|_| is_statement && found.structure.is_in_block(start))?;
+    let shape = [found.token(start + 1), found.token(start + 2)] == [Some(Ident), Some(LBracket)];
+    let close = found.structure.partner(start + 2).filter(|_| shape)?;
+    let end = found.structure.phrase(start).end;
+    let name = found.written(start + 1);
+    let size = found.text(start + 3..close.max(start + 4));
+    let finding = habit("the equation of an array gives it its elements")
+        .at(
+            found.span_of(start..close + 1),
+            "a declaration of another language",
+        )
+        .help(format!(
+            "`{name} = [1, 2, 3];`; its type may be said before `let`: `var {name}: {}^{size};`",
+            ty.spelling().unwrap_or_default()
+        ));
+    let names = match found.token(close + 1) {
+        Some(Token::Eq) => vec![found.ident(start + 1)],
+        _ => Vec::new(),
+    };
+    found.cx.swallow_signs(found.span_of(start..end));
+    Some(Habit {
+        finding,
+        mend: Mend::Phrase(start..end, names),
+    })
+}
+
+/// `type Mode = { Off, On };`, `type Mode = (Off, On);`, `type Mode = Off | On;`
+pub(super) fn enum_without_word(found: &Found<'_, '_>) -> Option<Habit> {
+    use Token::{Bar, Comma, Enum, Eq, Ident, LBrace, LParen, RBrace, RParen, Semi, Type};
+    let fault = found.fault.at;
+    let eq = (fault.saturating_sub(40)..fault)
+        .rev()
+        .take_while(|at| found.token(*at) != Some(Semi))
+        .find(|at| found.token(*at) == Some(Eq))?;
+    let before = eq.checked_sub(2).and_then(|at| found.token(at));
+    let end = (eq..found.lexemes.len()).find(|at| found.token(*at) == Some(Semi))?;
+    if found.token(0) != Some(Type) || !matches!(before, Some(Type | Semi)) || end < eq + 3 {
+        return None;
+    }
+    let is_bracketed = matches!(found.token(eq + 1), Some(LBrace | LParen))
+        && matches!(found.token(end - 1), Some(RBrace | RParen));
+    let values = match is_bracketed {
+        true => eq + 2..end - 1,
+        false => eq + 1..end,
+    };
+    let is_value = |at: usize| match (at - values.start) % 2 {
+        0 => found.token(at) == Some(Ident),
+        _ => matches!(found.token(at), Some(Bar | Comma)),
+    };
+    if values.len() % 2 == 0 || !values.clone().all(is_value) {
+        return None;
+    }
+    let names: Vec<&str> = values
+        .clone()
+        .step_by(2)
+        .map(|at| found.written(at))
+        .collect();
+    let meant = format!("enum {{ {} }}", names.join(", "));
+    let place = found.span_of(eq + 1..end);
+    let finding = habit("a choice among names is an `enum`")
+        .at(place, "expected a type")
+        .fix(Fix::sure(format!("write `{meant}`")).replace(place, meant));
+    let mut tokens = found.instead(eq + 1, &[Enum, LBrace]).1;
+    for at in values {
+        match found.token(at) {
+            Some(Ident) => tokens.push(found.lexemes[at]),
+            _ => tokens.extend(found.instead(at, &[Comma]).1),
+        }
+    }
+    tokens.extend(found.instead(end - 1, &[RBrace]).1);
+    Some(Habit {
+        finding,
+        mend: Mend::Tokens(vec![(eq + 1..end, behind(&tokens))]),
+    })
+}
+
+/// `use std::math;`, `use "motion";`, `include <motion>;`
+pub(super) fn module(found: &Found<'_, '_>) -> Option<Habit> {
+    let at = found.fault.at;
+    let before = found.token_before()?;
+    let written = found.written(at);
+    let is_name = matches!(found.token(at), Some(Token::Path | Token::Str | Token::Lt));
+    if !matches!(before, Token::Use | Token::Include) || !is_name {
+        return None;
+    }
+    let last = written.rsplit("::").next().unwrap_or(written);
+    let last = last.trim_matches('"').trim_end_matches(".rpi");
+    let finding = habit("a module is named by one word")
+        .at(found.span_at(at), "no name of a module")
+        .help("`use motion;` brings in `motion.rpi` beside this file, or of the standard library; `include \"file.lus\"` takes in a file");
+    let is_word = !last.is_empty() && last.chars().all(|c| c.is_ascii_alphanumeric() || c == '_');
+    let finding = match before == Token::Use && is_word {
+        true => finding
+            .fix(Fix::maybe(format!("write `{last}`")).replace(found.span_at(at), last.to_owned())),
+        false => finding,
+    };
+    Some(Habit {
+        finding,
+        mend: Mend::Item,
+    })
+}

@@ -1,0 +1,460 @@
+//! States as Heptagon, SCADE and others write them: `state A do y = x until c then B`.
+
+use super::{Habit, Mend, habit};
+use crate::explain::Found;
+use crate::lexer::Lexeme;
+use crate::token::Token;
+use rpi_diag::Fix;
+use std::ops::Range;
+
+/// `automaton SM1 initial state A ...`
+pub(super) fn named(found: &Found<'_, '_>) -> Option<Habit> {
+    use Token::{Automaton, Ident, Initial, State};
+    let at = found.fault.at;
+    let is_name = found.token_before() == Some(Automaton) && found.token(at) == Some(Ident);
+    let goes_on = matches!(found.token(at + 1), Some(Initial | State))
+        || is(found, at + 1, &["initial", "state"]);
+    if !is_name || !goes_on || is(found, at, STARTS) || is_nearly("initial", found.written(at)) {
+        return None;
+    }
+    let finding = habit("an automaton has no name")
+        .at(found.span_at(at), "a state follows here")
+        .fix(Fix::sure("delete it").replace(found.span_at(at), ""));
+    Some(Habit {
+        finding,
+        mend: Mend::Tokens(vec![(at..at + 1, Vec::new())]),
+    })
+}
+
+const STARTS: &[&str] = &[
+    "init", "initial", "start", "begin", "default", "entry", "first",
+];
+
+/// `init state A`
+pub(super) fn initial(found: &Found<'_, '_>) -> Option<Habit> {
+    let at = found.fault.at;
+    let is_start = is(found, at, STARTS) && found.expects(Token::State);
+    if !is_start || found.token(at + 1) != Some(Token::State) && !is(found, at + 1, &["state"]) {
+        return None;
+    }
+    let finding = habit("the state in which an automaton starts is the `initial state`")
+        .at(found.span_at(at), "a word of another language")
+        .fix(Fix::sure("write `initial`").replace(found.span_at(at), "initial"));
+    Some(Habit {
+        finding,
+        mend: Mend::Tokens(vec![found.instead(at, &[Token::Initial])]),
+    })
+}
+
+/// `until c -> B;`, `until c B;`, `until c: B;`
+pub(super) fn no_then(found: &Found<'_, '_>) -> Option<Habit> {
+    use Token::{Arrow, Colon, Comma, Ident, Implies, Semi, Then, Unless, Until};
+    let at = found.fault.at;
+    let first = (at.saturating_sub(60)..at)
+        .rev()
+        .take_while(|at| found.token(*at) != Some(Semi))
+        .find(|at| matches!(found.token(*at), Some(Token::On | Unless | Until)))?;
+    if !found.expects(Then) && found.token(at) != Some(Implies) {
+        return None;
+    }
+    let ends = |at: usize| {
+        matches!(
+            found.token(at),
+            Some(Semi | Token::Bar | Token::Tel | Token::State | Token::End)
+        )
+    };
+    let sign = match found.token(at)? {
+        Semi if at >= first + 4 => at - 2,
+        Colon | Comma | Implies | Arrow => at,
+        Ident if ends(at + 1) && !is_nearly("then", found.written(at)) => {
+            let before = found.span_at(at - 1);
+            let finding = habit("the next state follows `then`")
+                .at(found.span_at(at), "expected `then` before this")
+                .fix(Fix::sure("insert `then`").insert_after(before, " then"));
+            let mend = Mend::Tokens(vec![found.before_token(at, Then)]);
+            return Some(Habit { finding, mend });
+        }
+        _ => return None,
+    };
+    let is_sign = matches!(found.token(sign), Some(Arrow | Colon | Comma | Implies));
+    if !is_sign || found.token(sign + 1) != Some(Ident) || !ends(sign + 2) {
+        return None;
+    }
+    let place = found.span_at(sign);
+    let finding = habit("the next state follows `then`")
+        .at(place, "a sign of another language")
+        .fix(
+            Fix::sure("write `then`")
+                .replace(place, super::signs::apart(place, found.cx.text, "then")),
+        );
+    Some(Habit {
+        finding,
+        mend: Mend::Tokens(vec![found.instead(sign, &[Then])]),
+    })
+}
+
+/// `thn`
+fn is_nearly(meant: &str, word: &str) -> bool {
+    rpi_diag::suggest(word, std::iter::once(meant)).is_some()
+}
+
+/// `... state B let ... tel until d then A; returns z;`
+pub(super) fn returning(found: &Found<'_, '_>) -> Option<Habit> {
+    let at = found.fault.at;
+    if found.token(at) != Some(Token::Returns) || !found.expects(Token::End) {
+        return None;
+    }
+    let semi = (at..found.lexemes.len())
+        .find(|at| matches!(found.token(*at), Some(Token::Semi | Token::Tel)))?;
+    let end = semi + usize::from(found.token(semi) == Some(Token::Semi));
+    let place = found.span_of(at..end);
+    let finding = habit("an automaton ends with `end`, whatever its states define")
+        .at(
+            place,
+            "the flows that states define are flows of the body around them",
+        )
+        .fix(Fix::sure("write `end`").replace(place, "end"));
+    Some(Habit {
+        finding,
+        mend: Mend::Tokens(vec![(at..end, found.instead(at, &[Token::End]).1)]),
+    })
+}
+
+/// `state A do y = x until c then B`, `A -> do ...`, `state A { y = x; } until ...`
+pub(super) fn bodies(found: &Found<'_, '_>) -> Option<Habit> {
+    let at = found.fault.at;
+    let is_state = found.token_before() == Some(Token::Ident)
+        && at
+            .checked_sub(2)
+            .is_some_and(|at| found.token(at) == Some(Token::State));
+    let is_body = is_state && opens(found, at).is_some();
+    let is_bare = found.token(at) == Some(Token::Ident)
+        && matches!(found.token_before(), Some(Token::Automaton | Token::Bar))
+        && opens(found, at + 1).is_some();
+    let is_braced =
+        found.token(at) == Some(Token::LBrace) && found.token_before() == Some(Token::Automaton);
+    if !is_body && !is_bare && !is_braced {
+        return None;
+    }
+    let open = (0..at)
+        .rev()
+        .find(|at| found.token(*at) == Some(Token::Automaton))?;
+    let edits = Rewriter {
+        found,
+        at: open + 1,
+        edits: Vec::new(),
+    }
+    .automaton()?;
+    let finding = habit("the equations of a state stand between `let` and `tel`")
+        .at(found.span_at(at), "a state of another language")
+        .help("`initial state A let y = x; tel until c then B;`");
+    let fix = edits
+        .iter()
+        .fold(Fix::maybe("write `state`, `let` and `tel`"), |fix, edit| {
+            edit.in_text(found, fix)
+        });
+    let mend = Mend::Tokens(edits.iter().map(|edit| edit.in_tokens(found)).collect());
+    Some(Habit {
+        finding: finding.fix(fix),
+        mend,
+    })
+}
+
+fn is(found: &Found<'_, '_>, at: usize, words: &[&str]) -> bool {
+    words
+        .iter()
+        .any(|word| found.written(at).eq_ignore_ascii_case(word))
+}
+
+/// One past what opens a body in the place of `let`: `do`, `{`, `:`, `-> do`, `begin`.
+fn opens(found: &Found<'_, '_>, at: usize) -> Option<usize> {
+    match found.token(at)? {
+        Token::LBrace => Some(at + 1),
+        Token::Arrow | Token::Colon | Token::Implies
+            if is(found, at + 1, &["do", "begin", "var"]) =>
+        {
+            Some(at + 2)
+        }
+        Token::Arrow | Token::Implies => Some(at + 1),
+        _ if is(found, at, &["do", "begin", "entry", "during"]) => Some(at + 1),
+        _ => None,
+    }
+}
+
+/// Tokens that give way to others.
+struct Edit {
+    range: Range<usize>,
+    tokens: Vec<Token>,
+}
+
+impl Edit {
+    fn in_tokens(&self, found: &Found<'_, '_>) -> (Range<usize>, Vec<Lexeme>) {
+        let mut lexemes = Vec::new();
+        for token in &self.tokens {
+            lexemes.extend(found.before_token(self.range.start, *token).1);
+        }
+        (self.range.clone(), lexemes)
+    }
+
+    fn in_text(&self, found: &Found<'_, '_>, fix: Fix) -> Fix {
+        let words: Vec<&str> = self
+            .tokens
+            .iter()
+            .filter_map(|token| token.spelling())
+            .collect();
+        let text = words.join(" ").replace(" ;", ";");
+        if !self.range.is_empty() {
+            return fix.replace(found.span_of(self.range.clone()), text);
+        }
+        let behind = found.span_at(self.range.start.saturating_sub(1));
+        match text.starts_with(';') {
+            true => fix.insert_after(behind, text),
+            false => fix.insert_after(behind, format!(" {text}")),
+        }
+    }
+}
+
+/// Goes through the states of an automaton, and notes what is written otherwise here.
+struct Rewriter<'r, 'f, 't> {
+    found: &'r Found<'f, 't>,
+    at: usize,
+    edits: Vec<Edit>,
+}
+
+impl Rewriter<'_, '_, '_> {
+    fn automaton(mut self) -> Option<Vec<Edit>> {
+        let mut first = true;
+        let is_braced = self.token() == Some(Token::LBrace);
+        if is_braced {
+            self.replace(1, &[]);
+        }
+        loop {
+            if self.token() == Some(Token::Bar) {
+                self.replace(1, &[]);
+            }
+            if self.is_end() {
+                break;
+            }
+            self.head(first)?;
+            self.body();
+            self.transitions();
+            first = false;
+        }
+        match self.token() {
+            Some(Token::End) => {}
+            Some(Token::RBrace) if is_braced => self.replace(1, &[Token::End]),
+            _ => self.insert(&[Token::End]),
+        }
+        Some(self.edits)
+    }
+
+    fn is_end(&self) -> bool {
+        matches!(
+            self.token(),
+            None | Some(Token::End | Token::RBrace | Token::Tel)
+        )
+    }
+
+    /// `initial state A` with what lacks of it.
+    fn head(&mut self, first: bool) -> Option<()> {
+        let is_initial = self.token() == Some(Token::Initial);
+        self.at += usize::from(is_initial);
+        let has_word = self.token() == Some(Token::State);
+        let words: &[Token] = match (first && !is_initial && !self.any_initial(), has_word) {
+            (true, true) => &[Token::Initial],
+            (true, false) => &[Token::Initial, Token::State],
+            (false, true) => &[],
+            (false, false) => &[Token::State],
+        };
+        self.insert(words);
+        self.at += usize::from(has_word);
+        let is_name = self.token() == Some(Token::Ident);
+        self.at += 1;
+        is_name.then_some(())
+    }
+
+    /// Whether another state is the initial one.
+    fn any_initial(&self) -> bool {
+        let after = self.at..self.found.lexemes.len();
+        let mut tokens = after.map(|at| self.found.token(at));
+        tokens.any(|token| token == Some(Token::Initial))
+    }
+
+    fn body(&mut self) {
+        if self.token() == Some(Token::Unless) {
+            self.transition();
+        }
+        if self.token() == Some(Token::Let) {
+            let close = self.found.structure.partner(self.at);
+            self.at = close.map_or(self.found.lexemes.len(), |close| close + 1);
+            return;
+        }
+        let Some(start) = opens(self.found, self.at) else {
+            return;
+        };
+        self.replace(start - self.at, &[Token::Let]);
+        while !self.ends_body() {
+            self.at += 1;
+        }
+        let lacks_semi = self.at > start && self.before() != Some(Token::Semi);
+        let tokens: &[Token] = if lacks_semi {
+            &[Token::Semi, Token::Tel]
+        } else {
+            &[Token::Tel]
+        };
+        let closes = self.token() == Some(Token::RBrace) || is(self.found, self.at, &["done"]);
+        match closes {
+            true => self.replace(1, tokens),
+            false => self.insert(tokens),
+        }
+    }
+
+    fn ends_body(&self) -> bool {
+        use Token::{Bar, End, Initial, RBrace, State, Tel, Unless, Until};
+        let ends = matches!(
+            self.token(),
+            None | Some(Bar | End | Initial | RBrace | State | Tel | Unless | Until)
+        );
+        ends || is(self.found, self.at, &["done"]) || self.begins_bare_state()
+    }
+
+    /// `B -> do ...`
+    fn begins_bare_state(&self) -> bool {
+        self.token() == Some(Token::Ident)
+            && self.found.token(self.at + 1) == Some(Token::Arrow)
+            && opens(self.found, self.at + 1) == Some(self.at + 3)
+    }
+
+    fn transitions(&mut self) {
+        while matches!(self.token(), Some(Token::Until | Token::Unless)) {
+            self.transition();
+        }
+    }
+
+    fn transition(&mut self) {
+        use Token::{End, Initial, Let, Semi, State, Tel, Unless, Until};
+        self.at += 1;
+        loop {
+            match self.token() {
+                Some(Semi) => {
+                    self.at += 1;
+                    return;
+                }
+                None | Some(End | Initial | Let | Token::RBrace | State | Tel | Unless | Until) => {
+                    break;
+                }
+                Some(_)
+                    if self.begins_bare_state()
+                        || opens(self.found, self.at) == Some(self.at + 1)
+                            && self.token() != Some(Token::Arrow) =>
+                {
+                    break;
+                }
+                Some(_) => self.at += 1,
+            }
+        }
+        self.insert(&[Semi]);
+    }
+
+    fn token(&self) -> Option<Token> {
+        self.found.token(self.at)
+    }
+
+    fn before(&self) -> Option<Token> {
+        self.found.token(self.at - 1)
+    }
+
+    fn insert(&mut self, tokens: &[Token]) {
+        if !tokens.is_empty() {
+            self.edit(0, tokens);
+        }
+    }
+
+    fn replace(&mut self, count: usize, tokens: &[Token]) {
+        self.edit(count, tokens);
+        self.at += count;
+    }
+
+    /// Notes an edit; what is inserted at one place is one edit.
+    fn edit(&mut self, count: usize, tokens: &[Token]) {
+        let range = self.at..self.at + count;
+        match self.edits.last_mut() {
+            Some(last) if last.range.end == range.start && last.range.is_empty() => {
+                last.range.end = range.end;
+                last.tokens.extend_from_slice(tokens);
+            }
+            _ => self.edits.push(Edit {
+                range,
+                tokens: tokens.to_vec(),
+            }),
+        }
+    }
+}
+
+/// `when c then B;`, `if c then B;` behind the body of a state.
+pub(super) fn transition_word(found: &Found<'_, '_>) -> Option<Habit> {
+    let at = found.fault.at;
+    let is_word = matches!(found.token(at), Some(Token::When | Token::If))
+        || is(found, at, &["on", "transition", "goto", "trans", "exit"]);
+    if !is_word || !found.expects(Token::Until) || !found.expects(Token::State) {
+        return None;
+    }
+    let finding = habit("a transition begins with `until`, or before the body with `unless`")
+        .at(found.span_at(at), "expected `until`")
+        .fix(Fix::sure("write `until`").replace(found.span_at(at), "until"));
+    Some(Habit {
+        finding,
+        mend: Mend::Tokens(vec![found.instead(at, &[Token::Until])]),
+    })
+}
+
+/// `automaton ... end_automaton`
+pub(super) fn foreign_end(found: &Found<'_, '_>) -> Option<Habit> {
+    const ENDS: &[&str] = &[
+        "end_automaton",
+        "endautomaton",
+        "end",
+        "endstate",
+        "done",
+        "end_state_machine",
+    ];
+    let at = found.fault.at;
+    if !found.expects(Token::End) || !found.expects(Token::State) || !is(found, at, ENDS) {
+        return None;
+    }
+    if found.token(at) == Some(Token::End) {
+        return None;
+    }
+    let finding = habit("an automaton ends with `end`")
+        .at(found.span_at(at), "a word of another language")
+        .fix(Fix::sure("write `end`").replace(found.span_at(at), "end"));
+    Some(Habit {
+        finding,
+        mend: Mend::Tokens(vec![found.instead(at, &[Token::End])]),
+    })
+}
+
+/// `state_machine initial state A ...`
+pub(super) fn machine(found: &Found<'_, '_>) -> Option<Habit> {
+    const WORDS: &[&str] = &[
+        "state_machine",
+        "statemachine",
+        "fsm",
+        "machine",
+        "automata",
+        "states",
+        "sm",
+    ];
+    let word = found.fault.at.checked_sub(1)?;
+    let goes_on = is(found, word + 1, &["initial", "state"]);
+    if !goes_on || !is(found, word, WORDS) || found.token(word) != Some(Token::Ident) {
+        return None;
+    }
+    let finding = habit("a state machine begins with `automaton`")
+        .at(found.span_at(word), "a word of another language")
+        .fix(Fix::sure("write `automaton`").replace(found.span_at(word), "automaton"));
+    Some(Habit {
+        finding,
+        mend: Mend::Item,
+    })
+}
