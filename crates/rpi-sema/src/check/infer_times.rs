@@ -11,6 +11,7 @@ use super::time::{SECONDS, is_fixed};
 use crate::hash::Map;
 use crate::ty::Ty;
 use crate::typed::{Each, Expr, ExprId, FlowId, FlowRole, Kind, PrimCall, Unit};
+use std::collections::BTreeMap;
 
 /// How often types are looked for again; after the first time they only become seconds.
 const ROUNDS: u32 = 4;
@@ -65,8 +66,8 @@ impl Body<'_, '_> {
     }
 
     /// What goes into each flow that may be either.
-    fn sources(&self, open: &[usize], settled: &Map<FlowId, Ty>) -> Map<FlowId, Sources> {
-        let mut all: Map<FlowId, Sources> = Map::default();
+    fn sources(&self, open: &[usize], settled: &Map<FlowId, Ty>) -> BTreeMap<FlowId, Sources> {
+        let mut all: BTreeMap<FlowId, Sources> = BTreeMap::new();
         let mut values: Vec<(FlowId, ExprId)> = Vec::new();
         for index in open {
             let pending = &self.pending[*index];
@@ -97,7 +98,7 @@ impl Body<'_, '_> {
         self.shared_around(flow).last().unwrap_or(flow)
     }
 
-    fn sources_of(&self, flow: FlowId, value: ExprId, all: &mut Map<FlowId, Sources>) {
+    fn sources_of(&self, flow: FlowId, value: ExprId, all: &mut BTreeMap<FlowId, Sources>) {
         let mut open = vec![value];
         while let Some(id) = open.pop() {
             let expr = self.unit.expr(id);
@@ -142,7 +143,7 @@ impl Body<'_, '_> {
 }
 
 /// Seconds that go into a flow go into its readers.
-fn spread_seconds(all: &mut Map<FlowId, Sources>) {
+fn spread_seconds(all: &mut BTreeMap<FlowId, Sources>) {
     let mut open = flows_with(all, |sources| sources.seconds);
     while let Some(flow) = open.pop() {
         for reader in neighbours(all, flow, |sources| &sources.readers) {
@@ -156,7 +157,7 @@ fn spread_seconds(all: &mut Map<FlowId, Sources>) {
 }
 
 /// So do times; and what is fixed is a time for a reader that is one.
-fn spread_times(all: &mut Map<FlowId, Sources>) {
+fn spread_times(all: &mut BTreeMap<FlowId, Sources>) {
     let mut open = flows_with(all, |sources| sources.time && !sources.seconds);
     while let Some(flow) = open.pop() {
         let readers = neighbours(all, flow, |sources| &sources.readers);
@@ -172,13 +173,13 @@ fn spread_times(all: &mut Map<FlowId, Sources>) {
     }
 }
 
-fn flows_with(all: &Map<FlowId, Sources>, holds: fn(&Sources) -> bool) -> Vec<FlowId> {
+fn flows_with(all: &BTreeMap<FlowId, Sources>, holds: fn(&Sources) -> bool) -> Vec<FlowId> {
     let found = all.iter().filter(|(_, sources)| holds(sources));
     found.map(|(flow, _)| *flow).collect()
 }
 
 fn neighbours(
-    all: &Map<FlowId, Sources>,
+    all: &BTreeMap<FlowId, Sources>,
     flow: FlowId,
     which: fn(&Sources) -> &Vec<FlowId>,
 ) -> Vec<FlowId> {

@@ -264,7 +264,7 @@ impl<'u> Elab<'u> {
                 let (seen, scalar) = crate::check::outside_type(&ty);
                 let default = default.as_ref().and_then(|wire| wire.get(k)).cloned();
                 let default =
-                    default.map(|signal| self.to_outside(&signal, &ty, At::ROOT, declared.span));
+                    default.map(|signal| self.in_seconds(&signal, &ty, At::ROOT, declared.span));
                 let value = match (ty == Ty::Duration, declared.default) {
                     (true, Some(id)) => super::constant(self.units, unit, id)
                         .ok()
@@ -278,7 +278,7 @@ impl<'u> Elab<'u> {
                     true => self.unless_given(&given, scalar, default.as_ref(), declared.span),
                     false => given,
                 };
-                wire.push(self.from_outside(given, &ty, At::ROOT, declared.span));
+                wire.push(self.in_ticks(given, &ty, At::ROOT, declared.span));
                 let ty = seen;
                 if declared.role == FlowRole::Given {
                     self.net.given.push(Given {
@@ -329,7 +329,7 @@ impl<'u> Elab<'u> {
         let leaves = leaves.into_iter();
         let signals = leaves.map(|(key, ty)| {
             let given = self.outside_at((&key, None), Self::scalar_outside(&ty), at, expr.span);
-            self.from_outside(given, &ty, at, expr.span)
+            self.in_ticks(given, &ty, at, expr.span)
         });
         signals.collect()
     }
@@ -401,7 +401,7 @@ impl<'u> Elab<'u> {
         at: At,
         span: rpi_diag::Span,
     ) -> Option<ExportPort> {
-        let signal = self.to_outside(signal, ty, at, span);
+        let signal = self.in_seconds(signal, ty, at, span);
         let source = self.port_of(&signal, Self::scalar_outside(ty), at, span)?;
         Some(ExportPort {
             key: key.to_owned(),

@@ -62,7 +62,7 @@ impl<'u> Elab<'u> {
     }
 
     /// A leaf that comes from outside, as the program has it.
-    pub(super) fn from_outside(&mut self, signal: Signal, ty: &Ty, at: At, span: Span) -> Signal {
+    pub(super) fn in_ticks(&mut self, signal: Signal, ty: &Ty, at: At, span: Span) -> Signal {
         match ty {
             Ty::Duration => self.simple(prim!("Rpi::TicksFromSeconds"), &[signal], at, span),
             _ => signal,
@@ -70,7 +70,7 @@ impl<'u> Elab<'u> {
     }
 
     /// A leaf of the program as it is seen from outside.
-    pub(super) fn to_outside(&mut self, signal: &Signal, ty: &Ty, at: At, span: Span) -> Signal {
+    pub(super) fn in_seconds(&mut self, signal: &Signal, ty: &Ty, at: At, span: Span) -> Signal {
         let is_known = matches!(signal, Signal::Absent);
         match ty {
             Ty::Duration if !is_known => {

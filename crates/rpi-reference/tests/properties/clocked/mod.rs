@@ -33,6 +33,11 @@ use model::Model;
 /// Ways in which each program is written.
 const VARIANTS: u64 = 4;
 
+/// The text of a random program.
+pub(crate) fn text(seed: u64, lustre: bool) -> String {
+    make::model(seed, lustre).text()
+}
+
 /// Ready to run, or why not.
 fn ready(model: &Model) -> Result<Ready, String> {
     Ready::of_kind(&model.text(), "main", kind(model))
