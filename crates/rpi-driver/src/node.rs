@@ -217,5 +217,9 @@ fn column(shape: &PortShape) -> Column {
         ty: shape.ty.scalar().unwrap_or(Scalar::Bool),
         values,
         optional: shape.optional,
+        range: match shape.ty {
+            Ty::Subrange(range) => Some(range.bounds()),
+            _ => None,
+        },
     }
 }

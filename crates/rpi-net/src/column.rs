@@ -14,6 +14,8 @@ pub struct Column {
     pub values: Vec<String>,
     /// Whether the flow may be absent.
     pub optional: bool,
+    /// The least and the greatest value of an integer of a subrange.
+    pub range: Option<[i64; 2]>,
 }
 
 impl Column {
@@ -102,6 +104,7 @@ mod tests {
             ty,
             values: values.iter().map(ToString::to_string).collect(),
             optional: false,
+            range: None,
         }
     }
 

@@ -2,6 +2,7 @@
 //! for each flow, with the conditions in its value.
 
 mod frames;
+mod initial;
 
 use crate::ast::*;
 use crate::context::Context;
@@ -190,23 +191,18 @@ impl<'c, 't> Sense<'c, 't> {
         }
     }
 
-    /// In the first cycle a flow is what is said before `let`, then what the block says of it.
+    /// What is said before `let` is the value in the cycle before the first one: for flows that nothing defines, and for `last`.
     fn of_keep(mut self, keep: &Keep) -> Meaning {
         let mut initial = self.statements(&keep.initial);
         let mut defined = self.statements(&keep.statements);
         frames::same_elements(self.cx, &mut initial, &mut defined);
-        for first in defined.by.values_mut().filter(|d| d.targets.len() > 1) {
-            if let Some(value) = initial.value_of(&first.targets) {
-                first.value = arrow(value, first.value.clone());
-            }
-        }
         let in_groups = defined.grouped();
-        let initial = initial.by.into_iter();
-        for (key, first) in initial.filter(|(key, _)| !in_groups.contains(key)) {
-            let then = defined.by.get(&key).map(|then| then.value.clone());
-            let then = then.unwrap_or_else(|| defined.taken(&first.targets));
-            let value = arrow(first.value.clone(), then);
-            defined.insert(key, Definition { value, ..first });
+        for (key, first) in &initial.by {
+            if !in_groups.contains(key) && !defined.by.contains_key(key) {
+                let value = defined.taken(&first.targets);
+                let first = first.clone();
+                defined.insert(key.clone(), Definition { value, ..first });
+            }
         }
         let says = |name: &&Ident| defined.of(&name.name).next().is_some();
         let unsaid: Vec<&Ident> = keep.names.iter().filter(|name| !says(name)).collect();
@@ -225,7 +221,7 @@ impl<'c, 't> Sense<'c, 't> {
             self.add(&mut defined, name.name.to_string(), definition);
         }
         for definition in defined.by.values_mut() {
-            keep_last(&mut definition.value, &self.kept);
+            initial::begin(definition, &initial, &self.kept);
         }
         let strange = defined.by.values().flat_map(|d| &d.targets);
         let strange = strange.filter(|target| !self.kept.contains(&target.name.name));
@@ -374,7 +370,7 @@ fn together(targets: &[Target], values: Vec<Expr>) -> Expr {
     Expr { kind, span }
 }
 
-/// The target one cycle before.
+/// `last x`: the target one cycle before.
 fn before(target: &Target) -> Expr {
     let span = target.span;
     let mut expr = Expr {
@@ -393,7 +389,7 @@ fn before(target: &Target) -> Expr {
         };
         expr = Expr { kind, span };
     }
-    let kind = ExprKind::Unary(UnaryOp::Pre, Box::new(expr));
+    let kind = ExprKind::Unary(UnaryOp::Last, Box::new(expr));
     Expr { kind, span }
 }
 
@@ -418,18 +414,6 @@ fn arrow(lhs: Expr, rhs: Expr) -> Expr {
         rhs,
     }));
     Expr { kind, span }
-}
-
-/// `last x` of what a `frame` keeps is its value one cycle before.
-fn keep_last(expr: &mut Expr, names: &BTreeSet<&Name>) {
-    expr.each_mut(&mut |part| {
-        if let ExprKind::Unary(op, inner) = &mut part.kind
-            && *op == UnaryOp::Last
-            && frames::of_element(inner).is_some_and(|name| names.contains(name))
-        {
-            *op = UnaryOp::Pre;
-        }
-    });
 }
 
 /// A statement that is no equation, in words.

@@ -340,7 +340,7 @@ impl Around {
             Place::Alternative => self.is_alternative(),
             Place::Branch => self.is_before_name() && self.is_after_operand_or_bar(),
             Place::Binder => self.binds,
-            Place::Conversion => self.converts(),
+            Place::Conversion => self.converts(word),
             Place::Prefix => self.is_prefix(),
             Place::Matched => {
                 self.is_before_name() || self.is_prefix() && self.after != Some(Token::LParen)
@@ -437,9 +437,9 @@ impl Around {
         (converted || !self.is_after_operand()) && self.after.is_some_and(begins_operand)
     }
 
-    /// `restart step every c`
+    /// `(restart step every c)(x)`, where `step` is a node.
     fn is_restarted(&self) -> bool {
-        self.before == Some(Token::Restart)
+        [self.second_before, self.before] == [Some(Token::LParen), Some(Token::Restart)]
     }
 
     fn is_after_operand_or_bar(&self) -> bool {
@@ -447,9 +447,13 @@ impl Around {
     }
 
     /// `(int8 x)`
-    fn converts(&self) -> bool {
+    fn converts(&self, word: &Keyword) -> bool {
         use Token::{At, Colon, Ident, Int, LParen, Minus};
         let is_type = matches!(self.before, Some(Colon | Token::Of));
+        // `sint` has a width behind it: `sint - 1` is a difference.
+        if matches!(word.text, "sint" | "uint") && self.after == Some(Minus) {
+            return false;
+        }
         !is_type && matches!(self.after, Some(At | Ident | Int | LParen | Minus))
     }
 

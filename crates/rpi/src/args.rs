@@ -13,7 +13,7 @@ use rpi_serve::OnLoss;
 use crate::share::ShareArgs;
 
 /// Version of the tool and of the image format that it reads and writes.
-const VERSION: &str = concat!(env!("CARGO_PKG_VERSION"), " (image format 1)");
+const VERSION: &str = concat!(env!("CARGO_PKG_VERSION"), " (image format 2)");
 
 /// The control core: runs commands that follow one another without a gap.
 #[derive(Debug, Parser)]

@@ -32,13 +32,25 @@ impl Random {
         }
     }
 
-    /// The cells of one value: small integers, values of the enum, reals between -5 and 5.
+    /// A value of a subrange, small or near one of its ends.
+    fn within(&mut self, [least, most]: [i64; 2]) -> i64 {
+        let step = i64::try_from(self.next() % 5).unwrap_or(0);
+        let (begin, step) = match self.next() % 3 {
+            0 if least > i64::MIN => (least, step),
+            1 if most < i64::MAX => (most, -step),
+            _ => (0, step),
+        };
+        begin.saturating_add(step).clamp(least, most)
+    }
+
+    /// The cells of one value: small integers or those at an end of the subrange, values of the enum, reals between -5 and 5.
     fn cells(&mut self, column: &Column) -> Vec<u64> {
         match column.ty {
             Scalar::Bool => vec![self.next() % 2],
-            Scalar::Int => match column.values.len() as u64 {
-                0 => vec![self.next() % 5],
-                values => vec![self.next() % values],
+            Scalar::Int => match (column.range, column.values.len() as u64) {
+                (Some(range), _) => vec![self.within(range).cast_unsigned()],
+                (None, 0) => vec![self.next() % 5],
+                (None, values) => vec![self.next() % values],
             },
             Scalar::Real => vec![((self.next() % 1000) as f64 / 100.0 - 5.0).to_bits()],
             other => Value::neutral(Type::One(other)).cells().to_vec(),

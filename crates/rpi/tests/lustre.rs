@@ -290,9 +290,9 @@ fn of_the_results_of_a_command_only_the_chosen_one_is_true() {
 finish big when n >= 1 and time < 1.0[s]; finish other when n >= 1 or time > 5.0[s] + dt;
 fail bad when n >= 3 and dt < 0.5[s]; yield on when n >= 1; tel",
     );
-    // All reads of `time` are one input, and `dt` is known.
+    // All reads of `time` are one input in ticks, and `dt` is known.
     assert_eq!(open.len(), 2, "{open:?}\n{text}");
-    let table = "time,takeover\n0.0,true\n0.0,true\n2.0,true\n2.0,true\n";
+    let table = "elapsed,takeover\n0,true\n0,true\n2000,true\n2000,true\n";
     let (out, err, status) = run(&text, table, &[]);
     let wanted = "big,other,bad,on\nfalse,false,false,false\ntrue,false,false,false\n\
         false,true,false,false\nfalse,false,true,false\n";

@@ -8,7 +8,7 @@ use rpi_diag::Format;
 use rpi_driver::Claims;
 
 /// Version of the tool and of the image format that it writes.
-const VERSION: &str = concat!(env!("CARGO_PKG_VERSION"), " (image format 1)");
+const VERSION: &str = concat!(env!("CARGO_PKG_VERSION"), " (image format 2)");
 
 /// The compiler: proves what can be proved of a program before a robot runs it.
 #[derive(Debug, Parser)]

@@ -201,6 +201,7 @@ mod tests {
             ty,
             values: Vec::new(),
             optional: false,
+            range: None,
         }
     }
 

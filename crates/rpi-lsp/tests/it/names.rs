@@ -128,7 +128,7 @@ fn what_is_built_in_has_words() {
     let mut session = open(text);
     let cases = [
         ("hold", "hold(x, init)"),
-        ("time", "time: real[s]"),
+        ("time", "since the command's first cycle"),
         ("none", "The absent value."),
         ("Core::DoubleAdd", "primitive Core::DoubleAdd"),
         ("returns", "word of the language"),

@@ -151,7 +151,9 @@ fn findings(text: &str) -> Vec<rpi_diag::Finding> {
 fn set_points_that_exclude_each_other_are_accepted() {
     let programs = [
         include_str!("../../../../tests/exclusive/accepted.rpi"),
+        include_str!("../../../../tests/exclusive/accepted_too.rpi"),
         include_str!("../../../../tests/exclusive/accepted_robots.rpi"),
+        include_str!("../../../../tests/exclusive/accepted_robots_too.rpi"),
     ];
     for text in programs {
         let told: Vec<String> = findings(text)

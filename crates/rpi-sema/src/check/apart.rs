@@ -49,7 +49,11 @@ impl Body<'_, '_> {
             (Ty::Machine(of), Ty::Int) => self.as_machine(finding, *of, right),
             (Ty::Int, Ty::Machine(of)) => self.as_machine(finding, *of, left),
             (Ty::Machine(of), Ty::Machine(_)) if matches!(op, ShiftLeft | ShiftRight) => {
-                let to = MachineInt { signed: false, ..*of }.conversion();
+                let to = MachineInt {
+                    signed: false,
+                    ..*of
+                }
+                .conversion();
                 finding.help(format!("the number of places has no sign: `({to} n)`"))
             }
             (Ty::Machine(of), Ty::Machine(_)) => {
@@ -58,14 +62,7 @@ impl Body<'_, '_> {
             (Ty::Bool, _) | (_, Ty::Bool) => {
                 finding.help("a number by a condition is `if c then 1 else 0`")
             }
-            (Ty::Array(_, n), Ty::Array(_, m)) if n == m => finding.help(format!(
-                "element by element it is `map<<{}, {n}>>(a, b)`",
-                op.spelling()
-            )),
-            (Ty::Array(_, n), _) | (_, Ty::Array(_, n)) => finding.help(format!(
-                "`x^{n}` is an array of {n} times `x`; element by element `map<<{}, {n}>>(a, b)` computes",
-                op.spelling()
-            )),
+            (Ty::Array(..), _) | (_, Ty::Array(..)) => finding.help(element_by_element(op, a, b)),
             (Ty::Spatial(Pose, _), Ty::Spatial(Pose, _)) => finding
                 .help("poses are composed by `*`: `(b in a) * (c in b)` is the pose of `c` in `a`"),
             (Ty::Spatial(Vector, _), Ty::Real(_)) | (Ty::Real(_), Ty::Spatial(Vector, _)) => {
@@ -75,5 +72,19 @@ impl Body<'_, '_> {
             }
             _ => finding,
         }
+    }
+}
+
+/// How an operator that takes no arrays goes over them.
+fn element_by_element(op: BinaryOp, a: &Ty, b: &Ty) -> String {
+    let op = op.spelling();
+    match (a, b) {
+        (Ty::Array(_, n), Ty::Array(_, m)) if n == m => {
+            format!("element by element it is `map<<{op}, {n}>>(a, b)`")
+        }
+        (Ty::Array(_, n), _) | (_, Ty::Array(_, n)) => format!(
+            "`x^{n}` is an array of {n} times `x`; element by element `map<<{op}, {n}>>(a, b)` computes"
+        ),
+        _ => String::new(),
     }
 }

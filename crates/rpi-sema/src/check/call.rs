@@ -279,7 +279,9 @@ impl<'a> Body<'_, 'a> {
         let near = self
             .c
             .suggest(name, self.c.program.visible(self.module, callable));
+        // What is called `time` is hardly meant: it is a flow.
         let specials = SPECIALS.iter().map(|special| special.name());
+        let specials = specials.filter(|special| *special != "time");
         let near = near.or_else(|| rpi_diag::suggest(name, specials));
         let near = near.or_else(|| match name.is_qualified() {
             true => self

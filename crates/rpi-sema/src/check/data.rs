@@ -263,7 +263,7 @@ impl<'a> Body<'_, 'a> {
                     field.ty.clone(),
                     span,
                 ),
-                None => self.add(Kind::Const(zeros(&field.ty)), field.ty.clone(), span),
+                None => self.add(Kind::Const(filling(&field.ty)), field.ty.clone(), span),
             });
         }
         self.add(Kind::Build(parts.into()), Ty::Struct(ty), span)
@@ -364,5 +364,14 @@ fn zeros(ty: &Ty) -> Rc<[Leaf]> {
             _ => Leaf::int(0),
         });
     });
+    leaves.into()
+}
+
+/// Stands in the parts of the alternatives that a value is not: zeros, or what is nearest to zero in a subrange.
+fn filling(ty: &Ty) -> Rc<[Leaf]> {
+    let mut leaves = zeros(ty).to_vec();
+    for (at, range) in ty.subranges(true) {
+        leaves[at] = Leaf::int(range.nearest(0));
+    }
     leaves.into()
 }

@@ -495,8 +495,14 @@ impl<'u> Inference<'u> {
     fn call(&self, id: ExprId, call: &Call) -> Absence {
         let callee = &self.units[call.unit.0 as usize];
         if callee.kind == UnitKind::Function {
-            let mut args = call.args.iter().flatten();
-            if args.any(|arg| self.is_absent_in(id, *arg)) {
+            // What a port takes at the ticks of its clock is there whenever it is wanted.
+            let is_absent = |(port, arg): (&FlowId, &Option<ExprId>)| {
+                arg.is_some_and(|arg| match callee.flow(*port).clock {
+                    Some(_) => self.of(arg).any(),
+                    None => self.is_absent_in(id, arg),
+                })
+            };
+            if callee.inputs.iter().zip(&call.args).any(is_absent) {
                 return Absence::MAYBE;
             }
         }

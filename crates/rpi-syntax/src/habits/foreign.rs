@@ -236,6 +236,10 @@ const KINDS: &[Kind] = &[
 pub(super) fn statement(found: &Found<'_, '_>) -> Option<Habit> {
     let at = begin(found)?;
     let kind = kind_of(found.written(at))?;
+    // A task begins by `start`.
+    if found.in_task() && found.token(at) == Some(Token::Start) {
+        return None;
+    }
     if kind.reach == Reach::Phrase && stands_alone(found, at) {
         let mend = Mend::Tokens(vec![(at..at + 1, Vec::new())]);
         let finding = finding(found, kind, at);

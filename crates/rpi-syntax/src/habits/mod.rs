@@ -7,6 +7,7 @@
 mod automata;
 mod bodies;
 mod choice;
+mod declared;
 mod endings;
 mod firsts;
 mod foreign;
@@ -63,8 +64,8 @@ const HABITS: &[fn(&Found<'_, '_>) -> Option<Habit>] = &[
     foreign::step_with_value,
     foreign::result_without_word,
     ports::matlab,
-    ports::enum_without_word,
-    ports::module,
+    declared::enum_without_word,
+    declared::module,
     ports::typed_first,
     ports::half_port,
     ports::result,

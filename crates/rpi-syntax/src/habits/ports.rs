@@ -118,7 +118,7 @@ impl TypedPort {
 }
 
 /// Tokens whose places are in text order, as the grammar wants them: those out of order are moved to the end of the one before.
-fn behind(tokens: &[Lexeme]) -> Vec<Lexeme> {
+pub(super) fn behind(tokens: &[Lexeme]) -> Vec<Lexeme> {
     let mut end = 0;
     let mut ordered = Vec::with_capacity(tokens.len());
     for lexeme in tokens {
@@ -263,16 +263,20 @@ pub(super) fn bare_ports(found: &Found<'_, '_>) -> Option<Habit> {
     if found.token(end - 1) == Some(Semi) {
         end -= 1;
     }
-    let fix = Fix::sure("write `( )`")
-        .insert_before(found.span_at(at), "(")
-        .insert_after(found.span_at(end - 1), ")");
+    let is_closed = found.token(end - 1) == Some(RParen);
+    let fix = Fix::sure("write `( )`").insert_before(found.span_at(at), "(");
+    let (fix, mut tokens) = (fix, vec![found.before_token(at, LParen)]);
+    let fix = match is_closed {
+        true => fix,
+        false => {
+            tokens.push(found.before_token(end, RParen));
+            fix.insert_after(found.span_at(end - 1), ")")
+        }
+    };
     let finding = habit("ports stand in parentheses")
         .at(found.span_of(at..end), "expected `(`")
         .fix(fix);
-    let mend = Mend::Tokens(vec![
-        found.before_token(at, LParen),
-        found.before_token(end, RParen),
-    ]);
+    let mend = Mend::Tokens(tokens);
     Some(Habit { finding, mend })
 }
 
@@ -527,81 +531,5 @@ pub(super) fn array_in_body(found: &Found<'_, '_>) -> Option<Habit> {
     Some(Habit {
         finding,
         mend: Mend::Phrase(start..end, names),
-    })
-}
-
-/// `type Mode = { Off, On };`, `type Mode = (Off, On);`, `type Mode = Off | On;`
-pub(super) fn enum_without_word(found: &Found<'_, '_>) -> Option<Habit> {
-    use Token::{Bar, Comma, Enum, Eq, Ident, LBrace, LParen, RBrace, RParen, Semi, Type};
-    let fault = found.fault.at;
-    let eq = (fault.saturating_sub(40)..fault)
-        .rev()
-        .take_while(|at| found.token(*at) != Some(Semi))
-        .find(|at| found.token(*at) == Some(Eq))?;
-    let before = eq.checked_sub(2).and_then(|at| found.token(at));
-    let end = (eq..found.lexemes.len()).find(|at| found.token(*at) == Some(Semi))?;
-    if found.token(0) != Some(Type) || !matches!(before, Some(Type | Semi)) || end < eq + 3 {
-        return None;
-    }
-    let is_bracketed = matches!(found.token(eq + 1), Some(LBrace | LParen))
-        && matches!(found.token(end - 1), Some(RBrace | RParen));
-    let values = match is_bracketed {
-        true => eq + 2..end - 1,
-        false => eq + 1..end,
-    };
-    let is_value = |at: usize| match (at - values.start) % 2 {
-        0 => found.token(at) == Some(Ident),
-        _ => matches!(found.token(at), Some(Bar | Comma)),
-    };
-    if values.len() % 2 == 0 || !values.clone().all(is_value) {
-        return None;
-    }
-    let names: Vec<&str> = values
-        .clone()
-        .step_by(2)
-        .map(|at| found.written(at))
-        .collect();
-    let meant = format!("enum {{ {} }}", names.join(", "));
-    let place = found.span_of(eq + 1..end);
-    let finding = habit("a choice among names is an `enum`")
-        .at(place, "expected a type")
-        .fix(Fix::sure(format!("write `{meant}`")).replace(place, meant));
-    let mut tokens = found.instead(eq + 1, &[Enum, LBrace]).1;
-    for at in values {
-        match found.token(at) {
-            Some(Ident) => tokens.push(found.lexemes[at]),
-            _ => tokens.extend(found.instead(at, &[Comma]).1),
-        }
-    }
-    tokens.extend(found.instead(end - 1, &[RBrace]).1);
-    Some(Habit {
-        finding,
-        mend: Mend::Tokens(vec![(eq + 1..end, behind(&tokens))]),
-    })
-}
-
-/// `use std::math;`, `use "motion";`, `include <motion>;`
-pub(super) fn module(found: &Found<'_, '_>) -> Option<Habit> {
-    let at = found.fault.at;
-    let before = found.token_before()?;
-    let written = found.written(at);
-    let is_name = matches!(found.token(at), Some(Token::Path | Token::Str | Token::Lt));
-    if !matches!(before, Token::Use | Token::Include) || !is_name {
-        return None;
-    }
-    let last = written.rsplit("::").next().unwrap_or(written);
-    let last = last.trim_matches('"').trim_end_matches(".rpi");
-    let finding = habit("a module is named by one word")
-        .at(found.span_at(at), "no name of a module")
-        .help("`use motion;` brings in `motion.rpi` beside this file, or of the standard library; `include \"file.lus\"` takes in a file");
-    let is_word = !last.is_empty() && last.chars().all(|c| c.is_ascii_alphanumeric() || c == '_');
-    let finding = match before == Token::Use && is_word {
-        true => finding
-            .fix(Fix::maybe(format!("write `{last}`")).replace(found.span_at(at), last.to_owned())),
-        false => finding,
-    };
-    Some(Habit {
-        finding,
-        mend: Mend::Item,
     })
 }

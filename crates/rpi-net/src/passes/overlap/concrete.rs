@@ -54,6 +54,9 @@ impl Random {
     }
 }
 
+/// The length of a tick in runs, that of a cell which says none.
+pub(super) const TICK_NS: u64 = 1_000_000;
+
 /// A run.
 pub(super) struct Concrete<'a> {
     pub(super) cycle: usize,
@@ -132,7 +135,12 @@ impl<'a> Concrete<'a> {
                 let then = before.flatten().and_then(|v| v.as_real());
                 return Some(Value::real(then.map_or(0.0, |then| self.later(then))));
             }
+            Source::Core(CommandFlow::Elapsed) => {
+                let then = before.flatten().and_then(|v| v.as_int());
+                return Some(Value::int(then.map_or(0, |then| self.later_ticks(then))));
+            }
             Source::Core(CommandFlow::Period) => return Some(Value::real(0.001)),
+            Source::Core(CommandFlow::PeriodTicks) => return Some(Value::int(1)),
             Source::Core(CommandFlow::Cancel) => {
                 let was = before.flatten().and_then(|v| v.as_bool()) == Some(true);
                 return Some(Value::bool(
@@ -165,6 +173,29 @@ impl<'a> Concrete<'a> {
             }
             _ => next,
         }
+    }
+}
+
+impl Concrete<'_> {
+    fn later_ticks(&mut self, then: i64) -> i64 {
+        let later = self.later(then as f64 * TICK_NS as f64 / 1e9);
+        rpi_prims::whole_ticks(later, TICK_NS).max(then.saturating_add(1))
+    }
+}
+
+/// What a primitive gives that depends on the length of a tick.
+fn of_ticks(node: &Node, inputs: &[&Value]) -> Option<Value> {
+    let input = inputs.first()?;
+    match node.desc().name {
+        "Rpi::WholeTicks" | "Rpi::TicksFromSeconds" => {
+            let ticks = rpi_prims::whole_ticks(input.as_real()?, TICK_NS);
+            Some(Value::int(ticks))
+        }
+        "Rpi::SecondsFromTicks" => {
+            let seconds = input.as_int()? as f64 * TICK_NS as f64 / 1e9;
+            Some(Value::real(seconds))
+        }
+        _ => None,
     }
 }
 
@@ -251,6 +282,9 @@ impl Domain for Concrete<'_> {
         }
         let exact = runs.exact && inputs.iter().all(|input| input.exact);
         let values: Vec<&Value> = inputs.iter().map(|input| &input.value).collect();
+        if let Some(value) = of_ticks(node, &values) {
+            return vec![Plain { value, exact }];
+        }
         match rpi_prims::fold(node.prim, &values, &node.params, &node.outputs) {
             None => neutral(false),
             Some(Err(_)) => {

@@ -1,6 +1,7 @@
 //! A run in which two things happen, in words: which values make both true.
 
 use super::concrete::Pool;
+use super::concrete::TICK_NS;
 use super::gates::Gate;
 use super::question::Question;
 use super::trace::{Trace, values};
@@ -58,7 +59,7 @@ pub(super) fn of(question: &Question<'_>, pool: &Pool, pair: usize, trace: &Trac
     let net = question.cone.net;
     let flows = named.iter().filter_map(|port| {
         let name = name(net.node(port.node))?;
-        let value = text(&values.get(port)?.value)?;
+        let value = text(net.node(port.node), &values.get(port)?.value)?;
         Some(format!("`{name}` {value}"))
     });
     let active = active
@@ -167,7 +168,7 @@ impl Search<'_> {
 /// A flow's name as its author knows it.
 fn name(node: &Node) -> Option<String> {
     let core = match node.desc().role {
-        Role::Flow(CommandFlow::Time) => Some("time"),
+        Role::Flow(CommandFlow::Time | CommandFlow::Elapsed) => Some("time"),
         Role::Flow(CommandFlow::Cancel) => Some("cancel"),
         Role::Flow(CommandFlow::Takeover) => Some("takeover"),
         _ => None,
@@ -191,7 +192,11 @@ fn is_told(node: &Node, port: PortRef) -> bool {
 }
 
 /// A value in words, as they follow the name of the flow.
-fn text(value: &Value) -> Option<String> {
+fn text(node: &Node, value: &Value) -> Option<String> {
+    if node.desc().role == Role::Flow(CommandFlow::Elapsed) {
+        let seconds = value.as_int()? as f64 * TICK_NS as f64 / 1e9;
+        return Some(format!("= {seconds:?}[s]"));
+    }
     if let Some(truth) = value.as_bool() {
         return Some(format!("is {truth}"));
     }

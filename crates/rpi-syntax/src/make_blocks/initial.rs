@@ -1,0 +1,152 @@
+//! `last x` in a `frame`: the value one cycle before, in the first cycle what the frame says before `let`. What no branch defines
+//! is `last` of itself.
+
+use super::frames::of_element;
+use super::{Defined, Definition, arrow};
+use crate::ast::*;
+use crate::ops::UnaryOp;
+use rpi_diag::Span;
+use std::collections::BTreeSet;
+
+/// Writes `first -> pre x` for each `last x` of these flows; `pre x` where nothing is said of the beginning. What a call says of
+/// several flows at once has no parts: then all of them begin with it, whatever the block says of the first cycle.
+pub(super) fn begin(definition: &mut Definition, initial: &Defined, names: &BTreeSet<&Name>) {
+    let value = &mut definition.value;
+    push_index(value);
+    let mut is_open = false;
+    value.each_mut(&mut |part| {
+        if let Some(first) = together(part, initial) {
+            let then = std::mem::replace(part, nothing());
+            *part = arrow(first, then);
+            return;
+        }
+        let ExprKind::Unary(op @ UnaryOp::Last, inner) = &mut part.kind else {
+            return;
+        };
+        if of_element(inner).is_none_or(|name| !names.contains(name)) {
+            return;
+        }
+        *op = UnaryOp::Pre;
+        match first_of(inner, initial) {
+            Some(first) => {
+                let then = std::mem::replace(part, nothing());
+                *part = arrow(first, then);
+            }
+            None => is_open = true,
+        }
+    });
+    if let Some(first) = initial.value_of(&definition.targets).filter(|_| is_open) {
+        let then = std::mem::replace(&mut definition.value, nothing());
+        definition.value = arrow(first, then);
+    }
+}
+
+/// `(if c then x else last A)[k]` as `if c then x[k] else last A[k]`: what is said of the beginning may be said of elements.
+fn push_index(expr: &mut Expr) {
+    let ExprKind::Index(of) = &mut expr.kind else {
+        return;
+    };
+    push_index(&mut of.base);
+    let index = of.index.clone();
+    let within = |part: Expr| Expr {
+        span: part.span,
+        kind: ExprKind::Index(Box::new(Index {
+            base: part,
+            index: index.clone(),
+        })),
+    };
+    let base = std::mem::replace(&mut of.base, nothing());
+    expr.kind = match base.unparen().kind.clone() {
+        ExprKind::If(mut choice) if !choice.is_static => {
+            for branch in [&mut choice.yes, &mut choice.no] {
+                *branch = within(std::mem::replace(branch, nothing()));
+                push_index(branch);
+            }
+            ExprKind::If(choice)
+        }
+        ExprKind::Unary(UnaryOp::Last, inner) => {
+            ExprKind::Unary(UnaryOp::Last, Box::new(within(*inner)))
+        }
+        _ => within(base).kind,
+    };
+}
+
+/// What is said of a flow, or of a part of one, before `let`.
+fn first_of(place: &Expr, initial: &Defined) -> Option<Expr> {
+    let name = of_element(place)?;
+    let alone = |d: &&Definition| matches!(&d.targets[..], [one] if is_at(one, place));
+    let found = initial.of(name).find(alone).map(|d| d.value.clone());
+    found.or_else(|| in_group(place, initial)).or_else(|| {
+        let whole = match &place.unparen().kind {
+            ExprKind::Field(field) => &field.base,
+            ExprKind::Index(index) => &index.base,
+            _ => return None,
+        };
+        let base = first_of(whole, initial)?;
+        let mut part = place.unparen().clone();
+        match &mut part.kind {
+            ExprKind::Field(field) => field.base = base,
+            ExprKind::Index(index) => index.base = base,
+            _ => {}
+        }
+        Some(part)
+    })
+}
+
+/// Its value among those of several, `x, y = (1, 2)`.
+fn in_group(place: &Expr, initial: &Defined) -> Option<Expr> {
+    let mut groups = initial.of(of_element(place)?);
+    groups.find_map(|d| {
+        let at = d.targets.iter().position(|target| is_at(target, place))?;
+        match &d.value.unparen().kind {
+            ExprKind::Tuple(values) if values.len() == d.targets.len() => values.get(at).cloned(),
+            _ => None,
+        }
+    })
+}
+
+/// Whether an expression is what a target names.
+fn is_at(target: &Target, place: &Expr) -> bool {
+    let mut place = place.unparen();
+    for access in target.path.iter().rev() {
+        place = match (&place.kind, access) {
+            (ExprKind::Field(at), Access::Field(field)) if at.field.name == field.name => {
+                at.base.unparen()
+            }
+            (ExprKind::Index(at), Access::Index(index))
+                if at.index.unparen().kind == index.unparen().kind =>
+            {
+                at.base.unparen()
+            }
+            _ => return false,
+        };
+    }
+    place.as_name() == Some(&target.name.name)
+}
+
+/// What a call says of all flows whose `last` these are, `(last x, last y)`: by now each of them is `pre`.
+fn together(part: &Expr, initial: &Defined) -> Option<Expr> {
+    let ExprKind::Tuple(values) = &part.kind else {
+        return None;
+    };
+    let delayed = |value: &Expr| match &value.unparen().kind {
+        ExprKind::Unary(UnaryOp::Pre, inner) => inner.as_name().cloned(),
+        _ => None,
+    };
+    let names: Option<Vec<Name>> = values.iter().map(delayed).collect();
+    let names = names?;
+    let is_group = |d: &&Definition| {
+        let targets = d.targets.iter().map(|target| &target.name.name);
+        d.targets.len() > 1 && targets.eq(&names)
+    };
+    let found = initial.of(names.first()?).find(is_group);
+    found.map(|d| d.value.clone())
+}
+
+/// Stands for an expression for a moment.
+fn nothing() -> Expr {
+    Expr {
+        kind: ExprKind::Bool(false),
+        span: Span::NONE,
+    }
+}
