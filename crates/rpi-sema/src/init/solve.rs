@@ -1,6 +1,6 @@
 //! The least solution: what is known of every flow in every phase.
 
-use super::known::{Condition, Known};
+use super::known::{Condition, Known, Unless};
 use super::phases::{Active, PHASES, PerPhase, PhaseSet, REST, parents};
 use super::rules::{Rule, is_by_first};
 use crate::hash::Set;
@@ -132,12 +132,26 @@ impl<'n> Solution<'n> {
             },
             false => {
                 let all = phases.phases().map(|phase| &known[phase]);
+                let known = all.fold(Known::Never, |all, known| all.join(known));
+                // Who reads is active: what lets it be active holds.
+                let given = self.activations(from, common);
+                let holds = |unless| matches!(unless, Unless::Now(one) if given.contains(&one));
                 Seen {
-                    known: all.fold(Known::Never, |all, known| all.join(known)),
+                    known: known.given(holds),
                     there,
                 }
             }
         }
+    }
+
+    /// All that must hold for a fragment to be active, up to one around it.
+    fn activations(&self, from: FragmentId, around: FragmentId) -> Vec<Condition> {
+        let way = self.net.enclosing(from).take_while(|at| *at != around);
+        let conditions = way.filter_map(|at| match self.net.fragment(at).activation {
+            Activation::When { condition, .. } => Some(self.implied(condition, true)),
+            Activation::Always => None,
+        });
+        conditions.flatten().collect()
     }
 
     /// The innermost fragment around both, and the phases in which it can be.
