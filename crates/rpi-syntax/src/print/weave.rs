@@ -162,7 +162,14 @@ impl Weaver<'_> {
         if let Some(frame) = self.flat_around(end, lead.range.end) {
             let all = gap.behind.iter().chain(&gap.own).chain(&gap.ahead);
             let lines = all.flat_map(|c| [self.comment(c), Piece::Hard]);
-            return self.put(frame, lines.collect());
+            let lines = lines.collect();
+            // What stands before it in its line gets one of its own.
+            if let Some(room @ Piece::Other(_)) =
+                self.put.get_mut(&frame).and_then(|p| p.last_mut())
+            {
+                *room = Piece::Hard;
+            }
+            return self.put(frame, lines);
         }
         self.behind(&mut gap, end, &lead);
         if !gap.own.is_empty() {
@@ -170,7 +177,19 @@ impl Weaver<'_> {
         }
         let ahead = gap.ahead.iter();
         let ahead = ahead.flat_map(|c| self.inline(lead.range.end, c, false));
-        self.put(lead.range.end, ahead.collect());
+        let ahead = ahead.collect();
+        self.put(self.before_flat(lead.range.end), ahead);
+    }
+
+    /// Before what is always on one line, if a token begins it: what stood in it comes to stand there, too, behind this.
+    fn before_flat(&self, word: usize) -> usize {
+        let next = self.flats.partition_point(|flat| flat.end < word);
+        let around = self.flats.get(next).filter(|flat| flat.start < word);
+        let is_first = |flat: &&Range<usize>| {
+            let between = &self.pieces[flat.start..word];
+            !between.iter().any(|p| matches!(p, Piece::Token(_)))
+        };
+        around.filter(is_first).map_or(word, |flat| flat.start)
     }
 
     /// Comments in the line of the token before them, where no line ends between them and what they stand before.
