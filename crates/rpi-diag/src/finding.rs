@@ -204,6 +204,15 @@ impl Finding {
 }
 
 impl Fix {
+    /// The same, not to be applied unasked.
+    #[must_use]
+    pub fn doubted(self) -> Fix {
+        Fix {
+            applicability: Applicability::Maybe,
+            ..self
+        }
+    }
+
     /// A change that is what the writer meant.
     pub fn sure(title: impl Into<String>) -> Fix {
         Fix::new(title, Applicability::Sure)

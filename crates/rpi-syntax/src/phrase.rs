@@ -65,7 +65,7 @@ pub(crate) fn sign_before_power(base: Span, power: Span, text: &str) -> Finding 
     .at(base, "is raised to the power")
     .help("mathematics, Python and Fortran read it as `-(x ** y)`")
     .fix(
-        Fix::sure(format!("write `(-{operand})`, which is the same"))
+        Fix::maybe(format!("write `(-{operand})`, which is the same"))
             .insert_before(base, "(")
             .insert_after(base, ")"),
     )

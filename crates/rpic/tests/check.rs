@@ -327,3 +327,36 @@ fn only_plain_files_in_utf_8_are_formatted_in_place() {
     assert_eq!(output.status.code(), Some(2), "{}", text(&output.stderr));
     assert_eq!(std::fs::read(&file).expect("it is there"), latin);
 }
+
+/// What may mean several things, each the value of `z` beside flows `b, d: bool`, `n, width: int` and `r: real`.
+const DOUBTFUL: &[&str] = &[
+    "if b nand d then 1 else 0",
+    "if b NAND d then 1 else 0",
+    "if b xnor d then 1 else 0",
+    "if b lor d then 1 else 0",
+    "(n unwhen b) ?? 0",
+    "F(width = n, k = 3)",
+    "Pair(x = n, width = 3).x",
+    "7 // widht\n  + 1",
+    "7 # 2\n  + 1",
+    "SINT#16#FF",
+    "INT#16#FFFF",
+    "300u8",
+    "0xFFi8",
+    "int (2.0 ** 3 ** 2)",
+    "int (-r ** 2)",
+    "n // 2",
+];
+
+#[test]
+fn what_may_mean_several_things_is_not_mended_unasked() {
+    for value in DOUBTFUL {
+        let program = format!(
+            "type Pair = struct {{ x: int; width: int }};\nfunction F (width, k: int) returns (y: int) let y = width + k; tel\n\
+             node N (b, d: bool; n, width: int; r: real) returns (z: int)\nlet\n  z = {value};\ntel\n"
+        );
+        let folder = folder(&[("a.rpi", &program)]);
+        rpic(folder.path(), &["check", "--fix", "a.rpi"]);
+        assert_eq!(read(folder.path(), "a.rpi"), program, "{value}");
+    }
+}

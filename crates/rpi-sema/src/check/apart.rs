@@ -21,14 +21,7 @@ impl Body<'_, '_> {
         (left, a): (ExprId, &Ty),
         (right, b): (ExprId, &Ty),
     ) -> Finding {
-        let scales = matches!(op, Mul | Div | Pow);
-        let mixed = |finding: Finding, int: ExprId, dim: Dim| match self.is_number(int)
-            && dim != Dim::ONE
-            && !scales
-        {
-            true => quantity::with_units(finding, dim, self.span_of(int)),
-            false => finding.fix(self.as_real(int)),
-        };
+        let mixed = |finding, int, dim| self.made_real(finding, op, int, dim);
         match (a, b) {
             (Ty::Bool | Ty::Int | Ty::Real(_), Ty::Bool | Ty::Int | Ty::Real(_))
                 if matches!(op, And | Or | Xor | Implies) =>
@@ -71,6 +64,19 @@ impl Body<'_, '_> {
                 )
             }
             _ => finding,
+        }
+    }
+
+    /// An integer beside a real: with the unit that may be meant, or as a real.
+    fn made_real(&self, finding: Finding, op: BinaryOp, int: ExprId, dim: Dim) -> Finding {
+        match op {
+            // The grouping of powers is another one elsewhere.
+            Pow => finding.fix(self.as_real(int).doubted()),
+            Mul | Div => finding.fix(self.as_real(int)),
+            _ if self.is_number(int) && dim != Dim::ONE => {
+                quantity::with_units(finding, dim, self.span_of(int))
+            }
+            _ => finding.fix(self.as_real(int)),
         }
     }
 }

@@ -108,7 +108,8 @@ impl<'a> Body<'_, 'a> {
             format!("the argument `{name}` is named by `:`"),
         )
         .at(between, format!("`{}` compares", binary.op.spelling()))
-        .fix(Fix::sure(format!("write `{name}: ...`")).replace(between, ": "));
+        // Beside it another may be named so and compare flows.
+        .fix(Fix::maybe(format!("write `{name}: ...`")).replace(between, ": "));
         self.report(finding);
         self.expr(&binary.rhs);
         true

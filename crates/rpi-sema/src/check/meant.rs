@@ -9,6 +9,7 @@ use crate::typed::{ExprId, Kind};
 use rpi_diag::{Code, Finding, Fix, Span};
 use rpi_syntax::Name;
 use rpi_syntax::ast::{self, ExprKind};
+use rpi_syntax::ops::BinaryOp;
 
 /// What a power is called elsewhere; looked up in lower case.
 const POWERS: &[&str] = &["pow", "power", "powf", "powi", "expt"];
@@ -147,7 +148,12 @@ fn as_fields(ty: &StructTy, call: &ast::Call, span: Span) -> Option<Fix> {
     if call.args.is_empty() || call.args.len() != ty.fields.len() {
         return None;
     }
-    let mut fix = Fix::sure("write the fields");
+    let is_by_name =
+        |arg: &ast::Arg| matches!(&arg.value.kind, ExprKind::Binary(of) if of.op == BinaryOp::Eq);
+    let mut fix = match call.args.iter().any(is_by_name) {
+        true => Fix::maybe("write the fields"),
+        false => Fix::sure("write the fields"),
+    };
     let mut from = call.callee.span.end;
     for (k, (arg, field)) in call.args.iter().zip(names_of(&ty.fields)).enumerate() {
         let name = arg.name.as_ref().map_or(field, |name| name.name.as_str());

@@ -230,7 +230,7 @@ impl<'a> Body<'_, 'a> {
     fn multiple_of_fixed(&mut self, op: BinaryOp, left: ExprId, right: ExprId) {
         let is_constant = self.unit.kind == UnitKind::Constant;
         for (count, duration) in [(left, right), (right, left)] {
-            let counts = *self.ty_of(count) == Ty::Int && !self.is_number(count);
+            let counts = *self.ty_of(count) == Ty::Int;
             if op == Mul && counts && !is_constant {
                 self.in_ticks(duration);
             }

@@ -17,6 +17,11 @@ const STATEMENTS: &[Token] = &[
     Token::Yield,
 ];
 
+/// Operators: `nand`, `xnor` and `unwhen` are not misspelt, but others.
+const OPERATORS: &[&str] = &[
+    "and", "or", "xor", "nor", "not", "mod", "div", "when", "fby", "pre", "last", "current",
+];
+
 /// Shorter words resemble too much.
 const SHORTEST: usize = 3;
 
@@ -36,7 +41,9 @@ pub(super) fn word(found: &Found<'_, '_>) -> Option<Habit> {
     if found.token(at) != Some(Token::Ident) || is_unit || is_name || found.lacks_semi() {
         return None;
     }
-    let is_clear = is_only_one(found, at, &found.fault.expected);
+    let is_clear = is_only_one(found, at, &found.fault.expected)
+        && nearest(found, at, &found.fault.expected)
+            .is_some_and(|word| !OPERATORS.contains(&&*word));
     let fix = if is_clear { Fix::sure } else { Fix::maybe };
     meant(found, at, &found.fault.expected, fix)
 }

@@ -42,8 +42,14 @@ impl Lexer<'_> {
 
     /// A comment that another mark begins, of so many bytes.
     pub(super) fn foreign_comment(&self, span: Span, mark: u32) -> Finding {
-        let rest = &self.text[(span.start + mark) as usize..span.end as usize];
-        lexical::foreign_comment(span, mark, !self.is_between_operands(rest))
+        // Behind a value the text may be an operand that is misspelt, and `#` begins directives.
+        let before = self.out.lexemes.last().map(|lexeme| lexeme.token);
+        let begins = matches!(
+            before,
+            None | Some(Token::Semi | Token::Let | Token::Tel | Token::End)
+        );
+        let is_slash = self.text[span.start as usize..].starts_with('/');
+        lexical::foreign_comment(span, mark, begins && is_slash)
     }
 
     /// Whether an operand ends before a mark, and the text behind it could be another one with what follows it.

@@ -94,8 +94,10 @@ fn integer(text: &str, body: &str) -> Numeral {
         None => value(10, digits),
     };
     match plain {
+        // What every type has is worth the same without it; more may be a pattern of bits.
         Some(value) => Numeral {
             read: Read::Number(value.to_string(), None),
+            is_sure: sign.is_empty() && value <= super::SMALL,
             ..Numeral::number(
                 "a number is written without its type".to_owned(),
                 SEEN,

@@ -155,8 +155,23 @@ fn suffixed(text: &str) -> Option<Numeral> {
     };
     let message = format!("a number has no suffix: `{suffix}` is of another language");
     let numeral = Numeral::number(message, "every integer and every real has 64 bits", meant);
-    let is_sure = !UNITS.contains(&suffix) && (lower == "f64" || !is_float || is_single(number));
+    let is_same = match lower.as_str() {
+        "f64" => true,
+        _ if is_float => is_single(number),
+        "i8" | "i16" | "i32" | "u8" | "u16" | "u32" => is_small(number),
+        _ => true,
+    };
+    let is_sure = !UNITS.contains(&suffix) && is_same;
     Some(Numeral { is_sure, ..numeral })
+}
+
+/// The greatest number that every type of integers holds.
+const SMALL: u64 = 127;
+
+fn is_small(number: &str) -> bool {
+    let digits = number.trim_start_matches("0x").trim_start_matches("0X");
+    let base = if digits.len() < number.len() { 16 } else { 10 };
+    u64::from_str_radix(digits, base).is_ok_and(|value| value <= SMALL)
 }
 
 /// Whether a number of 32 bits is the same as one of 64: 0.5 is, 0.1 is not.

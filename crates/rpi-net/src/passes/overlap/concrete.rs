@@ -54,6 +54,9 @@ impl Random {
     }
 }
 
+/// So often values stay as they were, in eighths, where the run is to go on for long.
+pub(super) const STEADY: usize = 7;
+
 /// The length of a tick in runs, that of a cell which says none.
 pub(super) const TICK_NS: u64 = 1_000_000;
 
@@ -164,7 +167,10 @@ impl<'a> Concrete<'a> {
         let pool = self.pool;
         let next = then + 0.001;
         match self.random.of(&pool.reals) {
-            Some(constant) if !self.is_calm && constant >= next && constant < 1e9 => {
+            // Where most things stay as they are time goes on step by step: what is to happen late shall not end before.
+            Some(constant)
+                if !self.is_calm && self.keeps < STEADY && constant >= next && constant < 1e9 =>
+            {
                 match self.random.below(3) {
                     0 => constant,
                     1 => constant + 0.001,

@@ -1,6 +1,6 @@
 //! Runs with given or made-up inputs: they find what can happen, and show what the registers hold.
 
-use super::concrete::{Concrete, Plain, Pool, Random, Script};
+use super::concrete::{Concrete, Plain, Pool, Random, STEADY, Script};
 use super::cycle::{Cycle, State, first_state};
 use super::domain::{Flow, Source};
 use super::question::Question;
@@ -130,7 +130,7 @@ pub(super) fn explore_far(
     (0..LONG_RUNS).find_map(|seed| {
         let mut domain = Concrete::new(Script::new(), seed, pool);
         domain.is_calm = seed == 0;
-        domain.keeps = 7;
+        domain.keeps = STEADY;
         let (mut left, mut found) = (share, None);
         run(question, &mut domain, LONG, |cycle, _, together| {
             left = left.saturating_sub(size);

@@ -394,6 +394,11 @@ fn in_a_state(model: &mut Model, random: &mut Random) -> bool {
         return false;
     }
     let k = random.below(model.units.len());
+    // An out-port without a stated clock that states define has a value, or none, in all cycles (M14.4).
+    let is_open = |flow: &FlowId| model.flows[*flow].declared == Declared::Optional;
+    if model.units[k].outputs.iter().any(is_open) {
+        return false;
+    }
     let body = std::mem::take(&mut model.units[k].body);
     model.units[k]
         .body
