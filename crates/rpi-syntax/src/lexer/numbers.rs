@@ -44,7 +44,10 @@ impl Lexer<'_> {
         let text = self.slice(lexeme);
         let digits = numeral::digits(text);
         let is_foreign = !self.seeming.declares(&text[digits..]);
-        if let Some(numeral) = numeral::foreign(text).filter(|_| is_foreign) {
+        if let Some(mut numeral) = numeral::foreign(text).filter(|_| is_foreign) {
+            // `5z` may be a flow `z5`.
+            let (number, suffix) = text.split_at(digits);
+            numeral.is_sure &= !self.seeming.declares(&format!("{suffix}{number}"));
             return self.literal(lexeme, Code::RPI0007, numeral);
         }
         let word = self.word_behind_number(&text[digits..]);
