@@ -50,6 +50,8 @@ struct Finder<'p> {
     /// The clocks of the units that it calls.
     known: &'p [Option<Rc<Clocks>>],
     found: Clocks,
+    /// Whether all is known that flows with clocks of their own tell.
+    is_settled: bool,
 }
 
 /// All cycles.
@@ -107,10 +109,13 @@ impl<'p> Finder<'p> {
             units,
             known,
             found,
+            is_settled: false,
         }
     }
 
     fn find(mut self) -> Clocks {
+        self.until_nothing_changes();
+        self.is_settled = true;
         self.until_nothing_changes();
         while self.always_ticks() {
             self.until_nothing_changes();
@@ -202,7 +207,24 @@ impl<'p> Finder<'p> {
     /// The cycles of a flow in which it has a value.
     fn on(&self, on: ClockOn) -> Clock {
         let decides = self.found.flows[on.flow.0 as usize].first()?.clone()?;
-        Some(then(&decides, Decider::Flow(on.flow), on.value))
+        Some(then(&decides, self.by(on.flow), on.value))
+    }
+
+    /// What decides where a flow does: one that only passes on another is that one. In Lustre each name decides by itself.
+    fn by(&self, flow: FlowId) -> Decider {
+        let mut flow = flow;
+        for _ in 0..self.unit.flows.len() {
+            let value = crate::flow::definition(self.unit, flow, 0).map(|(_, value, _)| value);
+            match value.map(|value| (value, &self.unit.expr(value).kind)) {
+                Some((value, Kind::Flow(source)))
+                    if !self.unit.is_lustre && self.is_seen(*source, value) =>
+                {
+                    flow = *source;
+                }
+                _ => break,
+            }
+        }
+        Decider::Flow(flow)
     }
 
     /// The clock of a leaf of an expression, of which the operands are known.

@@ -20,7 +20,7 @@ impl<'p> Finder<'p> {
         let callee = &self.units[call.unit.0 as usize];
         let mut runs = self.runs(call);
         let port = self.port(call, callee, k).filter(|port| !port.is_empty());
-        if port.is_some() && runs.is_none() {
+        if port.is_some() && runs.is_none() && self.is_settled {
             runs = base();
         }
         self.found.calls[id.0 as usize].clone_from(&runs);
@@ -94,7 +94,7 @@ impl<'p> Finder<'p> {
                 Decider::Behind(..) => None,
             };
             let by = match named {
-                Some(flow) => Decider::Flow(flow),
+                Some(flow) => self.by(flow),
                 None => Decider::Behind(id, Box::new(by.clone())),
             };
             clock.push(Sampling { by, value: *value });

@@ -4,7 +4,7 @@ use std::rc::Rc;
 
 use rpi_sema::typed::{Block, BlockId, ExprId, Kind, Place, Unit};
 
-use super::{Clock, Decider, Finder, base, common, then};
+use super::{Clock, Finder, base, common, then};
 
 /// For each expression the block it stands in. Conditions of a block stand around it.
 pub(super) fn blocks(unit: &Unit) -> Vec<BlockId> {
@@ -107,7 +107,7 @@ impl Finder<'_> {
                 self.give_all(*on, &whole);
                 if let (Kind::Flow(flow), Some(clock)) = (&self.unit.expr(*on).kind, &whole) {
                     for (value, case) in cases {
-                        let case_clock = Some(then(clock, Decider::Flow(*flow), *value));
+                        let case_clock = Some(then(clock, self.by(*flow), *value));
                         self.give_all(*case, &case_clock);
                     }
                 }
