@@ -24,7 +24,7 @@ impl Clock {
     /// The seconds that so many ticks take: the nearest real, as a decimal number of seconds is read.
     #[must_use]
     pub fn seconds(&self, ticks: i64) -> f64 {
-        in_seconds(ticks, self.tick_ns)
+        seconds(ticks, self.tick_ns)
     }
 
     /// The fewest whole ticks that take at least so many seconds; none for not-a-number and what 64 bits do not hold.
@@ -60,11 +60,13 @@ fn counted(seconds: f64, tick_ns: u64) -> Option<i64> {
         return Some(about);
     }
     // The quotient is rounded: 1.1 s are 11 ticks of 100 ms although 1.1 / 0.1 is above 11.
-    let takes = |ticks: &i64| in_seconds(*ticks, tick_ns) >= seconds;
+    let takes = |ticks: &i64| self::seconds(*ticks, tick_ns) >= seconds;
     (about.saturating_sub(2)..=about.saturating_add(2)).find(takes)
 }
 
-fn in_seconds(ticks: i64, tick_ns: u64) -> f64 {
+/// The seconds that so many ticks of so many nanoseconds take: the nearest real, as a decimal number of seconds is read.
+#[must_use]
+pub fn seconds(ticks: i64, tick_ns: u64) -> f64 {
     ticks as f64 * tick_ns as f64 / 1e9
 }
 

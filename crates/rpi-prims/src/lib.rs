@@ -22,7 +22,7 @@ mod run;
 pub mod travel;
 mod window;
 
-pub use cx::{Clock, Cx, Fault, FaultCode, whole_ticks};
+pub use cx::{Clock, Cx, Fault, FaultCode, seconds, whole_ticks};
 pub use fold::fold;
 pub use registry::{Prim, PrimId, RunFn, registry};
 pub use rpi_device::NoDevices;

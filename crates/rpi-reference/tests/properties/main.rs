@@ -8,7 +8,7 @@
 //! | `tree.rs` | a program as a tree, and making it smaller |
 //! | `run.rs` | running it both ways |
 //! | `wrapped.rs` | `main` inside of a reset and of a fragment |
-//! | `mended.rs` | programs with a mistake, and what sure fixes make of them |
+//! | `fixes.rs` | programs with a mistake, and what sure fixes make of them |
 //! | `clocked/` | programs with clocks, each written in several ways |
 //!
 //! A plain run tries a few programs; `RPI_PROGRAMS=10000` (`cargo xtask soak`) tries so many, `RPI_SEED` others. What
@@ -16,8 +16,8 @@
 
 mod clocked;
 mod exprs;
+mod fixes;
 mod forms;
-mod mended;
 mod program;
 mod random;
 mod run;

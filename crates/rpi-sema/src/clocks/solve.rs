@@ -286,12 +286,7 @@ impl<'u> Solver<'u> {
 
     /// Where operands of a strict operator meet: in Lustre they have one clock, or the first is taken for right.
     pub(super) fn strict(&self, operands: &[ExprId]) -> Clock {
-        let mut clocks = operands.iter().map(|id| self.whole(*id));
-        match self.unit.is_lustre {
-            true => clocks.find(|clock| *clock != Clock::ANY),
-            false => clocks.reduce(|a, b| self.meet(a, b)),
-        }
-        .unwrap_or(Clock::ANY)
+        self.first_or_meet(operands.iter().map(|id| self.whole(*id)))
     }
 
     fn each(&self, each: Each, operands: &[ExprId], count: usize) -> Row<Clock> {

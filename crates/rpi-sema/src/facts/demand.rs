@@ -1,10 +1,11 @@
 //! What must be present: declared total flows, conditions, total in-ports.
 
+use super::Absence;
 use super::presence::Inference;
 use super::reads::{Definition, Reads};
 use crate::clocks::ClockId;
 use crate::typed::{
-    Activation, Call, Each, ExprId, FlowId, Kind, Optional, Place, Shared, Unit, UnitKind,
+    Activation, Call, Each, ExprId, Flow, FlowId, Kind, Optional, Place, Shared, Unit, UnitKind,
 };
 use rpi_diag::{Code, Finding, Span};
 use std::collections::BTreeSet;
@@ -160,6 +161,16 @@ fn reads_flow_of(unit: &Unit, id: ExprId, block: usize) -> bool {
     false
 }
 
+impl Inference<'_> {
+    /// An argument as a call gives it for an in-port: one with a clock takes what has that clock.
+    pub(super) fn given(&self, call: ExprId, port: &Flow, arg: ExprId) -> Absence {
+        match port.clock {
+            Some(_) => self.of(arg),
+            None => self.seen_at(arg, self.clocks.place(call)),
+        }
+    }
+}
+
 fn arguments(inference: &Inference<'_>, id: ExprId, call: &Call, findings: &mut Vec<Finding>) {
     let place = inference.clocks.place(id);
     let callee = &inference.units[call.unit.0 as usize];
@@ -168,12 +179,7 @@ fn arguments(inference: &Inference<'_>, id: ExprId, call: &Call, findings: &mut 
             continue;
         };
         let total = flow.optional != Optional::Declared(true) && callee.kind != UnitKind::Function;
-        // An in-port with a clock is given what has that clock.
-        let seen = match flow.clock {
-            Some(_) => inference.exprs[arg.0 as usize].clone(),
-            None => inference.seen_at(*arg, place),
-        };
-        if total && seen.any() {
+        if total && inference.given(id, flow, *arg).any() {
             let text = format!("`{}` of `{}` is always present", flow.name, callee.name);
             let finding = inference.absent_here(*arg, place, "absent in some cycles");
             findings.push(finding.also(flow.span, text));

@@ -289,7 +289,7 @@ impl<'u> Inference<'u> {
         }
     }
 
-    fn of(&self, id: ExprId) -> Absence {
+    pub(super) fn of(&self, id: ExprId) -> Absence {
         let known = self.exprs.get(id.0 as usize);
         known.cloned().unwrap_or(Absence::NEVER)
     }
@@ -495,12 +495,8 @@ impl<'u> Inference<'u> {
     fn call(&self, id: ExprId, call: &Call) -> Absence {
         let callee = &self.units[call.unit.0 as usize];
         if callee.kind == UnitKind::Function {
-            // What a port takes at the ticks of its clock is there whenever it is wanted.
             let is_absent = |(port, arg): (&FlowId, &Option<ExprId>)| {
-                arg.is_some_and(|arg| match callee.flow(*port).clock {
-                    Some(_) => self.of(arg).any(),
-                    None => self.is_absent_in(id, arg),
-                })
+                arg.is_some_and(|arg| self.given(id, callee.flow(*port), arg).any())
             };
             if callee.inputs.iter().zip(&call.args).any(is_absent) {
                 return Absence::MAYBE;

@@ -134,8 +134,10 @@ impl<'n> Solution<'n> {
                 let all = phases.phases().map(|phase| &known[phase]);
                 let known = all.fold(Known::Never, |all, known| all.join(known));
                 // Who reads is active: what lets it be active holds.
-                let given = self.activations(from, common);
-                let holds = |unless| matches!(unless, Unless::Now(one) if given.contains(&one));
+                let holds = |unless| match unless {
+                    Unless::Now(one) => self.activations(from, common).contains(&one),
+                    Unless::Since(..) => false,
+                };
                 Seen {
                     known: known.given(holds),
                     there,

@@ -51,10 +51,7 @@ pub(super) fn braces(found: &Found<'_, '_>) -> Option<Habit> {
         .at(found.span_at(at), "braces hold fields and values")
         .also(found.span_at(close), "ends here")
         .fix(fix);
-    let mend = Mend::Tokens(vec![
-        found.instead(at, &[Token::Let]),
-        found.instead(close, &[Token::Tel]),
-    ]);
+    let mend = found.brackets(at, close, [Token::Let, Token::Tel]);
     Some(Habit { finding, mend })
 }
 

@@ -28,10 +28,7 @@ pub(super) fn braces(found: &Found<'_, '_>) -> Option<Habit> {
         .at(found.span_at(open), "braces hold the fields of a struct")
         .also(found.span_at(close), "ends here")
         .fix(fix);
-    let mend = Mend::Tokens(vec![
-        found.instead(open, &[LBracket]),
-        found.instead(close, &[RBracket]),
-    ]);
+    let mend = found.brackets(open, close, [LBracket, RBracket]);
     Some(Habit { finding, mend })
 }
 
@@ -65,10 +62,7 @@ pub(super) fn targets(found: &Found<'_, '_>) -> Option<Habit> {
                 .replace(found.span_at(at), "(")
                 .replace(found.span_at(close), ")"),
         );
-    let mend = Mend::Tokens(vec![
-        found.instead(at, &[LParen]),
-        found.instead(close, &[RParen]),
-    ]);
+    let mend = found.brackets(at, close, [LParen, RParen]);
     Some(Habit { finding, mend })
 }
 
@@ -104,10 +98,7 @@ pub(super) fn only_static(found: &Found<'_, '_>) -> Option<Habit> {
             "`{name}(...)`, or `{name}<<...>>(...)` if it has parameters"
         ))
         .fix(Fix::maybe(format!("write `{meant}`")).replace(found.span_of(callee..at), meant));
-    let mend = Mend::Tokens(vec![
-        found.instead(open, &[Token::LParen]),
-        found.instead(close, &[Token::RParen]),
-    ]);
+    let mend = found.brackets(open, close, [Token::LParen, Token::RParen]);
     Some(Habit { finding, mend })
 }
 

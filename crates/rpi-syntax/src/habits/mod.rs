@@ -32,7 +32,7 @@ use crate::ast::Ident;
 use crate::explain::Found;
 use crate::lexer::Lexeme;
 use crate::token::Token;
-use rpi_diag::{Code, Finding, Span};
+use rpi_diag::{Code, Finding, Fix, Span};
 use std::ops::Range;
 
 /// A habit, and what the parser goes on with.
@@ -239,6 +239,24 @@ impl Found<'_, '_> {
         let old = self.lexemes[at];
         let lexemes = tokens.iter().map(|&token| Lexeme { token, ..old });
         (at..at + 1, lexemes.collect())
+    }
+
+    /// Other tokens in the place of two brackets.
+    fn brackets(&self, open: usize, close: usize, [first, last]: [Token; 2]) -> Mend {
+        Mend::Tokens(vec![
+            self.instead(open, &[first]),
+            self.instead(close, &[last]),
+        ])
+    }
+
+    /// A finding about a token that another one is surely written for.
+    fn written_for(&self, finding: Finding, at: usize, meant: Token) -> Habit {
+        let (place, word) = (self.span_at(at), meant.spelling().unwrap_or_default());
+        let fix = Fix::sure(format!("write `{word}`")).replace(place, word);
+        Habit {
+            finding: finding.fix(fix),
+            mend: Mend::Tokens(vec![self.instead(at, &[meant])]),
+        }
     }
 
     /// A token before another.

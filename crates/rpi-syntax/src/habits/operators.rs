@@ -293,10 +293,7 @@ fn unit_in_parentheses(found: &Found<'_, '_>, at: usize, is_number: bool) -> Opt
     let finding = Finding::new(Code::RPI0007, message)
         .at(place, "parentheses call a node")
         .fix(Fix::maybe(format!("write `[{unit}]`")).replace(place, format!("[{unit}]")));
-    let mend = Mend::Tokens(vec![
-        found.instead(at, &[Token::LBracket]),
-        found.instead(close, &[Token::RBracket]),
-    ]);
+    let mend = found.brackets(at, close, [Token::LBracket, Token::RBracket]);
     Some(Habit { finding, mend })
 }
 

@@ -219,12 +219,10 @@ pub(super) fn result(found: &Found<'_, '_>) -> Option<Habit> {
     let span = found.span_at(at);
     let finding = habit("the out-ports follow `returns`");
     match (found.token(at)?, found.token(at + 1)?) {
-        (Eq, LParen) => Some(Habit {
-            finding: finding
-                .at(span, "an equation stands in the body")
-                .fix(Fix::sure("write `returns`").replace(span, "returns")),
-            mend: Mend::Tokens(vec![found.instead(at, &[Token::Returns])]),
-        }),
+        (Eq, LParen) => {
+            let finding = finding.at(span, "an equation stands in the body");
+            Some(found.written_for(finding, at, Token::Returns))
+        }
         (Colon | Arrow, _) if type_of(found, at + 1).is_some() => {
             let ty = type_of(found, at + 1)?;
             let meant = format!("returns (y: {})", ty.spelling().unwrap_or_default());
@@ -304,14 +302,9 @@ pub(super) fn locals(found: &Found<'_, '_>) -> Option<Habit> {
     {
         return None;
     }
-    let span = found.span_at(at);
     let finding = habit("local flows are declared after `var`")
-        .at(span, "a word of another language")
-        .fix(Fix::sure("write `var`").replace(span, "var"));
-    Some(Habit {
-        finding,
-        mend: Mend::Tokens(vec![found.instead(at, &[Token::Var])]),
-    })
+        .at(found.span_at(at), "a word of another language");
+    Some(found.written_for(finding, at, Token::Var))
 }
 
 /// `var x: int; end_var let ...`

@@ -38,12 +38,8 @@ pub(super) fn initial(found: &Found<'_, '_>) -> Option<Habit> {
         return None;
     }
     let finding = habit("the state in which an automaton starts is the `initial state`")
-        .at(found.span_at(at), "a word of another language")
-        .fix(Fix::sure("write `initial`").replace(found.span_at(at), "initial"));
-    Some(Habit {
-        finding,
-        mend: Mend::Tokens(vec![found.instead(at, &[Token::Initial])]),
-    })
+        .at(found.span_at(at), "a word of another language");
+    Some(found.written_for(finding, at, Token::Initial))
 }
 
 /// `until c -> B;`, `until c B;`, `until c: B;`
@@ -400,12 +396,8 @@ pub(super) fn transition_word(found: &Found<'_, '_>) -> Option<Habit> {
         return None;
     }
     let finding = habit("a transition begins with `until`, or before the body with `unless`")
-        .at(found.span_at(at), "expected `until`")
-        .fix(Fix::sure("write `until`").replace(found.span_at(at), "until"));
-    Some(Habit {
-        finding,
-        mend: Mend::Tokens(vec![found.instead(at, &[Token::Until])]),
-    })
+        .at(found.span_at(at), "expected `until`");
+    Some(found.written_for(finding, at, Token::Until))
 }
 
 /// `automaton ... end_automaton`
@@ -419,19 +411,13 @@ pub(super) fn foreign_end(found: &Found<'_, '_>) -> Option<Habit> {
         "end_state_machine",
     ];
     let at = found.fault.at;
-    if !found.expects(Token::End) || !found.expects(Token::State) || !is(found, at, ENDS) {
+    let is_here = found.expects(Token::End) && found.expects(Token::State);
+    if !is_here || !is(found, at, ENDS) || found.token(at) == Some(Token::End) {
         return None;
     }
-    if found.token(at) == Some(Token::End) {
-        return None;
-    }
-    let finding = habit("an automaton ends with `end`")
-        .at(found.span_at(at), "a word of another language")
-        .fix(Fix::sure("write `end`").replace(found.span_at(at), "end"));
-    Some(Habit {
-        finding,
-        mend: Mend::Tokens(vec![found.instead(at, &[Token::End])]),
-    })
+    let finding =
+        habit("an automaton ends with `end`").at(found.span_at(at), "a word of another language");
+    Some(found.written_for(finding, at, Token::End))
 }
 
 /// `state_machine initial state A ...`

@@ -21,12 +21,10 @@ impl Lexer<'_> {
     /// where it stands between operands.
     pub(super) fn begins_comment(&self, token: Token, text: &str, end: u32) -> bool {
         let rest = &text[end as usize..];
-        let before = self.out.lexemes.last().map(|lexeme| lexeme.token);
-        let begins = matches!(before, None | Some(Token::Semi | Token::Let | Token::Tel));
         match token {
             Token::SlashComment => self.mode == Mode::Lustre || !self.is_between_operands(rest),
             Token::Hash => !rest.trim_start_matches([' ', '\t']).starts_with('('),
-            Token::Percent => self.mode == Mode::Rpi && begins,
+            Token::Percent => self.mode == Mode::Rpi && self.begins_phrase(),
             _ => false,
         }
     }
@@ -43,19 +41,25 @@ impl Lexer<'_> {
     /// A comment that another mark begins, of so many bytes.
     pub(super) fn foreign_comment(&self, span: Span, mark: u32) -> Finding {
         // Behind a value the text may be an operand that is misspelt, and `#` begins directives.
-        let before = self.out.lexemes.last().map(|lexeme| lexeme.token);
-        let begins = matches!(
-            before,
-            None | Some(Token::Semi | Token::Let | Token::Tel | Token::End)
-        );
+        let behind_end = self.last_token() == Some(Token::End);
+        let begins = behind_end || self.begins_phrase();
         let is_slash = self.text[span.start as usize..].starts_with('/');
         lexical::foreign_comment(span, mark, begins && is_slash)
     }
 
+    fn last_token(&self) -> Option<Token> {
+        self.out.lexemes.last().map(|lexeme| lexeme.token)
+    }
+
+    /// Whether a phrase, or the text, begins here.
+    fn begins_phrase(&self) -> bool {
+        let before = self.last_token();
+        matches!(before, None | Some(Token::Semi | Token::Let | Token::Tel))
+    }
+
     /// Whether an operand ends before a mark, and the text behind it could be another one with what follows it.
     fn is_between_operands(&self, rest: &str) -> bool {
-        let before = self.out.lexemes.last();
-        before.is_some_and(|before| words::ends_value(before.token)) && self.goes_on(rest)
+        self.last_token().is_some_and(words::ends_value) && self.goes_on(rest)
     }
 
     /// Whether the rest of a line could go on with an operand: nothing strange is in it, and no two names or numbers in a row.

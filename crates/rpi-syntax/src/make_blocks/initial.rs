@@ -15,7 +15,7 @@ pub(super) fn begin(definition: &mut Definition, initial: &Defined, names: &BTre
     push_index(value);
     let mut is_open = false;
     value.each_mut(&mut |part| {
-        if let Some(first) = together(part, initial) {
+        if let Some(first) = first_of_all(part, initial) {
             let then = std::mem::replace(part, nothing());
             *part = arrow(first, then);
             return;
@@ -125,7 +125,7 @@ fn is_at(target: &Target, place: &Expr) -> bool {
 }
 
 /// What a call says of all flows whose `last` these are, `(last x, last y)`: by now each of them is `pre`.
-fn together(part: &Expr, initial: &Defined) -> Option<Expr> {
+fn first_of_all(part: &Expr, initial: &Defined) -> Option<Expr> {
     let ExprKind::Tuple(values) = &part.kind else {
         return None;
     };

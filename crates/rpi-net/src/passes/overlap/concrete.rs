@@ -184,7 +184,7 @@ impl<'a> Concrete<'a> {
 
 impl Concrete<'_> {
     fn later_ticks(&mut self, then: i64) -> i64 {
-        let later = self.later(then as f64 * TICK_NS as f64 / 1e9);
+        let later = self.later(rpi_prims::seconds(then, TICK_NS));
         rpi_prims::whole_ticks(later, TICK_NS).max(then.saturating_add(1))
     }
 }
@@ -198,7 +198,7 @@ fn of_ticks(node: &Node, inputs: &[&Value]) -> Option<Value> {
             Some(Value::int(ticks))
         }
         "Rpi::SecondsFromTicks" => {
-            let seconds = input.as_int()? as f64 * TICK_NS as f64 / 1e9;
+            let seconds = rpi_prims::seconds(input.as_int()?, TICK_NS);
             Some(Value::real(seconds))
         }
         _ => None,

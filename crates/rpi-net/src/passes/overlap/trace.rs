@@ -194,17 +194,17 @@ fn plain(state: &[Flow<Concrete<'_>>]) -> State<Concrete<'static>> {
 pub(super) fn shows(question: &Question<'_>, pool: &Pool, pair: usize, trace: &Trace) -> bool {
     let mut domain = Concrete::new(trace.script.clone(), 0, pool);
     domain.is_calm = true;
+    ends_with(question, &mut domain, pair, trace.last) && !domain.is_faulty
+}
+
+/// Whether a pair happens in the last cycle of a run.
+fn ends_with(question: &Question<'_>, domain: &mut Concrete<'_>, pair: usize, last: usize) -> bool {
     let mut found = false;
-    run(
-        question,
-        &mut domain,
-        trace.last + 1,
-        |number, _, together| {
-            found = number == trace.last && together[pair];
-            true
-        },
-    );
-    found && !domain.is_faulty
+    run(question, domain, last + 1, |number, _, together| {
+        found = number == last && together[pair];
+        true
+    });
+    found
 }
 
 /// A run like the one given that shows a pair in its last cycle, with some of the inputs made up: where the solver knows too
@@ -229,18 +229,9 @@ pub(super) fn varied(
             matches!(source, Source::Core(_)) || !dropped
         });
         let mut domain = Concrete::new(script, seed, pool);
-        let mut found = false;
-        run(
-            question,
-            &mut domain,
-            trace.last + 1,
-            |number, _, together| {
-                found = number == trace.last && together[pair];
-                true
-            },
-        );
-        let script = domain.script;
         let last = trace.last;
+        let found = ends_with(question, &mut domain, pair, last);
+        let script = domain.script;
         found.then_some(Trace { script, last })
     })
 }

@@ -194,7 +194,7 @@ fn is_told(node: &Node, port: PortRef) -> bool {
 /// A value in words, as they follow the name of the flow.
 fn text(node: &Node, value: &Value) -> Option<String> {
     if node.desc().role == Role::Flow(CommandFlow::Elapsed) {
-        let seconds = value.as_int()? as f64 * TICK_NS as f64 / 1e9;
+        let seconds = rpi_prims::seconds(value.as_int()?, TICK_NS);
         return Some(format!("= {seconds:?}[s]"));
     }
     if let Some(truth) = value.as_bool() {

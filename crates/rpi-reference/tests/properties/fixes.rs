@@ -1,4 +1,4 @@
-//! Sure fixes keep the meaning: a correct program with one mistake in it is mended as `rpic check --fix` does. What then
+//! Sure fixes keep the meaning: a correct program with one mistake in it is fixed as `rpic check --fix` does. What then
 //! has no errors computes what the program did before the mistake, or what the mistaken one does if it has none, either.
 
 use std::panic::{AssertUnwindSafe, catch_unwind};
@@ -61,15 +61,18 @@ const STRAY: &[&str] = &[
     "let", "tel", "end", "else", "?",
 ];
 
+fn is_word(b: u8) -> bool {
+    b.is_ascii_alphanumeric() || b == b'_' || b == b'.'
+}
+
 /// The words and signs of a text: where each begins and ends.
 fn words(text: &str) -> Vec<(usize, usize)> {
     let (mut found, bytes) = (Vec::new(), text.as_bytes());
-    let is_word = |b: u8| b.is_ascii_alphanumeric() || b == b'_' || b == b'.';
     let mut at = 0;
     while at < bytes.len() {
         let same: fn(u8) -> bool = match bytes[at] {
             b if b.is_ascii_whitespace() => |b| b.is_ascii_whitespace(),
-            b if is_word(b) => |b| b.is_ascii_alphanumeric() || b == b'_' || b == b'.',
+            b if is_word(b) => is_word,
             b'(' | b')' | b'[' | b']' | b';' | b',' => |_| false,
             _ => |b| b"-<>=+*/:?&|!".contains(&b),
         };
@@ -143,7 +146,7 @@ fn misspelt(word: &str, random: &mut Random) -> String {
 }
 
 /// A text after all sure fixes, if it has no errors then; and whether it had any before.
-fn mended(text: &str, kind: Kind) -> Option<(String, bool)> {
+fn fixed(text: &str, kind: Kind) -> Option<(String, bool)> {
     let (mut text, mut had_errors) = (text.to_owned(), None);
     for _ in 0..ROUNDS {
         let found = compile(&input(&text, kind)).ok()?.findings;
@@ -158,21 +161,21 @@ fn mended(text: &str, kind: Kind) -> Option<(String, bool)> {
     None
 }
 
-/// Whether a program with a mistake could be mended and compared, or what is wrong with that.
+/// Whether a program with a mistake could be fixed and compared, or what is wrong with that.
 fn holds(correct: &str, kind: Kind, random: &mut Random) -> Result<bool, String> {
     let mistaken = mistaken(correct, random);
-    let Some((mended, had_errors)) = mended(&mistaken, kind).filter(|(text, _)| *text != mistaken)
+    let Some((fixed, had_errors)) = fixed(&mistaken, kind).filter(|(text, _)| *text != mistaken)
     else {
         return Ok(false);
     };
     let meant = if had_errors { correct } else { &mistaken };
-    let [before, after] = [meant, &mended].map(|text| Ready::of_kind(text, "main", kind));
+    let [before, after] = [meant, &fixed].map(|text| Ready::of_kind(text, "main", kind));
     let (Ok(before), Ok(after)) = (before, after) else {
         return Ok(false);
     };
     let rows = before.rows(random, CYCLES);
     let same = before.width() == after.width() && before.run(&rows) == after.run(&rows);
-    let told = || format!("computes something else: mended\n{mended}\nmistaken\n{mistaken}");
+    let told = || format!("computes something else: fixed\n{fixed}\nmistaken\n{mistaken}");
     same.then_some(true).ok_or_else(told)
 }
 
@@ -205,7 +208,7 @@ fn sure_fixes_never_make_another_program() {
         }
     }
     let all = programs * MISTAKES as u64;
-    println!("{compared} of {all} mended and compared");
+    println!("{compared} of {all} fixed and compared");
     assert!(compared > 0 || programs < PROGRAMS, "no fix was tried");
     assert_eq!(wrong, 0, "programs that fixes change");
 }
