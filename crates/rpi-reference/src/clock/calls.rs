@@ -20,7 +20,10 @@ impl<'p> Finder<'p> {
         let callee = &self.units[call.unit.0 as usize];
         let mut runs = self.runs(call);
         let port = self.port(call, callee, k).filter(|port| !port.is_empty());
-        if port.is_some() && runs.is_none() && self.is_settled {
+        // A callee with state that no argument gives a clock has its first cycle where the caller has it, as if its result
+        // had a name. In Lustre such a call has the clock of what reads it.
+        let has_own_start = callee.has_state && !self.unit.is_lustre;
+        if (port.is_some() || has_own_start) && runs.is_none() && self.is_settled {
             runs = base();
         }
         self.found.calls[id.0 as usize].clone_from(&runs);
