@@ -418,3 +418,10 @@ fn a_command_that_lacks_a_constant_is_told_which() {
         assert!(!told.contains("there is no command"), "{told}");
     }
 }
+
+#[test]
+fn the_template_of_a_new_project_runs() {
+    let template = Path::new(env!("CARGO_MANIFEST_DIR")).join("../rpic/template/main.rpi");
+    let output = rpi(&["run", template.to_str().unwrap()]);
+    assert!(output.status.success(), "{output:?}");
+}

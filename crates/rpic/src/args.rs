@@ -34,10 +34,18 @@ pub(crate) enum Task {
     Test(TestArgs),
     /// Write the reference of a project in HTML.
     Doc(DocArgs),
-    /// Say more about a finding: what it means, a wrong and a right program.
+    /// Create a project: a program, its cell and a test.
+    New {
+        /// Folder of the project; its last part is the project's name.
+        path: PathBuf,
+    },
+    /// Explain a code: what it means, a wrong and a right program. Without a code: list all codes with their titles.
     Explain {
-        /// Its code, RPI4001 or 4001.
-        code: String,
+        /// The code, RPI4001 or 4001.
+        code: Option<String>,
+        /// List all codes with their titles.
+        #[arg(long, conflicts_with = "code")]
+        list: bool,
     },
     /// Measure how long an elementary operation takes here, for the budgets of programs.
     Machine(MachineArgs),

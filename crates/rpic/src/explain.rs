@@ -1,4 +1,4 @@
-//! `rpic explain`: the page of a finding.
+//! `rpic explain`: the page of a code, or the list of all codes.
 
 use rpi_diag::{Code, suggest};
 
@@ -16,5 +16,14 @@ pub(crate) fn explain(name: &str) -> Outcome {
         return Err(format!("no finding has the code {name}{near}").into());
     };
     put(None, code.page().as_bytes())?;
+    Ok(Exit::Good)
+}
+
+/// Lists all codes with their titles.
+pub(crate) fn list() -> Outcome {
+    let lines = Code::ALL
+        .iter()
+        .map(|code| format!("{}  {}\n", code.as_str(), code.title()));
+    put(None, lines.collect::<String>().as_bytes())?;
     Ok(Exit::Good)
 }

@@ -1,4 +1,4 @@
-//! The compiler on the command line: `rpic check`, `compile`, `import`, `fmt`, `test`, `doc`, `explain`, `graph`, `lsp`.
+//! The compiler on the command line: `rpic check`, `compile`, `import`, `fmt`, `test`, `doc`, `new`, `explain`, `graph`, `lsp`.
 //!
 //! Exit status: 0 if all is well, 1 if something was found, 2 for bad usage or a file that cannot be read.
 
@@ -12,6 +12,7 @@ mod fmt;
 mod lsp;
 mod machine;
 mod mend;
+mod new;
 mod outcome;
 mod shell;
 mod test;
@@ -35,7 +36,11 @@ fn main() -> ExitCode {
         Task::Fmt(args) => fmt::fmt(&args),
         Task::Test(args) => test::test(&args),
         Task::Doc(args) => doc::doc(&args),
-        Task::Explain { code } => explain::explain(&code),
+        Task::New { path } => new::new(&path),
+        Task::Explain { code, .. } => match code {
+            Some(code) => explain::explain(&code),
+            None => explain::list(),
+        },
         Task::Lsp => lsp::lsp(),
         Task::Machine(args) => machine::machine(&args),
         Task::Graph(args) => compile::graph(&args),

@@ -286,6 +286,17 @@ fn codes_are_explained_and_unknown_ones_told() {
 }
 
 #[test]
+fn all_codes_are_listed_with_their_titles() {
+    let output = rpic(&["explain", "--list"]);
+    assert_eq!(output.status.code(), Some(0));
+    assert_eq!(output.stdout, rpic(&["explain"]).stdout);
+    for code in rpi_diag::Code::ALL {
+        let line = format!("{}  {}\n", code.as_str(), code.title());
+        assert!(out(&output).contains(&line), "{line}");
+    }
+}
+
+#[test]
 fn what_is_not_there_is_told() {
     for args in [
         &["check", "nothing.rpi"][..],
