@@ -239,6 +239,8 @@ impl<'p> Finder<'p> {
                 Some(clock[..clock.len().saturating_sub(1)].into())
             }
             Kind::Merge { on, .. } => self.found.exprs[on.0 as usize][0].clone(),
+            // Like a call with state: its first cycle is that of the body.
+            Kind::Each(Each::Hold, _) if self.is_settled && !self.unit.is_lustre => base(),
             Kind::Present(_) | Kind::Each(Each::Coalesce | Each::Hold, _) => None,
             Kind::Call(call) => self.call(id, call, k),
             kind => {

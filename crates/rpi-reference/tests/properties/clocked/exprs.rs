@@ -401,8 +401,11 @@ impl Exprs<'_> {
             return Some(form("present(@)", vec![x], want, None));
         }
         let rest = self.expr(scope, want, depth);
-        let text = *self.random.pick(&["(@ ?? @)", "hold(@, @)"]);
-        Some(form(text, vec![x, rest], want, None))
+        // `hold` has a first cycle of its own: that of the body.
+        if want.clock.is_empty() && self.random.one_in(2) {
+            return Some(form("hold(@, @)", vec![x, rest], want, Some([].into())));
+        }
+        Some(form("(@ ?? @)", vec![x, rest], want, None))
     }
 
     /// What may be absent, in all cycles or on any clock.
